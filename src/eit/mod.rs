@@ -1,0 +1,16 @@
+//! Voltages to image: mesh, forward model, Jacobian, reconstruction, reference.
+//!
+//! The forward model (complete electrode model on linear triangles, f64) runs when a pad is set up or
+//! simulated. A frame only meets what was made from it: a reference, and one f32 matrix.
+
+mod forward;
+mod jacobian;
+pub mod mesh;
+pub mod reconstruct;
+mod reference;
+
+pub use forward::{ContactModel, Fields, ForwardError, ForwardModel};
+pub use jacobian::{element_jacobian, pixel_jacobian};
+pub use mesh::{Mesh, MeshSize};
+pub use reconstruct::{Method, Reconstruction, SetupError};
+pub use reference::Reference;

@@ -1,0 +1,2 @@
+//! gelpad
+fn main(){}

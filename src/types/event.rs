@@ -1,0 +1,96 @@
+//! What an output device is told.
+
+use std::fmt;
+
+use super::{Axis, Button, Key, Nanos, UnknownName, ms_from_nanos};
+
+/// Something that can be held: a key of the keyboard or a button of the gamepad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Output {
+    /// A key of the keyboard.
+    Key(Key),
+    /// A button of the gamepad.
+    Button(Button),
+}
+
+/// One change of one output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// It goes down.
+    Press(Output),
+    /// It comes up.
+    Release(Output),
+    /// An axis takes a value in -1..1 (sticks) or 0..1 (triggers).
+    Axis(Axis, f32),
+}
+
+/// An action and the moment at which it is due, in the source's time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When it is due.
+    pub t_ns: Nanos,
+    /// What is to happen.
+    pub action: Action,
+}
+
+impl fmt::Display for Output {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Key(key) => write!(f, "key:{key}"),
+            Self::Button(button) => write!(f, "pad:{button}"),
+        }
+    }
+}
+
+impl std::str::FromStr for Output {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        match text.split_once(':') {
+            Some(("key", name)) => name.parse().map(Self::Key),
+            Some(("pad", name)) => name.parse().map(Self::Button),
+            _ => Err(UnknownName::without_device(text)),
+        }
+    }
+}
+
+/// The line of `--print events`: `12340.000 press key:space`.
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let t_ms = ms_from_nanos(self.t_ns);
+        match self.action {
+            Action::Press(output) => write!(f, "{t_ms:.3} press {output}"),
+            Action::Release(output) => write!(f, "{t_ms:.3} release {output}"),
+            Action::Axis(axis, value) => write!(f, "{t_ms:.3} axis pad:{axis} {value:.3}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_print_as_the_command_line_promises() {
+        let at = |action| Event {
+            t_ns: 12_340_000_000,
+            action,
+        };
+        let space: Output = "key:space".parse().expect("a key");
+        assert_eq!(at(Action::Press(space)).to_string(), "12340.000 press key:space");
+        assert_eq!(at(Action::Release(space)).to_string(), "12340.000 release key:space");
+        assert_eq!(
+            at(Action::Axis(Axis::LeftX, 0.5)).to_string(),
+            "12340.000 axis pad:left-x 0.500"
+        );
+    }
+
+    #[test]
+    fn an_output_without_its_device_says_what_to_write() {
+        let error = "space".parse::<Output>().expect_err("no device");
+        assert_eq!(
+            error.to_string(),
+            "`space` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button"
+        );
+    }
+}
