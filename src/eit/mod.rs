@@ -13,4 +13,4 @@ pub use forward::{ContactModel, Fields, ForwardError, ForwardModel};
 pub use jacobian::{element_jacobian, pixel_jacobian};
 pub use mesh::{Mesh, MeshSize};
 pub use reconstruct::{Method, Reconstruction, SetupError};
-pub use reference::Reference;
+pub use reference::{REFERENCE_FRAMES, Reference};

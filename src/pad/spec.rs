@@ -458,7 +458,7 @@ mod tests {
     fn impossible_pads_are_refused_at_the_word() {
         let cases: &[(&str, &str, &str, &str)] = &[
             ("width_mm = 2.0\nx", "width_mm = 10.0\nx", "channels of 10 mm overlap: 11 lines on 100 mm are 9.00 mm apart", "10.0"),
-            ("margin_mm = 0.0", "margin_mm = 3.0", "electrode 0 at (12.5, 0.0) mm lies between channels: 44 % of it touches conductor", "16"),
+            ("margin_mm = 0.0", "margin_mm = 3.0", "electrode 1 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor", "16"),
             ("width_mm = 3.0", "width_mm = 25.5", "electrodes 0 and 1 overlap by 0.50 mm", "25.5"),
             ("count = 16", "count = 3", "a pad has 4 to 256 electrodes, not 3", "3"),
             ("width_mm = 3.0", "width_mm = 3.0\nfirst_mm = 1.0", "electrode 0 would bend round the corner at (0, 0) mm: off the outline", "16"),

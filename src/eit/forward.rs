@@ -1,0 +1,316 @@
+//! The forward model: potentials of a sheet with electrodes (complete electrode model).
+//!
+//! Linear triangles; a sheet of thickness t carries current in its plane only. Nodes come first among the
+//! unknowns, then the electrodes but the last, which is ground: the matrix is symmetric positive definite,
+//! and sparse Cholesky (faer) solves for one unit current into each electrode at once. Every stimulation and
+//! measurement is a sum of these fields, so one factorisation serves any protocol, and reciprocity holds to
+//! rounding.
+//!
+//! Equations: Somersalo, Cheney, Isaacson, SIAM J. Appl. Math. 52 (1992), (2.2)-(2.6); its finite-element form
+//! as in Vauhkonen et al., IEEE Trans. Biomed. Eng. 46 (1999), eq. 10-15.
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::LltError;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use faer::{Mat, Side};
+
+use super::Mesh;
+use crate::pad::{Channel, Pad, Protocol};
+
+/// Metres in a millimetre.
+const M_PER_MM: f64 = 1e-3;
+
+/// What the mesh alone does not say about a sheet and its electrodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactModel {
+    /// Thickness of the sheet, m; 1 gives plain 2-D units.
+    pub thickness_m: f64,
+    /// Contact impedance of each electrode, ohm m2.
+    pub impedance_ohm_m2: Vec<f64>,
+}
+
+impl ContactModel {
+    /// The contacts that a pad's text states.
+    #[must_use]
+    pub fn of_pad(pad: &Pad) -> Self {
+        Self {
+            thickness_m: pad.thickness_mm * M_PER_MM,
+            impedance_ohm_m2: vec![pad.contact_impedance_ohm_m2; pad.electrodes.len()],
+        }
+    }
+}
+
+/// Why a forward model cannot be solved.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ForwardError {
+    /// The mesh holds no edge of an electrode.
+    #[error("electrode {0} touches no conductor of the mesh")]
+    BareElectrode(usize),
+    /// The matrix is not positive definite.
+    #[error("the conductor falls apart: some of it is joined to no electrode, or a conductivity is not above zero")]
+    Disconnected,
+    /// Too large for this machine.
+    #[error("the mesh is too large to factorise")]
+    TooLarge,
+}
+
+/// A mesh with its contacts, ready to be solved for any conductivity.
+#[derive(Clone, Debug)]
+pub struct ForwardModel {
+    mesh: Mesh,
+    /// Lower triangle, by columns.
+    pattern: SymbolicSparseColMat<usize>,
+    /// What the contacts add to each entry.
+    contact_values: Vec<f64>,
+    /// For each triangle, its geometry and the entries to which it adds.
+    elements: Vec<Element>,
+    symbolic: SymbolicLlt<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Element {
+    /// Gradients of the three shape functions, 1/mm.
+    gradients: [[f64; 2]; 3],
+    /// Area x thickness, as it enters the stiffness (mm2 m).
+    weight: f64,
+    /// Entries (0,0) (1,1) (2,2) (1,0) (2,1) (2,0).
+    entries: [usize; 6],
+}
+
+/// Index pairs of a triangle's corners, in the order of [`Element::entries`].
+const CORNER_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 0), (2, 1), (2, 0)];
+
+/// The solution: one field for a unit current into each electrode but the last, out of the last.
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// Nodes (and electrodes) by fields, V/A.
+    potentials: Mat<f64>,
+    nodes: usize,
+    electrodes: usize,
+}
+
+impl ForwardModel {
+    /// Prepares a mesh: assembles the pattern and orders the unknowns.
+    ///
+    /// # Errors
+    /// An electrode without an edge of the mesh; a mesh too large for the memory.
+    pub fn new(mesh: Mesh, contacts: &ContactModel) -> Result<Self, ForwardError> {
+        if let Some(bare) = mesh.electrodes.iter().position(Vec::is_empty) {
+            return Err(ForwardError::BareElectrode(bare));
+        }
+        let nodes = mesh.nodes_mm.len();
+        let contact_terms = contact_terms(&mesh, contacts);
+        let mut lower: Vec<Vec<usize>> = (0..nodes + mesh.electrodes.len() - 1)
+            .map(|column| vec![column])
+            .collect();
+        for triangle in &mesh.triangles {
+            for (i, j) in CORNER_PAIRS {
+                let (row, column) = ordered(triangle[i], triangle[j]);
+                if row != column {
+                    lower[column].push(row);
+                }
+            }
+        }
+        for (row, column, _) in &contact_terms {
+            if row != column {
+                lower[*column].push(*row);
+            }
+        }
+        let mut column_starts = Vec::with_capacity(lower.len() + 1);
+        let mut rows = Vec::new();
+        column_starts.push(0);
+        for column in &mut lower {
+            column.sort_unstable();
+            column.dedup();
+            rows.extend_from_slice(column);
+            column_starts.push(rows.len());
+        }
+        let entry = |a: usize, b: usize| {
+            let (row, column) = ordered(a, b);
+            let range = column_starts[column]..column_starts[column + 1];
+            let within = rows[range.clone()].partition_point(|r| *r < row);
+            range.start + within
+        };
+        let mut contact_values = vec![0.0; rows.len()];
+        for (row, column, value) in &contact_terms {
+            contact_values[entry(*row, *column)] += value;
+        }
+        let elements = (0..mesh.triangles.len())
+            .map(|index| {
+                let triangle = mesh.triangles[index];
+                Element {
+                    gradients: shape_gradients(&mesh, index),
+                    weight: mesh.area_mm2(index) * contacts.thickness_m,
+                    entries: CORNER_PAIRS.map(|(i, j)| entry(triangle[i], triangle[j])),
+                }
+            })
+            .collect();
+        let unknowns = lower.len();
+        let symbolic = SymbolicLlt::try_new(
+            SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &column_starts, None, &rows),
+            Side::Lower,
+        )
+        .map_err(|_| ForwardError::TooLarge)?;
+        Ok(Self {
+            pattern: SymbolicSparseColMat::new_checked(unknowns, unknowns, column_starts, None, rows),
+            mesh,
+            contact_values,
+            elements,
+            symbolic,
+        })
+    }
+
+    /// The mesh that is solved on.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Solves for a conductivity a triangle, S/m.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite: a conductivity at or below zero, or a loose part.
+    ///
+    /// # Panics
+    /// If there is not one conductivity a triangle.
+    pub fn solve(&self, conductivity_s_per_m: &[f64]) -> Result<Fields, ForwardError> {
+        assert_eq!(conductivity_s_per_m.len(), self.elements.len());
+        let mut values = self.contact_values.clone();
+        for (element, sigma) in self.elements.iter().zip(conductivity_s_per_m) {
+            let scale = sigma * element.weight;
+            for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(element.entries) {
+                let (gi, gj) = (element.gradients[i], element.gradients[j]);
+                values[entry] += scale * (gi[0] * gj[0] + gi[1] * gj[1]);
+            }
+        }
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values);
+        let factor = Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower)
+            .map_err(|error| match error {
+                LltError::Numeric(_) => ForwardError::Disconnected,
+                LltError::Generic(_) => ForwardError::TooLarge,
+            })?;
+        let nodes = self.mesh.nodes_mm.len();
+        let driven = self.mesh.electrodes.len() - 1;
+        let mut potentials = Mat::zeros(nodes + driven, driven);
+        for field in 0..driven {
+            potentials[(nodes + field, field)] = 1.0;
+        }
+        factor.solve_in_place(potentials.as_mut());
+        Ok(Fields {
+            potentials,
+            nodes,
+            electrodes: driven + 1,
+        })
+    }
+
+    /// Solves for the same conductivity everywhere, S/m.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_even(&self, conductivity_s_per_m: f64) -> Result<Fields, ForwardError> {
+        self.solve(&vec![conductivity_s_per_m; self.elements.len()])
+    }
+
+    /// Area x thickness of a triangle, mm2 m: what a conductivity is multiplied by in the stiffness.
+    pub(super) fn weight(&self, triangle: usize) -> f64 {
+        self.elements[triangle].weight
+    }
+
+    /// Gradients of all fields in one triangle, V/A/mm: x and y parts, one value a field.
+    pub(super) fn gradients(&self, fields: &Fields, triangle: usize, x: &mut [f64], y: &mut [f64]) {
+        let corners = self.mesh.triangles[triangle];
+        let shape = self.elements[triangle].gradients;
+        for (field, (gx, gy)) in x.iter_mut().zip(y).enumerate() {
+            let column = fields.potentials.col(field);
+            let u = corners.map(|node| column[node]);
+            *gx = u[0] * shape[0][0] + u[1] * shape[1][0] + u[2] * shape[2][0];
+            *gy = u[0] * shape[0][1] + u[1] * shape[1][1] + u[2] * shape[2][1];
+        }
+    }
+}
+
+impl Fields {
+    /// Number of fields: electrodes but one.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.electrodes - 1
+    }
+
+    /// Whether there is no field.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Potential of electrode `of` for a unit current into `into` and out of the last electrode, V/A.
+    fn transfer(&self, into: usize, of: usize) -> f64 {
+        let ground = self.electrodes - 1;
+        if into == ground || of == ground {
+            0.0
+        } else {
+            self.potentials[(self.nodes + of, into)]
+        }
+    }
+
+    /// The reading of one channel, V/A.
+    #[must_use]
+    pub fn voltage(&self, channel: &Channel) -> f64 {
+        combine(channel, |into, of| self.transfer(into, of))
+    }
+
+    /// The readings of a protocol, V/A, in its order.
+    #[must_use]
+    pub fn voltages(&self, protocol: &Protocol) -> Vec<f64> {
+        protocol.channels.iter().map(|c| self.voltage(c)).collect()
+    }
+}
+
+/// A channel's value from a bilinear form of electrodes: drive (a, b), measurement (p, q) reads
+/// `f(a, q) - f(a, p) - f(b, q) + f(b, p)`.
+pub(super) fn combine(channel: &Channel, f: impl Fn(usize, usize) -> f64) -> f64 {
+    let (drive, measure) = (channel.drive, channel.measure);
+    (f(drive.0, measure.1) - f(drive.0, measure.0)) - (f(drive.1, measure.1) - f(drive.1, measure.0))
+}
+
+/// Larger index first: the lower triangle's row and column.
+fn ordered(a: usize, b: usize) -> (usize, usize) {
+    (a.max(b), a.min(b))
+}
+
+fn shape_gradients(mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
+    let [a, b, c] = mesh.corners_mm(triangle);
+    let twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    [(b, c), (c, a), (a, b)].map(|(from, to)| {
+        [
+            (from[1] - to[1]) / twice_area,
+            (to[0] - from[0]) / twice_area,
+        ]
+    })
+}
+
+/// What the contacts add: (row, column, siemens) of the lower triangle. For an edge of length l,
+/// y = l t / z: y/3 and y/6 between its nodes, -y/2 to the electrode, y on the electrode.
+fn contact_terms(mesh: &Mesh, contacts: &ContactModel) -> Vec<(usize, usize, f64)> {
+    let nodes = mesh.nodes_mm.len();
+    let ground = mesh.electrodes.len() - 1;
+    let mut terms = Vec::new();
+    for (electrode, edges) in mesh.electrodes.iter().enumerate() {
+        for [a, b] in edges.iter().copied() {
+            let (pa, pb) = (mesh.nodes_mm[a], mesh.nodes_mm[b]);
+            let length_m = libm::hypot(pa[0] - pb[0], pa[1] - pb[1]) * M_PER_MM;
+            let y = length_m * contacts.thickness_m / contacts.impedance_ohm_m2[electrode];
+            let (row, column) = ordered(a, b);
+            terms.extend([(a, a, y / 3.0), (b, b, y / 3.0), (row, column, y / 6.0)]);
+            if electrode != ground {
+                let unknown = nodes + electrode;
+                terms.extend([
+                    (unknown, unknown, y),
+                    (unknown, a, -y / 2.0),
+                    (unknown, b, -y / 2.0),
+                ]);
+            }
+        }
+    }
+    terms
+}

@@ -1,0 +1,338 @@
+//! Contacts in an image: smooth, find the peaks, give every pixel to the peak that it climbs to.
+//!
+//! A lattice has holes and its image lives in the channels only, so the image is first smoothed as a mean over
+//! the conductor near each pixel (normalised convolution): a finger over a hole becomes one hill, not four.
+//! Blobs that touch are cut at the valley between their peaks (steepest ascent, as a watershed); a peak that
+//! hardly rises over the saddle to a higher one is part of it.
+//!
+//! Sums run in the order of the pixels: the same image gives the same contacts, bit for bit.
+
+use crate::types::{Contact, Image, PixelGrid, PointMm};
+
+/// Standard deviation of the smoothing, mm: about a fingertip's, and half of a lattice's pitch.
+const SMOOTHING_MM: f64 = 3.5;
+/// A second contact is at least this share of the strongest: ringing of a strong one stays below.
+const LEAST_SHARE: f32 = 0.15;
+/// A peak counts if the saddle to every higher peak is below this share of it.
+const SADDLE_SHARE: f32 = 0.85;
+/// The footprint is where the smoothed image exceeds this share of its contact's peak.
+const FOOTPRINT_SHARE: f32 = 0.5;
+/// Volume under the image (relative rise x mm2) that counts as full force.
+const FULL_FORCE_MM2: f64 = 150.0;
+/// The smoothed peak at which a contact is as sure as can be, in units of the threshold.
+const SURE_TIMES: f64 = 3.0;
+
+/// The smoothed peak above which there is a contact, relative rise of conductivity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold(pub f32);
+
+/// Finds contacts on one grid; holds its scratch memory.
+#[derive(Clone, Debug)]
+pub struct Segmenter {
+    grid: PixelGrid,
+    coverage: Vec<f32>,
+    kernel: Vec<f32>,
+    /// One over the smoothed coverage; zero where no conductor is near.
+    inverse_weight: Vec<f32>,
+    smooth: Vec<f32>,
+    scratch: Vec<f32>,
+    peak_of: Vec<usize>,
+}
+
+/// A contact and how high the smoothed image rises in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blob {
+    /// The contact.
+    pub contact: Contact,
+    /// Peak of the smoothed image, relative rise of conductivity.
+    pub peak: f32,
+}
+
+/// A local maximum of the smoothed image.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    pixel: usize,
+    value: f32,
+}
+
+const NO_PEAK: usize = usize::MAX;
+
+impl Segmenter {
+    /// A segmenter for images of a grid whose pixels hold the given shares of conductor.
+    ///
+    /// # Panics
+    /// If there is not one share a pixel.
+    #[must_use]
+    pub fn new(grid: PixelGrid, coverage: &[f32]) -> Self {
+        assert_eq!(coverage.len(), grid.len());
+        let mut segmenter = Self {
+            grid,
+            coverage: coverage.to_vec(),
+            kernel: gaussian(SMOOTHING_MM / grid.pixel_mm),
+            inverse_weight: vec![0.0; grid.len()],
+            smooth: vec![0.0; grid.len()],
+            scratch: vec![0.0; grid.len()],
+            peak_of: vec![NO_PEAK; grid.len()],
+        };
+        segmenter.smooth.copy_from_slice(coverage);
+        segmenter.blur();
+        for (inverse, weight) in segmenter.inverse_weight.iter_mut().zip(&segmenter.smooth) {
+            // Less than a twentieth of conductor within reach is no ground for a mean.
+            *inverse = if *weight > 0.05 { 1.0 / weight } else { 0.0 };
+        }
+        segmenter
+    }
+
+    /// Appends the contacts of an image whose peaks reach a threshold, strongest first, and returns the
+    /// highest value of the smoothed image.
+    pub fn blobs(&mut self, image: &Image, threshold: Threshold, blobs: &mut Vec<Blob>) -> f32 {
+        for ((smooth, value), coverage) in
+            self.smooth.iter_mut().zip(&image.values).zip(&self.coverage)
+        {
+            *smooth = value * coverage;
+        }
+        self.blur();
+        for (smooth, inverse) in self.smooth.iter_mut().zip(&self.inverse_weight) {
+            *smooth *= inverse;
+        }
+        let highest = self.smooth.iter().copied().fold(0.0, f32::max);
+        if highest < threshold.0 {
+            return highest;
+        }
+        let least = threshold.0.max(LEAST_SHARE * highest);
+        let mut peaks = self.climb(least * FOOTPRINT_SHARE);
+        peaks.retain(|peak| peak.value >= least);
+        self.merge(&mut peaks);
+        for peak in &peaks {
+            blobs.push(Blob {
+                contact: self.measure(image, *peak, threshold),
+                peak: peak.value,
+            });
+        }
+        highest
+    }
+
+    /// Gives every pixel above `floor` to the local maximum that steepest ascent leads to, and returns the
+    /// maxima, highest first.
+    fn climb(&mut self, floor: f32) -> Vec<Peak> {
+        let mut order: Vec<usize> = (0..self.grid.len())
+            .filter(|pixel| self.smooth[*pixel] > floor)
+            .collect();
+        order.sort_by(|a, b| self.smooth[*b].total_cmp(&self.smooth[*a]).then(a.cmp(b)));
+        self.peak_of.fill(NO_PEAK);
+        let mut peaks = Vec::new();
+        for pixel in order {
+            let value = self.smooth[pixel];
+            let above = neighbours(&self.grid, pixel)
+                .filter(|near| self.peak_of[*near] != NO_PEAK && self.smooth[*near] >= value)
+                .max_by(|a, b| self.smooth[*a].total_cmp(&self.smooth[*b]).then(b.cmp(a)));
+            self.peak_of[pixel] = match above {
+                Some(above) => self.peak_of[above],
+                None => {
+                    peaks.push(Peak { pixel, value });
+                    pixel
+                }
+            };
+        }
+        peaks
+    }
+
+    /// Joins each peak (highest first) to a higher one if the saddle between them is nearly as high as it.
+    fn merge(&mut self, peaks: &mut Vec<Peak>) {
+        let mut index = peaks.len();
+        while index > 1 {
+            index -= 1;
+            let peak = peaks[index];
+            let joined = peaks[..index]
+                .iter()
+                .map(|higher| (self.saddle(peak.pixel, higher.pixel), higher.pixel))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(saddle, _)| *saddle > SADDLE_SHARE * peak.value);
+            if let Some((_, higher)) = joined {
+                for owner in &mut self.peak_of {
+                    if *owner == peak.pixel {
+                        *owner = higher;
+                    }
+                }
+                peaks.remove(index);
+            }
+        }
+    }
+
+    /// The highest value at which the hills of two peaks meet; zero if they do not.
+    fn saddle(&self, a: usize, b: usize) -> f32 {
+        let mut saddle = 0.0f32;
+        for pixel in 0..self.grid.len() {
+            if self.peak_of[pixel] != a {
+                continue;
+            }
+            for near in neighbours(&self.grid, pixel) {
+                if self.peak_of[near] == b {
+                    saddle = saddle.max(self.smooth[pixel].min(self.smooth[near]));
+                }
+            }
+        }
+        saddle
+    }
+
+    /// Centre, area and force of the pixels around a peak.
+    fn measure(&self, image: &Image, peak: Peak, threshold: Threshold) -> Contact {
+        let edge = FOOTPRINT_SHARE * peak.value;
+        let pixel_area = self.grid.pixel_mm * self.grid.pixel_mm;
+        let (mut sum, mut sum_x, mut sum_y, mut area_mm2) = (0.0, 0.0, 0.0, 0.0);
+        for pixel in 0..self.grid.len() {
+            let smooth = self.smooth[pixel];
+            if self.peak_of[pixel] != peak.pixel || smooth < edge {
+                continue;
+            }
+            let [x, y]: PointMm = self.grid.centre_mm(pixel);
+            // Weighted by the height over the footprint's edge, a pixel enters and leaves with weight zero:
+            // the centre moves without steps.
+            let weight = f64::from(smooth - edge);
+            sum += weight;
+            sum_x += weight * x;
+            sum_y += weight * y;
+            area_mm2 += pixel_area;
+        }
+        let mut volume = 0.0;
+        for (pixel, owner) in self.peak_of.iter().enumerate() {
+            if *owner == peak.pixel {
+                volume += f64::from(image.values[pixel] * self.coverage[pixel]) * pixel_area;
+            }
+        }
+        let centre_mm = if sum > 0.0 {
+            [sum_x / sum, sum_y / sum]
+        } else {
+            self.grid.centre_mm(peak.pixel)
+        };
+        let surplus = f64::from(peak.value / threshold.0);
+        Contact {
+            centre_mm,
+            area_mm2,
+            force: (volume / FULL_FORCE_MM2).clamp(0.0, 1.0),
+            confidence: (surplus / SURE_TIMES).clamp(0.0, 1.0),
+        }
+    }
+
+    /// Convolves `smooth` with the kernel along x, then along y; outside the grid there is nothing.
+    fn blur(&mut self) {
+        let (columns, rows) = (self.grid.columns, self.grid.rows);
+        let reach = self.kernel.len() - 1;
+        for row in 0..rows {
+            let source = &self.smooth[row * columns..(row + 1) * columns];
+            for column in 0..columns {
+                let from = column.saturating_sub(reach);
+                let to = (column + reach).min(columns - 1);
+                let mut sum = 0.0;
+                for near in from..=to {
+                    sum += self.kernel[near.abs_diff(column)] * source[near];
+                }
+                self.scratch[row * columns + column] = sum;
+            }
+        }
+        for row in 0..rows {
+            let target = &mut self.smooth[row * columns..(row + 1) * columns];
+            target.fill(0.0);
+            for near in row.saturating_sub(reach)..=(row + reach).min(rows - 1) {
+                let factor = self.kernel[near.abs_diff(row)];
+                let source = &self.scratch[near * columns..(near + 1) * columns];
+                for (sum, value) in target.iter_mut().zip(source) {
+                    *sum += factor * value;
+                }
+            }
+        }
+    }
+}
+
+/// Half of a Gaussian, from its middle out to three standard deviations (in pixels).
+fn gaussian(deviation: f64) -> Vec<f32> {
+    let reach = libm::ceil(3.0 * deviation) as usize;
+    (0..=reach)
+        .map(|at| {
+            let z = at as f64 / deviation;
+            libm::exp(-0.5 * z * z) as f32
+        })
+        .collect()
+}
+
+/// The up to eight pixels around one.
+fn neighbours(grid: &PixelGrid, pixel: usize) -> impl Iterator<Item = usize> {
+    let (columns, rows) = (grid.columns, grid.rows);
+    let (row, column) = (pixel / columns, pixel % columns);
+    (row.saturating_sub(1)..=(row + 1).min(rows - 1)).flat_map(move |r| {
+        (column.saturating_sub(1)..=(column + 1).min(columns - 1))
+            .map(move |c| r * columns + c)
+            .filter(move |near| *near != pixel)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GRID: PixelGrid = PixelGrid {
+        origin_mm: [0.0, 0.0],
+        pixel_mm: 2.5,
+        columns: 40,
+        rows: 40,
+    };
+
+    /// Hills of height 1 (times their factor) and 5 mm deviation on a fully covered grid.
+    fn hills(places: &[(PointMm, f32)]) -> Image {
+        let mut image = Image::blank(GRID);
+        for pixel in 0..GRID.len() {
+            let [x, y] = GRID.centre_mm(pixel);
+            for ([cx, cy], height) in places {
+                let d2 = (x - cx).powi(2) + (y - cy).powi(2);
+                image.values[pixel] += height * (-d2 / 50.0).exp() as f32;
+            }
+        }
+        image
+    }
+
+    fn found(image: &Image) -> Vec<Contact> {
+        let mut blobs = Vec::new();
+        Segmenter::new(GRID, &vec![1.0; GRID.len()]).blobs(image, Threshold(0.1), &mut blobs);
+        blobs.into_iter().map(|blob| blob.contact).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn a_hill_is_one_contact_at_its_place(x in 15.0..85.0f64, y in 15.0..85.0f64) {
+            let contacts = found(&hills(&[([x, y], 1.0)]));
+            prop_assert_eq!(contacts.len(), 1);
+            let [cx, cy] = contacts[0].centre_mm;
+            prop_assert!((cx - x).hypot(cy - y) < 0.3, "({cx}, {cy}) for ({x}, {y})");
+        }
+
+        #[test]
+        fn the_segmentation_follows_a_shift_by_pixels(dx in 0..8usize, dy in 0..8usize) {
+            let at = |x: f64, y: f64| found(&hills(&[([x, y], 1.0), ([x + 25.0, y], 0.6)]));
+            let (here, there) = (at(30.0, 40.0), at(30.0 + 2.5 * dx as f64, 40.0 + 2.5 * dy as f64));
+            prop_assert_eq!(here.len(), 2);
+            prop_assert_eq!(there.len(), 2);
+            for (a, b) in here.iter().zip(&there) {
+                prop_assert!((a.centre_mm[0] + 2.5 * dx as f64 - b.centre_mm[0]).abs() < 1e-3);
+                prop_assert!((a.centre_mm[1] + 2.5 * dy as f64 - b.centre_mm[1]).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn hills_that_touch_are_two_and_shoulders_are_one() {
+        assert_eq!(found(&hills(&[([40.0, 50.0], 1.0), ([60.0, 50.0], 1.0)])).len(), 2);
+        assert_eq!(found(&hills(&[([40.0, 50.0], 1.0), ([48.0, 50.0], 1.0)])).len(), 1);
+    }
+
+    #[test]
+    fn ringing_below_a_seventh_of_the_peak_is_no_contact() {
+        let contacts = found(&hills(&[([30.0, 30.0], 1.0), ([70.0, 70.0], 0.12)]));
+        assert_eq!(contacts.len(), 1);
+    }
+
+    #[test]
+    fn a_blank_image_has_no_contact() {
+        assert!(found(&Image::blank(GRID)).is_empty());
+    }
+}

@@ -1,0 +1,124 @@
+//! Reads what `log.lua` wrote, and measures presses, jumps and walks in it.
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// What the game saw in one frame, and where its figure was then.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Wall clock, Unix time.
+    pub time_ms: f64,
+    pub a: bool,
+    pub left: bool,
+    pub right: bool,
+    pub x_px: u8,
+    /// Grows downwards.
+    pub y_px: u8,
+}
+
+/// Every frame of the game in its order, none left out.
+#[derive(Debug)]
+pub struct Log {
+    frames: Vec<Frame>,
+}
+
+/// One stretch of frames through which a button was held, and what came of it up
+/// to the next such stretch.
+#[derive(Clone, Copy, Debug)]
+pub struct Press {
+    pub frames: usize,
+    pub height_px: u8,
+    /// To the right, less than zero to the left.
+    pub way_px: i16,
+}
+
+impl Log {
+    /// The log may still be growing: a last line without its end is left alone.
+    pub fn parse(text: &str) -> Result<Self> {
+        let mut lines = text
+            .split_inclusive('\n')
+            .filter_map(|line| line.strip_suffix('\n'));
+        let Some(header) = lines.next() else {
+            return Ok(Self { frames: Vec::new() });
+        };
+        let columns: Vec<&str> = header.split(',').collect();
+        let frames = lines
+            .map(|line| {
+                Frame::parse(&columns, line).with_context(|| format!("line of the log: {line}"))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { frames })
+    }
+
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// Without the first `count` frames.
+    pub fn skip(mut self, count: usize) -> Self {
+        self.frames.drain(..count.min(self.frames.len()));
+        self
+    }
+
+    /// How fast the emulator ran, by the wall clock, over the whole log.
+    pub fn rate_hz(&self) -> Result<f64> {
+        let intervals = u32::try_from(self.frames.len().saturating_sub(1))?;
+        let (Some(first), Some(last)) = (self.frames.first(), self.frames.last()) else {
+            bail!("the log is empty");
+        };
+        let passed_ms = last.time_ms - first.time_ms;
+        ensure!(passed_ms > 0.0, "the log covers no time");
+        Ok(f64::from(intervals) * 1000.0 / passed_ms)
+    }
+
+    /// All presses of a button that is not held as the log begins.
+    pub fn presses(&self, held: impl Fn(&Frame) -> bool) -> Vec<Press> {
+        // Each stretch begins with the frame before the press, in which the
+        // figure still stands where it stood.
+        let fresh: Vec<usize> = self
+            .frames
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| !held(&pair[0]) && held(&pair[1]))
+            .map(|(index, _)| index)
+            .collect();
+        let ends = fresh.iter().skip(1).copied().chain([self.frames.len()]);
+        fresh
+            .iter()
+            .zip(ends)
+            .map(|(&start, end)| Press::measure(&self.frames[start..end], &held))
+            .collect()
+    }
+}
+
+impl Press {
+    fn measure(stretch: &[Frame], held: impl Fn(&Frame) -> bool) -> Self {
+        let (before, after) = (stretch[0], stretch[stretch.len() - 1]);
+        let top_px = stretch.iter().map(|frame| frame.y_px).min();
+        Self {
+            frames: stretch.iter().filter(|frame| held(frame)).count(),
+            height_px: before.y_px - top_px.unwrap_or(before.y_px),
+            way_px: i16::from(after.x_px) - i16::from(before.x_px),
+        }
+    }
+}
+
+impl Frame {
+    fn parse(columns: &[&str], line: &str) -> Result<Self> {
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |name: &str| {
+            let index = columns.iter().position(|&column| column == name);
+            index
+                .and_then(|index| cells.get(index).copied())
+                .with_context(|| format!("no column {name}"))
+        };
+        let button = |name| cell(name).map(|cell| cell == "1");
+        Ok(Self {
+            time_ms: cell("time_ms")?.parse().context("time_ms")?,
+            a: button("A")?,
+            left: button("left")?,
+            right: button("right")?,
+            x_px: cell("x")?.parse().context("x")?,
+            y_px: cell("y")?.parse().context("y")?,
+        })
+    }
+}

@@ -1,0 +1,184 @@
+//! The stage: an X server of its own, and on it the emulator with the game.
+
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use tempfile::TempDir;
+
+use crate::log::Log;
+use crate::process::Process;
+use crate::script::Script;
+use crate::tools::Tools;
+
+const GAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/jump.s");
+const LINKER_CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/nrom.cfg");
+const LOG_SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/log.lua");
+
+/// For each step of the start, and for gelpad beyond its script: a busy machine
+/// may need long, and a step that hangs shall still be told apart.
+const PATIENCE: Duration = Duration::from_mins(1);
+/// The X server ends by itself with its last client, and then leaves no socket
+/// and no lock file behind.
+const SERVER_GRACE: Duration = Duration::from_secs(2);
+/// The game goes on after gelpad: the last jump comes down.
+const ENCORE: Duration = Duration::from_secs(1);
+/// Frames the game has run for before anybody plays: it draws itself in three.
+const WARM_UP_FRAMES: usize = 60;
+
+/// Fields are dropped in this order: the emulator, the server, the folder.
+#[derive(Debug)]
+pub struct Stage {
+    emulator: Process,
+    _server: Process,
+    display: OsString,
+    log: PathBuf,
+    folder: TempDir,
+}
+
+impl Stage {
+    /// Returns when the game runs and has the keyboard.
+    pub fn start(tools: &Tools) -> Result<Self> {
+        let folder = tempfile::tempdir().context("cannot create a folder for the test")?;
+        let game = assemble(tools, folder.path())?;
+        let (server, display) = start_server(tools, folder.path())?;
+        let log = folder.path().join("log.csv");
+        let emulator = start_emulator(tools, folder.path(), &display, &game, &log)?;
+        let mut stage = Self {
+            emulator,
+            _server: server,
+            display,
+            log,
+            folder,
+        };
+        stage.wait_for_game()?;
+        stage.focus(tools)?;
+        Ok(stage)
+    }
+
+    /// Lets gelpad play the script; the log tells what the game saw meanwhile.
+    pub fn play(&mut self, profile: &str, script: &Script) -> Result<Log> {
+        let file = self.folder.path().join("touches.txt");
+        fs::write(&file, script.to_string()).context("cannot write the touch script")?;
+        let mut source = OsString::from("simulated:");
+        source.push(&file);
+        let seen = read_log(&self.log)?.frames().len();
+
+        let gelpad = Process::start(
+            "gelpad",
+            command(gelpad(), self.folder.path(), &self.display)
+                .args(["play", profile, "--source"])
+                .arg(source)
+                .args(["--output", "keyboard", "--headless", "--seed", "1"]),
+            self.folder.path(),
+        )?;
+        gelpad.succeed(Duration::from_millis(script.end_ms().into()) + PATIENCE)?;
+
+        thread::sleep(ENCORE);
+        Ok(read_log(&self.log)?.skip(seen))
+    }
+
+    /// The last lines that the emulator said.
+    pub fn said(&self) -> String {
+        self.emulator.to_string()
+    }
+
+    fn wait_for_game(&mut self) -> Result<()> {
+        let log = &self.log;
+        self.emulator.wait_for("frame of the game", PATIENCE, || {
+            Ok((read_log(log)?.frames().len() > WARM_UP_FRAMES).then_some(()))
+        })
+    }
+
+    /// Without a window manager no window has the keyboard until it is given it.
+    fn focus(&self, tools: &Tools) -> Result<()> {
+        let mut xdotool = command(&tools.xdotool, self.folder.path(), &self.display);
+        xdotool.args(["search", "--sync", "--onlyvisible", "--class", "fceux"]);
+        xdotool.args(["windowfocus", "--sync"]);
+        Process::start("xdotool", &mut xdotool, self.folder.path())?
+            .succeed(PATIENCE)
+            .context("cannot give the emulator the keyboard")
+    }
+}
+
+/// The binary under test, or a stand-in for it while this test is worked on.
+fn gelpad() -> OsString {
+    env::var_os("GELPAD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_gelpad").into())
+}
+
+fn assemble(tools: &Tools, folder: &Path) -> Result<PathBuf> {
+    let (object, game) = (folder.join("jump.o"), folder.join("jump.nes"));
+    let mut ca65 = Command::new(&tools.ca65);
+    ca65.arg(GAME).arg("-o").arg(&object);
+    Process::start("ca65", &mut ca65, folder)?.succeed(PATIENCE)?;
+    let mut ld65 = Command::new(&tools.ld65);
+    ld65.arg("-C")
+        .arg(LINKER_CONFIG)
+        .arg(&object)
+        .arg("-o")
+        .arg(&game);
+    Process::start("ld65", &mut ld65, folder)?.succeed(PATIENCE)?;
+    Ok(game)
+}
+
+/// Starts an X server on a display that it chooses itself, and so on none that
+/// anybody else uses.
+fn start_server(tools: &Tools, folder: &Path) -> Result<(Process, OsString)> {
+    let answer = folder.join("display");
+    let mut xvfb = Command::new(&tools.xvfb);
+    xvfb.args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
+        .args(["-screen", "0", "640x480x24"]);
+    let mut server =
+        Process::start_answering("Xvfb", &mut xvfb, folder, &answer)?.with_grace(SERVER_GRACE);
+    let number = server.wait_for("display number", PATIENCE, || {
+        let text = fs::read_to_string(&answer).context("cannot read the X server's answer")?;
+        Ok(text.strip_suffix('\n').map(str::to_owned))
+    })?;
+    Ok((server, format!(":{number}").into()))
+}
+
+fn start_emulator(
+    tools: &Tools,
+    folder: &Path,
+    display: &OsStr,
+    game: &Path,
+    log: &Path,
+) -> Result<Process> {
+    let mut fceux = command(&tools.fceux, folder, display);
+    fceux
+        .env("QT_QPA_PLATFORM", "xcb")
+        .env("GELPAD_GAME_LOG", log)
+        .args(["--no-config", "1", "--sound", "0"])
+        .args(["--loadlua", LOG_SCRIPT])
+        .arg(game);
+    Process::start("fceux", &mut fceux, folder)
+}
+
+/// A command that sees the stage's display, and nobody's settings.
+fn command(program: impl AsRef<OsStr>, home: &Path, display: &OsStr) -> Command {
+    let mut command = Command::new(program);
+    command
+        .env("DISPLAY", display)
+        .env("HOME", home)
+        .env("XDG_RUNTIME_DIR", home)
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XAUTHORITY")
+        .env_remove("XDG_CONFIG_HOME")
+        .env_remove("XDG_DATA_HOME");
+    command
+}
+
+/// Empty as long as there is no log.
+fn read_log(file: &Path) -> Result<Log> {
+    let text = match fs::read_to_string(file) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
+        text => text.with_context(|| format!("cannot read {}", file.display()))?,
+    };
+    Log::parse(&text)
+}
