@@ -5,8 +5,14 @@
 
 #![warn(missing_docs, unreachable_pub)]
 
+pub mod cli;
 pub mod eit;
+pub mod engine;
+pub mod gesture;
+pub mod output;
 pub mod pad;
+pub mod profile;
+pub mod runtime;
 pub mod source;
 pub mod touch;
 pub mod types;

@@ -1,2 +1,7 @@
-//! gelpad
-fn main(){}
+//! The `gelpad` command: see `gelpad --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    gelpad::cli::main()
+}

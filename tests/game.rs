@@ -32,7 +32,7 @@ use crate::tools::Tools;
 
 // Where the regions of the super-mario profiles lie on the pad, mm.
 const JUMP: Place = Place { x_mm: 80, y_mm: 30 };
-const RUN: Place = Place { x_mm: 60, y_mm: 30 };
+const RUN: Place = Place { x_mm: 57, y_mm: 30 };
 const LEFT: Place = Place { x_mm: 12, y_mm: 50 };
 const RIGHT: Place = Place { x_mm: 38, y_mm: 50 };
 

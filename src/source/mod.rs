@@ -1,5 +1,98 @@
 //! Where frames come from: the simulated pad, frames from a file, a board on a serial port.
+//!
+//! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
+//! run backwards. What it had to skip it says, so that nothing is lost in silence.
 
+mod frames_csv;
 mod noise;
+mod script;
+pub mod serial;
+mod simulated;
+pub mod wire;
 
+pub use frames_csv::FramesCsv;
 pub use noise::Noise;
+pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
+pub use simulated::{SimulatedPad, SimulatedSource};
+
+use std::path::PathBuf;
+
+use crate::eit::ForwardError;
+use crate::types::Frame;
+
+/// What a source has to say when asked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reading {
+    /// A frame.
+    Frame(Frame),
+    /// Something came that is no frame; it was skipped.
+    Skipped {
+        /// What was wrong with it, for the player.
+        reason: String,
+    },
+    /// Nothing yet; ask again.
+    Idle,
+    /// There is no more.
+    End,
+}
+
+/// Who keeps the time of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Whoever plays it: frames are there at once and carry the time at which they are due.
+    ByStamp,
+    /// The source itself: a frame is there when the device sends it.
+    ByDevice,
+}
+
+/// Why a source gives no more frames.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// A file cannot be read.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A file holds something else.
+    #[error("{}:{line}: {problem}", path.display())]
+    Line {
+        /// Which.
+        path: PathBuf,
+        /// Its line, from 1.
+        line: u64,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// The simulated pad cannot be solved.
+    #[error("the simulated pad: {0}")]
+    Simulation(#[from] ForwardError),
+    /// A serial port cannot be opened.
+    #[error("{port}: {error}\n  help: plug the board in, close what else holds the port, and join the group `dialout` if permission is denied")]
+    Open {
+        /// Its path.
+        port: String,
+        /// Why.
+        error: serialport::Error,
+    },
+    /// A serial port went away.
+    #[error("{port}: the board is gone (unplugged or reset); all keys are up")]
+    Gone {
+        /// Its path.
+        port: String,
+    },
+}
+
+/// Something that gives frames.
+pub trait Source: Send {
+    /// Who keeps its time.
+    fn pace(&self) -> Pace;
+
+    /// The next reading. Returns within a tenth of a second, with [`Reading::Idle`] if need be.
+    ///
+    /// # Errors
+    /// When there will be no more frames, and why.
+    fn read(&mut self) -> Result<Reading, SourceError>;
+}

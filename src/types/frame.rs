@@ -1,6 +1,6 @@
-//! One reading of the whole pad, and the state of a source that has no image.
+//! One reading of the whole pad.
 
-use super::{Button, Nanos};
+use super::Nanos;
 
 /// The measured voltages of one frame.
 ///
@@ -12,13 +12,4 @@ pub struct Frame {
     /// One voltage a channel, in the pad's measurement order. The unit is the instrument's: only
     /// relative differences are used.
     pub volts: Vec<f32>,
-}
-
-/// The state of a physical gamepad or switch: a source without an image.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Control {
-    /// When the state was read.
-    pub t_ns: Nanos,
-    /// The buttons that are down.
-    pub down: Vec<Button>,
 }

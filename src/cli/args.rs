@@ -1,0 +1,208 @@
+//! The arguments as given. Names are a contract: other people's scripts use them.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::eit::Method;
+
+/// Play games on a soft sheet of hydrogel.
+///
+/// Without a command it plays a scripted level on the simulated pad and shows it here; nothing is sent to your
+/// desktop.
+#[derive(Debug, Parser)]
+#[command(name = "gelpad", version, after_help = "Example: gelpad play super-mario --source serial:/dev/ttyACM0")]
+pub(super) struct Arguments {
+    /// Say more (-vv: even more); RUST_LOG does the same in detail
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Play: touches become key events
+    Play(PlayArgs),
+    /// Turn recorded frames into touches or events, as fast as it goes
+    Replay(ReplayArgs),
+    /// Look at pads
+    Pad {
+        #[command(subcommand)]
+        command: PadCommand,
+    },
+    /// Look at profiles
+    Profile {
+        #[command(subcommand)]
+        command: ProfileCommand,
+    },
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad play                                      the level, on the simulated pad
+  gelpad play super-mario --source serial:/dev/ttyACM0
+  gelpad play ./mine.toml --source simulated:touches.txt --output trace --headless")]
+pub(super) struct PlayArgs {
+    /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`)
+    #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
+    pub profile: String,
+    /// A shipped pad, or a file
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// Where frames come from: simulated[:SCRIPT], serial:PORT or replay:FILE
+    #[arg(long, default_value = "simulated")]
+    pub source: SourceArg,
+    /// Where events go; auto takes the keyboard where there is a display, else the trace
+    #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
+    pub output: OutputArg,
+    /// What a board sends
+    #[arg(long, value_enum, default_value_t = FormatArg::Auto)]
+    pub format: FormatArg,
+    /// How images are made
+    #[arg(long, value_parser = method, default_value = Method::Noser.name())]
+    pub method: Method,
+    /// No live view, even in a terminal
+    #[arg(long)]
+    pub headless: bool,
+    /// Signal-to-noise ratio of the simulated pad, dB
+    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
+    pub snr: f64,
+    /// Seed of the simulated noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "Example: gelpad replay frames.csv --pad edinburgh-lattice --print touches")]
+pub(super) struct ReplayArgs {
+    /// Frames as CSV: t_ms,v0,v1,...
+    pub file: PathBuf,
+    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// A shipped profile, or a file
+    #[arg(long, default_value = crate::profile::DEFAULT_PROFILE)]
+    pub profile: String,
+    /// How images are made
+    #[arg(long, value_parser = method, default_value = Method::Noser.name())]
+    pub method: Method,
+    /// touches: a JSON line a frame; events: a text line an event
+    #[arg(long, value_enum, default_value_t = PrintArg::Events)]
+    pub print: PrintArg,
+}
+
+#[derive(Debug, Subcommand)]
+#[command(after_help = "Example: gelpad pad check ./my-pad.toml")]
+pub(super) enum PadCommand {
+    /// The shipped pads
+    List,
+    /// Whether a pad can be built and measured
+    #[command(after_help = "Example: gelpad pad check ./my-pad.toml")]
+    Check {
+        /// A shipped pad, or a file
+        #[arg(default_value = crate::pad::DEFAULT_PAD)]
+        pad: String,
+    },
+    /// What a pad is: a drawing and its numbers; --toml prints its text, to copy and edit
+    #[command(after_help = "Example: gelpad pad show edinburgh-lattice --toml > my-pad.toml")]
+    Show {
+        /// A shipped pad, or a file
+        #[arg(default_value = crate::pad::DEFAULT_PAD)]
+        pad: String,
+        /// Its text
+        #[arg(long)]
+        toml: bool,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+#[command(after_help = "Example: gelpad profile check ./mine.toml")]
+pub(super) enum ProfileCommand {
+    /// The shipped profiles
+    List,
+    /// Whether a profile is sound
+    #[command(after_help = "Example: gelpad profile check ./mine.toml")]
+    Check {
+        /// A shipped profile, or a file
+        #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
+        profile: String,
+    },
+    /// What a profile does: a map and its bindings; --toml prints its text, to copy and edit
+    #[command(after_help = "Example: gelpad profile show super-mario --toml > mine.toml")]
+    Show {
+        /// A shipped profile, or a file
+        #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
+        profile: String,
+        /// Its text
+        #[arg(long)]
+        toml: bool,
+    },
+}
+
+/// What `--source` says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum SourceArg {
+    /// The simulated pad with a script, or with the level.
+    Simulated(Option<PathBuf>),
+    /// A board.
+    Serial(String),
+    /// A file, in real time.
+    Replay(PathBuf),
+}
+
+impl std::str::FromStr for SourceArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, rest) = match text.split_once(':') {
+            Some((kind, rest)) => (kind, Some(rest).filter(|rest| !rest.is_empty())),
+            None => (text, None),
+        };
+        match (kind, rest) {
+            ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
+            ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
+            ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
+            ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
+            ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
+            _ => Err("write simulated, simulated:SCRIPT, serial:PORT or replay:FILE".to_owned()),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OutputArg {
+    Auto,
+    Keyboard,
+    Trace,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormatArg {
+    /// The one format there is: OpenEIT's text
+    Auto,
+    Openeit,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrintArg {
+    Touches,
+    Events,
+}
+
+fn method(text: &str) -> Result<Method, String> {
+    let known = || Method::ALL.iter().map(|method| method.name());
+    Method::ALL
+        .iter()
+        .copied()
+        .find(|method| method.name() == text)
+        .ok_or_else(|| format!("the methods are {}", known().collect::<Vec<_>>().join(", ")))
+}
+
+fn snr(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|db| (0.0..=300.0).contains(db))
+        .ok_or_else(|| "a ratio in dB, 0 to 300".to_owned())
+}

@@ -1,0 +1,77 @@
+//! `gelpad pad`: the pads, and what one is.
+
+use std::io::Write as _;
+
+use super::args::PadCommand;
+use super::exit::Ending;
+use super::map::Map;
+use super::resolve;
+use crate::eit::{Linearised, Method};
+use crate::pad::{Conductor, Outline, Pad, SHIPPED_PADS, TouchSign};
+
+pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
+    let mut stdout = std::io::stdout().lock();
+    match command {
+        PadCommand::List => {
+            for shipped in SHIPPED_PADS {
+                let pad = Pad::from_toml(shipped.name, shipped.toml)?;
+                writeln!(stdout, "{:20} {}", pad.name, pad.about)?;
+            }
+        }
+        PadCommand::Check { pad: argument } => {
+            let pad = resolve::pad(argument)?;
+            let matrix = resolve::reconstruction(&pad, Method::default())?;
+            writeln!(
+                stdout,
+                "{argument}: sound: {} electrodes, {} voltages a frame, {} pixels",
+                pad.electrodes.len(),
+                pad.channels(),
+                matrix.unknowns()
+            )?;
+        }
+        PadCommand::Show { pad, toml: true } => {
+            write!(stdout, "{}", resolve::pad_text(pad)?.toml)?;
+        }
+        PadCommand::Show { pad, toml: false } => {
+            let pad = resolve::pad(pad)?;
+            let linearised = Linearised::of_pad(&pad)?;
+            writeln!(stdout, "{}", Map::new(pad.outline.size_mm(), 60).pad(&pad).framed())?;
+            writeln!(stdout, "{}", facts(&pad, &linearised))?;
+        }
+    }
+    Ok(Ending::Done)
+}
+
+fn facts(pad: &Pad, linearised: &Linearised) -> String {
+    let outline = match pad.outline {
+        Outline::Rectangle {
+            width_mm,
+            height_mm,
+        } => format!("rectangle, {width_mm} x {height_mm} mm"),
+        Outline::Circle { radius_mm } => format!("circle, radius {radius_mm} mm"),
+    };
+    let conductor = match &pad.conductor {
+        Conductor::Solid => "solid".to_owned(),
+        Conductor::Lattice(lattice) => format!(
+            "lattice, {} x {} channels of {} mm",
+            lattice.x_lines_mm.len(),
+            lattice.y_lines_mm.len(),
+            lattice.width_mm
+        ),
+    };
+    let sign = match pad.touch_sign {
+        TouchSign::Rise => "conducts better",
+        TouchSign::Fall => "conducts worse",
+    };
+    [
+        format!("name         {}", pad.name),
+        format!("             {}", pad.about),
+        format!("outline      {outline}"),
+        format!("conductor    {conductor}; {} mm thick, {} S/m", pad.thickness_mm, pad.background_s_per_m),
+        format!("electrodes   {} of {} mm", pad.electrodes.len(), pad.electrodes[0].width_mm),
+        format!("frame        {} voltages", pad.channels()),
+        format!("image        {} pixels of {} mm", linearised.active.len(), linearised.grid.pixel_mm),
+        format!("a touch      {sign}"),
+    ]
+    .join("\n")
+}

@@ -1,0 +1,81 @@
+//! From names to things: pads and profiles by shipped name or by path, and what a pad needs to play.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, bail};
+
+use crate::eit::{Method, Reconstruction};
+use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
+use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
+use crate::types::nearest;
+
+/// Name and text of a pad or profile.
+pub(super) struct Text {
+    pub name: String,
+    pub toml: String,
+}
+
+/// Whether an argument means a file and not a shipped name.
+fn is_path(argument: &str) -> bool {
+    argument.contains('/') || argument.ends_with(".toml")
+}
+
+/// Reads a text file.
+pub(super) fn read(path: &Path) -> anyhow::Result<String> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(text),
+        Err(_) => bail!("{}: this is no text file", path.display()),
+    }
+}
+
+fn text(argument: &str, shipped: Option<&str>, kind: &str, names: &[&str]) -> anyhow::Result<Text> {
+    let toml = match (is_path(argument), shipped) {
+        (true, _) => read(Path::new(argument))?,
+        (false, Some(toml)) => toml.to_owned(),
+        (false, None) => {
+            let guess = match nearest(argument, names.iter().copied()) {
+                Some(name) => format!("did you mean `{name}`?"),
+                None => format!("`gelpad {kind} list` tells the names; a file is named by a path such as ./mine.toml"),
+            };
+            bail!("no {kind} is named `{argument}`\n  help: {guess}");
+        }
+    };
+    Ok(Text {
+        name: argument.to_owned(),
+        toml,
+    })
+}
+
+/// The text of a pad.
+pub(super) fn pad_text(argument: &str) -> anyhow::Result<Text> {
+    let names: Vec<&str> = SHIPPED_PADS.iter().map(|pad| pad.name).collect();
+    text(argument, shipped_pad(argument).map(|pad| pad.toml), "pad", &names)
+}
+
+/// The text of a profile.
+pub(super) fn profile_text(argument: &str) -> anyhow::Result<Text> {
+    let names: Vec<&str> = SHIPPED_PROFILES.iter().map(|profile| profile.name).collect();
+    let shipped = shipped_profile(argument).map(|profile| profile.toml);
+    text(argument, shipped, "profile", &names)
+}
+
+/// A pad, read and checked.
+pub(super) fn pad(argument: &str) -> anyhow::Result<Pad> {
+    let text = pad_text(argument)?;
+    Ok(Pad::from_toml(&text.name, &text.toml)?)
+}
+
+/// A profile, read and checked.
+pub(super) fn profile(argument: &str) -> anyhow::Result<Arc<Profile>> {
+    let text = profile_text(argument)?;
+    Ok(Arc::new(Profile::from_toml(&text.name, &text.toml)?))
+}
+
+/// The matrix of a pad.
+pub(super) fn reconstruction(pad: &Pad, method: Method) -> anyhow::Result<Arc<Reconstruction>> {
+    let matrix = Reconstruction::of_pad(pad, method)
+        .with_context(|| format!("the pad {} gives no image", pad.name))?;
+    Ok(Arc::new(matrix))
+}

@@ -1,0 +1,123 @@
+//! The stages in order: inputs in, events out. Pure and deterministic.
+//!
+//! Invariant: the same inputs in the same order give the same events, bit for bit, at any speed. Nothing here
+//! reads a clock, starts a thread or does IO; time comes with the input.
+
+use std::sync::Arc;
+
+use crate::eit::Reconstruction;
+use crate::gesture::Gestures;
+use crate::pad::Pad;
+use crate::profile::Profile;
+use crate::touch::{Detector, FrameTouches};
+use crate::types::{Event, Frame, Nanos, Output, Touch};
+
+/// Everything that can change what the engine does next.
+#[derive(Clone, Debug)]
+pub enum Input {
+    /// A reading of the pad, with one voltage for each of the pad's channels.
+    Frame(Frame),
+    /// A time that [`Engine::next_due`] gave has come.
+    Tick {
+        /// That time, never the clock's.
+        due_ns: Nanos,
+    },
+    /// Another profile from now on; what the old one holds is released.
+    Profile {
+        /// When it takes over.
+        t_ns: Nanos,
+        /// The profile.
+        profile: Arc<Profile>,
+    },
+    /// Another matrix of the same pad from now on.
+    Matrix(Arc<Reconstruction>),
+    /// Frames were lost before the engine.
+    Lost {
+        /// How many.
+        frames: u64,
+    },
+    /// The source has ended or gone: whatever is held is released.
+    End {
+        /// When.
+        t_ns: Nanos,
+    },
+}
+
+/// The stages and their state.
+#[derive(Clone, Debug)]
+pub struct Engine {
+    pad_mm: [f64; 2],
+    detector: Detector,
+    gestures: Gestures,
+    changed: Vec<Touch>,
+    lost_frames: u64,
+}
+
+impl Engine {
+    /// An engine for a pad, its matrix and a profile.
+    ///
+    /// # Panics
+    /// If the matrix is not of that pad.
+    #[must_use]
+    pub fn new(pad: &Pad, reconstruction: Arc<Reconstruction>, profile: Arc<Profile>) -> Self {
+        assert_eq!(pad.channels(), reconstruction.channels());
+        let pad_mm = pad.outline.size_mm();
+        Self {
+            pad_mm,
+            detector: Detector::new(reconstruction),
+            gestures: Gestures::new(profile, pad_mm),
+            changed: Vec::new(),
+            lost_frames: 0,
+        }
+    }
+
+    /// Takes one input and appends the events that follow from it, in the order of their times.
+    ///
+    /// # Panics
+    /// If a frame or matrix has another number of channels than the pad: sources check that.
+    pub fn input(&mut self, input: &Input, events: &mut Vec<Event>) {
+        self.changed.clear();
+        match input {
+            Input::Frame(frame) => {
+                self.detector.frame(frame, &mut self.changed);
+                self.gestures.touches(frame.t_ns, &self.changed, events);
+            }
+            Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
+            Input::Profile { t_ns, profile } => {
+                self.gestures.tick(*t_ns, events);
+                self.gestures.release_all(*t_ns, events);
+                self.gestures = Gestures::new(Arc::clone(profile), self.pad_mm);
+            }
+            Input::Matrix(matrix) => self.detector.replace_matrix(Arc::clone(matrix)),
+            Input::Lost { frames } => self.lost_frames += frames,
+            Input::End { t_ns } => {
+                self.detector.lift_all(&mut self.changed);
+                self.gestures.tick(*t_ns, events);
+                self.gestures.release_all(*t_ns, events);
+            }
+        }
+    }
+
+    /// When the engine wants a [`Input::Tick`], if it waits for one.
+    #[must_use]
+    pub fn next_due(&self) -> Option<Nanos> {
+        self.gestures.next_due()
+    }
+
+    /// The last frame's image and the touches that are down.
+    #[must_use]
+    pub fn touches(&self) -> FrameTouches<'_> {
+        self.detector.state()
+    }
+
+    /// The outputs that are down.
+    pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
+        self.gestures.held()
+    }
+
+    /// Frames that were lost before the engine.
+    #[must_use]
+    pub fn lost_frames(&self) -> u64 {
+        self.lost_frames
+    }
+}

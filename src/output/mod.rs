@@ -1,0 +1,157 @@
+//! Where events go: the keyboard of this desktop, or a trace.
+//!
+//! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return leaves
+//! no key down.
+
+mod keyboard;
+mod trace;
+
+pub use keyboard::Keyboard;
+pub use trace::Trace;
+
+use crate::types::{Action, Event, Output};
+
+/// Why an output does not work.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The keyboard of this desktop cannot be reached.
+    #[error("no keyboard output: {reason}")]
+    NoKeyboard {
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// Whoever read the events has gone: a closed pipe.
+    #[error("nobody reads the events any more")]
+    Closed,
+    /// An event could not be sent.
+    #[error("the {device} did not take an event: {reason}")]
+    Refused {
+        /// Which device.
+        device: &'static str,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A device that takes events.
+pub trait Device: Send {
+    /// A word for it, for the player.
+    fn name(&self) -> &'static str;
+
+    /// Carries out one event.
+    ///
+    /// # Errors
+    /// The device is gone or refuses.
+    fn send(&mut self, event: &Event) -> Result<(), OutputError>;
+
+    /// What was sent is complete for now: shows it, if the device buffers.
+    ///
+    /// # Errors
+    /// The device is gone.
+    fn flush(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+/// A device, and what is down on it. Dropping it releases that.
+pub struct Held {
+    device: Box<dyn Device>,
+    down: Vec<Output>,
+    last: Event,
+}
+
+impl Held {
+    /// Wraps a device on which nothing is down.
+    #[must_use]
+    pub fn new(device: Box<dyn Device>) -> Self {
+        let nothing = Event {
+            t_ns: 0,
+            action: Action::Axis(crate::types::Axis::LeftX, 0.0),
+        };
+        Self {
+            device,
+            down: Vec::new(),
+            last: nothing,
+        }
+    }
+
+    /// Carries out one event and remembers what it left down.
+    ///
+    /// # Errors
+    /// See [`Device::send`].
+    pub fn send(&mut self, event: &Event) -> Result<(), OutputError> {
+        self.last = *event;
+        match event.action {
+            Action::Press(output) => self.down.push(output),
+            Action::Release(output) => self.down.retain(|down| *down != output),
+            Action::Axis(..) => {}
+        }
+        self.device.send(event)
+    }
+
+    /// See [`Device::flush`].
+    ///
+    /// # Errors
+    /// The device is gone.
+    pub fn flush(&mut self) -> Result<(), OutputError> {
+        self.device.flush()
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        for output in std::mem::take(&mut self.down) {
+            let event = Event {
+                t_ns: self.last.t_ns,
+                action: Action::Release(output),
+            };
+            if let Err(error) = self.device.send(&event) {
+                tracing::error!("{output} may still be down: {error}");
+            }
+        }
+        if let Err(error) = self.device.flush() {
+            tracing::error!("{error}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, Mutex};
+
+    /// A device that notes what it is told.
+    struct Notes(Arc<Mutex<Vec<String>>>);
+
+    impl Device for Notes {
+        fn name(&self) -> &'static str {
+            "notes"
+        }
+
+        fn send(&mut self, event: &Event) -> Result<(), OutputError> {
+            self.0.lock().expect("notes").push(event.to_string());
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_panic_leaves_no_key_down() {
+        let notes = Arc::new(Mutex::new(Vec::new()));
+        let device = Box::new(Notes(Arc::clone(&notes)));
+        let press = |name: &str| Event {
+            t_ns: 1_000_000,
+            action: Action::Press(name.parse().expect("a key")),
+        };
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            let mut held = Held::new(device);
+            held.send(&press("key:f")).expect("sent");
+            held.send(&press("key:d")).expect("sent");
+            panic!("in the middle of a jump");
+        }));
+        assert!(outcome.is_err());
+        assert_eq!(
+            *notes.lock().expect("notes"),
+            ["1.000 press key:f", "1.000 press key:d", "1.000 release key:f", "1.000 release key:d"]
+        );
+    }
+}

@@ -1,0 +1,466 @@
+//! Threads, clocks, wiring: plays a source through the engine into a device.
+//!
+//! ```text
+//! source thread ─frames─▶ engine thread ─events─▶ output thread
+//!                               └─views─▶ whoever shows them
+//! ```
+//! Queues are bounded. The engine takes every frame; one that finds the queue full is counted and told as lost.
+//! Shut-down runs from the source on: its thread ends, the engine releases all, the output is flushed. A thread that
+//! panics drops its ends of the queues, and the next in line shuts down as if the source had ended; whatever is still
+//! down is released when the device is dropped.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{Builder, JoinHandle, Thread};
+use std::time::{Duration, Instant};
+
+use hdrhistogram::Histogram;
+use rtrb::{Consumer, Producer, PushError, RingBuffer};
+
+use crate::engine::{Engine, Input};
+use crate::output::{Device, Held, OutputError};
+use crate::source::{Pace, Reading, Source, SourceError};
+use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+
+/// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
+const FRAME_QUEUE: usize = 256;
+/// Events that may wait for the device.
+const EVENT_QUEUE: usize = 1024;
+/// Longest sleep of any thread: what a shut-down waits for at most.
+const NAP: Duration = Duration::from_millis(20);
+/// Events that a view keeps for its log.
+const VIEW_EVENTS: usize = 64;
+
+/// What a view needs of one moment; views drop to the newest.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// The newest frame's time.
+    pub t_ns: Nanos,
+    /// Its image.
+    pub image: Image,
+    /// Touches that are down.
+    pub touches: Vec<Touch>,
+    /// Outputs that are down.
+    pub held: Vec<Output>,
+    /// The last events, oldest first.
+    pub events: VecDeque<Event>,
+    /// Frames so far.
+    pub frames: u64,
+    /// Frames a second, over the last second or so.
+    pub frames_per_s: f64,
+    /// From a frame's arrival to its events, median so far, us.
+    pub latency_us: u64,
+}
+
+/// What was played, when it is over.
+#[derive(Debug)]
+pub struct Summary {
+    /// Frames that the engine took.
+    pub frames: u64,
+    /// Frames that were lost before it.
+    pub lost_frames: u64,
+    /// Things that came from the source and were no frames.
+    pub skipped: u64,
+    /// Presses sent.
+    pub presses: u64,
+    /// From a frame's arrival to its events, ns.
+    pub frame_to_events_ns: Histogram<u64>,
+    /// From a frame's arrival to the moment at which the device has taken its events, ns.
+    pub frame_to_device_ns: Histogram<u64>,
+    /// Why the source ended, if not by itself.
+    pub source_error: Option<SourceError>,
+    /// Why the device failed, if it did.
+    pub output_error: Option<OutputError>,
+    /// The thread that panicked, if one did.
+    pub panicked: Option<&'static str>,
+}
+
+/// A game being played.
+pub struct Running {
+    stop: Arc<AtomicBool>,
+    views: triple_buffer::Output<View>,
+    source: JoinHandle<SourceReport>,
+    engine: JoinHandle<EngineReport>,
+    output: JoinHandle<OutputReport>,
+}
+
+struct Arrived {
+    frame: Frame,
+    at: Instant,
+}
+
+struct Due {
+    event: Event,
+    /// Arrival of the frame that caused it; none for a tick.
+    frame_at: Option<Instant>,
+}
+
+#[derive(Default)]
+struct SourceReport {
+    skipped: u64,
+    error: Option<SourceError>,
+}
+
+struct EngineReport {
+    frames: u64,
+    lost_frames: u64,
+    latency: Histogram<u64>,
+}
+
+struct OutputReport {
+    presses: u64,
+    latency: Histogram<u64>,
+    error: Option<OutputError>,
+}
+
+/// Starts to play.
+///
+/// # Errors
+/// The system gives no thread.
+pub fn start(
+    engine: Engine,
+    source: Box<dyn Source>,
+    device: Box<dyn Device>,
+) -> std::io::Result<Running> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let lost = Arc::new(AtomicU64::new(0));
+    let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
+    let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
+    let blank = View {
+        t_ns: 0,
+        image: engine.touches().image.clone(),
+        touches: Vec::new(),
+        held: Vec::new(),
+        events: VecDeque::new(),
+        frames: 0,
+        frames_per_s: 0.0,
+        latency_us: 0,
+    };
+    let (views_in, views) = triple_buffer::triple_buffer(&blank);
+    let output = Builder::new()
+        .name("output".to_owned())
+        .spawn(move || output_thread(device, events_out))?;
+    let to_output = output.thread().clone();
+    let lost_frames = Arc::clone(&lost);
+    let engine = Builder::new().name("engine".to_owned()).spawn(move || {
+        EngineThread {
+            engine,
+            frames: frames_out,
+            lost: lost_frames,
+            events: events_in,
+            output: to_output,
+            views: views_in,
+            view: blank,
+            fresh: Vec::new(),
+            latency: new_histogram(),
+            last_frame: None,
+            second: None,
+        }
+        .run()
+    })?;
+    let to_engine = engine.thread().clone();
+    let stopping = Arc::clone(&stop);
+    let source = Builder::new()
+        .name("source".to_owned())
+        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
+    Ok(Running {
+        stop,
+        views,
+        source,
+        engine,
+        output,
+    })
+}
+
+impl Running {
+    /// Whether everything has ended.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        self.output.is_finished()
+    }
+
+    /// Asks the source to end; the rest follows.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.source.thread().unpark();
+    }
+
+    /// The newest view.
+    pub fn view(&mut self) -> &View {
+        self.views.read()
+    }
+
+    /// Waits for the end.
+    #[must_use]
+    pub fn join(self) -> Summary {
+        let mut panicked = None;
+        let source = self.source.join().unwrap_or_else(|_| {
+            panicked = Some("source");
+            SourceReport::default()
+        });
+        let engine = self.engine.join().unwrap_or_else(|_| {
+            panicked = Some("engine");
+            EngineReport {
+                frames: 0,
+                lost_frames: 0,
+                latency: new_histogram(),
+            }
+        });
+        let output = self.output.join().unwrap_or_else(|_| {
+            panicked = Some("output");
+            OutputReport {
+                presses: 0,
+                latency: new_histogram(),
+                error: None,
+            }
+        });
+        Summary {
+            frames: engine.frames,
+            lost_frames: engine.lost_frames,
+            skipped: source.skipped,
+            presses: output.presses,
+            frame_to_events_ns: engine.latency,
+            frame_to_device_ns: output.latency,
+            source_error: source.error,
+            output_error: output.error,
+            panicked,
+        }
+    }
+}
+
+/// Nanoseconds up to an hour, three digits.
+fn new_histogram() -> Histogram<u64> {
+    Histogram::new_with_bounds(1, 3_600_000_000_000, 3).expect("constant bounds")
+}
+
+#[allow(clippy::disallowed_methods, reason = "the one clock of play")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn nanos(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn source_thread(
+    mut source: Box<dyn Source>,
+    mut frames: Producer<Arrived>,
+    engine: &Thread,
+    stop: &AtomicBool,
+    lost: &AtomicU64,
+) -> SourceReport {
+    let mut report = SourceReport::default();
+    let mut first: Option<(Instant, Nanos)> = None;
+    while !stop.load(Ordering::Relaxed) && !frames.is_abandoned() {
+        match source.read() {
+            Ok(Reading::Frame(frame)) => {
+                if source.pace() == Pace::ByStamp {
+                    let (start, t0) = *first.get_or_insert_with(|| (now(), frame.t_ns));
+                    sleep_until(start + Duration::from_nanos(frame.t_ns - t0), stop);
+                }
+                if let Err(PushError::Full(_)) = frames.push(Arrived { frame, at: now() }) {
+                    lost.fetch_add(1, Ordering::Relaxed);
+                }
+                engine.unpark();
+            }
+            Ok(Reading::Skipped { reason }) => {
+                report.skipped += 1;
+                lost.fetch_add(1, Ordering::Relaxed);
+                tracing::warn!("skipped what is no frame ({} so far): {reason}", report.skipped);
+                engine.unpark();
+            }
+            Ok(Reading::Idle) => {}
+            Ok(Reading::End) => break,
+            Err(error) => {
+                report.error = Some(error);
+                break;
+            }
+        }
+    }
+    drop(frames);
+    engine.unpark();
+    report
+}
+
+/// Sleeps, but wakes to stop.
+fn sleep_until(due: Instant, stop: &AtomicBool) {
+    while !stop.load(Ordering::Relaxed) {
+        let left = due.saturating_duration_since(now());
+        if left.is_zero() {
+            return;
+        }
+        std::thread::park_timeout(left.min(NAP));
+    }
+}
+
+struct EngineThread {
+    engine: Engine,
+    frames: Consumer<Arrived>,
+    lost: Arc<AtomicU64>,
+    events: Producer<Due>,
+    output: Thread,
+    views: triple_buffer::Input<View>,
+    view: View,
+    fresh: Vec<Event>,
+    latency: Histogram<u64>,
+    /// Time and arrival of the last frame: how the source's time runs against the clock's.
+    last_frame: Option<(Nanos, Instant)>,
+    /// When the current second of the frame rate began, and the frames until then.
+    second: Option<(Instant, u64)>,
+}
+
+impl EngineThread {
+    fn run(mut self) -> EngineReport {
+        loop {
+            let lost = self.lost.swap(0, Ordering::Relaxed);
+            if lost > 0 {
+                self.input(&Input::Lost { frames: lost }, None);
+            }
+            if let Ok(arrived) = self.frames.pop() {
+                self.tick_until(arrived.frame.t_ns);
+                self.frame(arrived);
+            } else if self.frames.is_abandoned() && self.frames.is_empty() {
+                break;
+            } else {
+                self.wait();
+            }
+            if self.events.is_abandoned() {
+                break;
+            }
+        }
+        let end_ns = self.now_ns().max(self.view.t_ns);
+        self.input(&Input::End { t_ns: end_ns }, None);
+        self.publish();
+        EngineReport {
+            frames: self.view.frames,
+            lost_frames: self.engine.lost_frames(),
+            latency: self.latency,
+        }
+    }
+
+    fn frame(&mut self, arrived: Arrived) {
+        let Arrived { frame, at } = arrived;
+        self.last_frame = Some((frame.t_ns, at));
+        self.view.t_ns = frame.t_ns;
+        self.view.frames += 1;
+        self.input(&Input::Frame(frame), Some(at));
+        let took = nanos(at.elapsed());
+        self.latency.saturating_record(took);
+        self.rate(at);
+        self.publish();
+    }
+
+    /// Feeds every tick that is due by a time, with its own time.
+    fn tick_until(&mut self, t_ns: Nanos) {
+        while let Some(due_ns) = self.engine.next_due().filter(|due| *due <= t_ns) {
+            self.input(&Input::Tick { due_ns }, None);
+        }
+    }
+
+    /// Sleeps until the next tick is due or a frame is there, and feeds that tick.
+    fn wait(&mut self) {
+        let nap = match self.engine.next_due() {
+            Some(due) => Duration::from_nanos(due.saturating_sub(self.now_ns())).min(NAP),
+            None => NAP,
+        };
+        if !nap.is_zero() {
+            std::thread::park_timeout(nap);
+        }
+        if self.frames.is_empty() {
+            self.tick_until(self.now_ns());
+        }
+    }
+
+    /// The source's time now, by the clock since the last frame.
+    fn now_ns(&self) -> Nanos {
+        self.last_frame
+            .map_or(0, |(t_ns, at)| t_ns + nanos(at.elapsed()))
+    }
+
+    fn input(&mut self, input: &Input, frame_at: Option<Instant>) {
+        self.engine.input(input, &mut self.fresh);
+        for event in self.fresh.drain(..) {
+            if self.view.events.len() == VIEW_EVENTS {
+                self.view.events.pop_front();
+            }
+            self.view.events.push_back(event);
+            let mut due = Due { event, frame_at };
+            // Events are never dropped: a device that falls 1024 events behind makes the engine wait.
+            while let Err(PushError::Full(back)) = self.events.push(due) {
+                if self.events.is_abandoned() {
+                    return;
+                }
+                due = back;
+                self.output.unpark();
+                std::thread::park_timeout(Duration::from_millis(1));
+            }
+        }
+        self.output.unpark();
+    }
+
+    fn rate(&mut self, at: Instant) {
+        let (start, frames) = *self.second.get_or_insert((at, self.view.frames));
+        let elapsed = at.duration_since(start);
+        if elapsed >= Duration::from_secs(1) {
+            self.view.frames_per_s = (self.view.frames - frames) as f64 / elapsed.as_secs_f64();
+            self.view.latency_us = self.latency.value_at_quantile(0.5) / 1000;
+            self.second = Some((at, self.view.frames));
+        }
+    }
+
+    fn publish(&mut self) {
+        let state = self.engine.touches();
+        let slot = self.views.input_buffer_mut();
+        slot.t_ns = self.view.t_ns;
+        slot.image.values.clone_from(&state.image.values);
+        slot.touches.clear();
+        slot.touches.extend_from_slice(state.down);
+        slot.held.clear();
+        slot.held.extend(self.engine.held());
+        slot.events.clone_from(&self.view.events);
+        slot.frames = self.view.frames;
+        slot.frames_per_s = self.view.frames_per_s;
+        slot.latency_us = self.view.latency_us;
+        self.views.publish();
+    }
+}
+
+fn output_thread(device: Box<dyn Device>, mut events: Consumer<Due>) -> OutputReport {
+    let mut held = Held::new(device);
+    let mut report = OutputReport {
+        presses: 0,
+        latency: new_histogram(),
+        error: None,
+    };
+    loop {
+        match events.pop() {
+            Ok(due) => {
+                if let Err(error) = carry_out(&mut held, &due, &mut report) {
+                    report.error = Some(error);
+                    break;
+                }
+            }
+            Err(_) if events.is_abandoned() && events.is_empty() => break,
+            Err(_) => {
+                if let Err(error) = held.flush() {
+                    report.error = Some(error);
+                    break;
+                }
+                std::thread::park_timeout(NAP);
+            }
+        }
+    }
+    report
+}
+
+fn carry_out(held: &mut Held, due: &Due, report: &mut OutputReport) -> Result<(), OutputError> {
+    held.send(&due.event)?;
+    if let Some(at) = due.frame_at {
+        report.latency.saturating_record(nanos(at.elapsed()));
+    }
+    if matches!(due.event.action, crate::types::Action::Press(_)) {
+        report.presses += 1;
+    }
+    Ok(())
+}
