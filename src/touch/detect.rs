@@ -80,7 +80,9 @@ impl Detector {
             self.begin(frame);
             return;
         }
-        let down = Threshold(LEAST_DOWN.max(DOWN_OVER_NOISE * self.noise_peak));
+        self.reference.advance(frame.t_ns);
+        let noise_peak = self.noise_peak * self.reference.doubt() as f32;
+        let down = Threshold(LEAST_DOWN.max(DOWN_OVER_NOISE * noise_peak));
         let stay = Threshold(STAY_SHARE * down.0);
         let highest = self.look(&frame.volts, stay);
         self.contacts.clear();
@@ -91,10 +93,10 @@ impl Detector {
         }
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
         if highest < stay.0 {
-            self.reference.follow(frame.t_ns, &frame.volts);
+            self.reference.follow(&frame.volts);
             self.noise_peak += NOISE_FOLLOW * (highest - self.noise_peak);
         } else {
-            self.reference.hold(frame.t_ns);
+            self.reference.hold();
         }
     }
 

@@ -1,0 +1,120 @@
+//! Set-up of the shipped pad to its first image, and one frame to its events.
+//!
+//! Criterion gives medians; the p99 of a frame is printed beside them, since a player feels the worst frames.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use gelpad::eit::{Method, REFERENCE_FRAMES, Reconstruction};
+use gelpad::engine::{Engine, Input};
+use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
+use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
+use gelpad::source::{Finger, Noise, SimulatedPad};
+use gelpad::types::{Frame, NANOS_PER_MS};
+
+fn pad() -> Pad {
+    let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+    Pad::from_toml(shipped.name, shipped.toml).expect("sound")
+}
+
+fn profile() -> Arc<Profile> {
+    let shipped = shipped_profile(DEFAULT_PROFILE).expect("shipped");
+    Arc::new(Profile::from_toml(shipped.name, shipped.toml).expect("sound"))
+}
+
+fn finger(id: u64, x: f64, y: f64) -> Finger {
+    Finger {
+        id,
+        centre_mm: [x, y],
+        radius_mm: 7.0,
+        rise: 1.2,
+    }
+}
+
+/// Noisy frames: untouched ones for the reference, then two fingers that come and go.
+fn frames(pad: &Pad) -> Vec<Frame> {
+    let simulated = SimulatedPad::new(pad).expect("solvable");
+    let states = [
+        simulated.volts(&[]).expect("solved"),
+        simulated.volts(&[finger(1, 37.0, 55.0)]).expect("solved"),
+        simulated
+            .volts(&[finger(1, 37.0, 55.0), finger(2, 80.0, 40.0)])
+            .expect("solved"),
+    ];
+    let mut noise = Noise::new(60.0, 1);
+    (0..2000u64)
+        .map(|index| {
+            let state = if index < REFERENCE_FRAMES as u64 { 0 } else { (index / 8 % 3) as usize };
+            Frame {
+                t_ns: index * 10 * NANOS_PER_MS,
+                volts: noise.read(&states[state]),
+            }
+        })
+        .collect()
+}
+
+#[allow(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn set_up(criterion: &mut Criterion) {
+    let pad = pad();
+    let frames = frames(&pad);
+    criterion.bench_function("set-up to first image", |bencher| {
+        bencher.iter(|| {
+            let pad = self::pad();
+            let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
+            let mut engine = Engine::new(&pad, Arc::new(matrix), profile());
+            let mut events = Vec::new();
+            for frame in &frames[..=REFERENCE_FRAMES] {
+                engine.input(&Input::Frame(frame.clone()), &mut events);
+            }
+            black_box(engine.touches().image.peak())
+        });
+    });
+}
+
+fn frame_to_events(criterion: &mut Criterion) {
+    let pad = pad();
+    let inputs: Vec<Input> = frames(&pad).into_iter().map(Input::Frame).collect();
+    for method in Method::ALL {
+        let matrix = Arc::new(Reconstruction::of_pad(&pad, *method).expect("a matrix"));
+        let fresh = Engine::new(&pad, matrix, profile());
+        let name = format!("frame to events, {}", method.name());
+        // 2000 frames in one go: the time a frame is a two-thousandth.
+        criterion.bench_function(&format!("{name} (x 2000)"), |bencher| {
+            bencher.iter_batched(
+                || (fresh.clone(), Vec::with_capacity(4096)),
+                |(mut engine, mut events)| {
+                    for input in &inputs {
+                        engine.input(input, &mut events);
+                    }
+                    events.len()
+                },
+                BatchSize::LargeInput,
+            );
+        });
+        let mut took_us: Vec<f64> = Vec::new();
+        for _ in 0..5 {
+            let (mut engine, mut events) = (fresh.clone(), Vec::with_capacity(4096));
+            for input in &inputs {
+                let start = now();
+                engine.input(input, &mut events);
+                took_us.push(start.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        took_us.sort_by(f64::total_cmp);
+        let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
+        println!("{name}: median {:.1} us, p99 {:.1} us, of {} frames", at(0.5), at(0.99), took_us.len());
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = set_up, frame_to_events
+}
+criterion_main!(benches);
