@@ -46,7 +46,11 @@ fn frames(pad: &Pad) -> Vec<Frame> {
     let mut noise = Noise::new(60.0, 1);
     (0..2000u64)
         .map(|index| {
-            let state = if index < REFERENCE_FRAMES as u64 { 0 } else { (index / 8 % 3) as usize };
+            let state = if index < REFERENCE_FRAMES as u64 {
+                0
+            } else {
+                (index / 8 % 3) as usize
+            };
             Frame {
                 t_ns: index * 10 * NANOS_PER_MS,
                 volts: noise.read(&states[state]),
@@ -108,7 +112,12 @@ fn frame_to_events(criterion: &mut Criterion) {
         }
         took_us.sort_by(f64::total_cmp);
         let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
-        println!("{name}: median {:.1} us, p99 {:.1} us, of {} frames", at(0.5), at(0.99), took_us.len());
+        println!(
+            "{name}: median {:.1} us, p99 {:.1} us, of {} frames",
+            at(0.5),
+            at(0.99),
+            took_us.len()
+        );
     }
 }
 

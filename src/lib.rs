@@ -3,7 +3,7 @@
 //! A frame of voltages goes in at the bottom, key and gamepad events come out at the top, and every stage
 //! between is a plain function of what the stage below hands up. See ARCHITECTURE.md.
 
-#![warn(missing_docs, unreachable_pub)]
+#![warn(missing_docs, unreachable_pub, clippy::print_stdout)]
 
 pub mod cli;
 pub mod eit;

@@ -267,7 +267,10 @@ fn source_thread(
             Ok(Reading::Skipped { reason }) => {
                 report.skipped += 1;
                 lost.fetch_add(1, Ordering::Relaxed);
-                tracing::warn!("skipped what is no frame ({} so far): {reason}", report.skipped);
+                tracing::warn!(
+                    "skipped what is no frame ({} so far): {reason}",
+                    report.skipped
+                );
                 engine.unpark();
             }
             Ok(Reading::Idle) => {}

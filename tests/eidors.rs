@@ -32,7 +32,11 @@ fn column(name: &str) -> Vec<f64> {
 fn indices(name: &str) -> Vec<Vec<usize>> {
     table(name)
         .into_iter()
-        .map(|row| row.into_iter().map(|one_based| one_based as usize - 1).collect())
+        .map(|row| {
+            row.into_iter()
+                .map(|one_based| one_based as usize - 1)
+                .collect()
+        })
         .collect()
 }
 
@@ -77,7 +81,10 @@ fn worst_relative(ours: &[f64], theirs: &[f64]) -> f64 {
 
 #[test]
 fn homogeneous_voltages_agree() {
-    let volts = model().solve_even(1.0).expect("solved").voltages(&adjacent());
+    let volts = model()
+        .solve_even(1.0)
+        .expect("solved")
+        .voltages(&adjacent());
     assert!(volts.iter().all(|volt| *volt > 0.0), "all 208 are positive");
     let worst = worst_relative(&volts, &column("v_homog_208.csv"));
     println!("homogeneous: worst relative difference {worst:.1e}");
@@ -115,7 +122,10 @@ fn the_jacobian_agrees() {
             worst = worst.max((ours[(row, column)] - expected).abs());
         }
     }
-    println!("Jacobian: worst difference {:.1e} of the largest entry", worst / largest);
+    println!(
+        "Jacobian: worst difference {:.1e} of the largest entry",
+        worst / largest
+    );
     assert!(worst < 1e-4 * largest);
 }
 
@@ -141,7 +151,10 @@ fn npy_f32(name: &str, rows: usize, columns: usize) -> Vec<f32> {
     let bytes = fs::read(data(name)).expect(name);
     let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let about = String::from_utf8_lossy(&bytes[10..header]);
-    assert!(about.contains("'<f4'") && about.contains("'fortran_order': False"), "{about}");
+    assert!(
+        about.contains("'<f4'") && about.contains("'fortran_order': False"),
+        "{about}"
+    );
     let values: Vec<f32> = bytes[header..]
         .chunks_exact(4)
         .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))

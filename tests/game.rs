@@ -31,10 +31,10 @@ use crate::stage::Stage;
 use crate::tools::Tools;
 
 // Where the regions of the super-mario profiles lie on the pad, mm.
-const JUMP: Place = Place { x_mm: 80, y_mm: 30 };
-const RUN: Place = Place { x_mm: 57, y_mm: 30 };
-const LEFT: Place = Place { x_mm: 12, y_mm: 50 };
-const RIGHT: Place = Place { x_mm: 38, y_mm: 50 };
+const JUMP: Place = Place { x_mm: 80, y_mm: 50 };
+const RUN: Place = Place { x_mm: 75, y_mm: 9 };
+const LEFT: Place = Place { x_mm: 13, y_mm: 57 };
+const RIGHT: Place = Place { x_mm: 37, y_mm: 57 };
 
 /// Well below and well above the 200 ms that part short from long.
 const SHORT_MS: u32 = 80;

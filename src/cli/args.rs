@@ -11,7 +11,11 @@ use crate::eit::Method;
 /// Without a command it plays a scripted level on the simulated pad and shows it here; nothing is sent to your
 /// desktop.
 #[derive(Debug, Parser)]
-#[command(name = "gelpad", version, after_help = "Example: gelpad play super-mario --source serial:/dev/ttyACM0")]
+#[command(
+    name = "gelpad",
+    version,
+    after_help = "Example: gelpad play super-mario --source serial:/dev/ttyACM0"
+)]
 pub(super) struct Arguments {
     /// Say more (-vv: even more); RUST_LOG does the same in detail
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]

@@ -48,7 +48,11 @@ impl LiveView {
     pub(super) fn open(title: Title, pad: &Pad, profile: Arc<Profile>) -> anyhow::Result<Self> {
         terminal::enable_raw_mode().context("the terminal gives no raw mode: use --headless")?;
         let mut stdout = std::io::stdout();
-        execute!(stdout, terminal::EnterAlternateScreen, crossterm::cursor::Hide)?;
+        execute!(
+            stdout,
+            terminal::EnterAlternateScreen,
+            crossterm::cursor::Hide
+        )?;
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
             restore();
@@ -96,7 +100,11 @@ impl Drop for LiveView {
 
 /// Gives the terminal back; nothing can be done where that fails.
 fn restore() {
-    let _ = execute!(std::io::stdout(), terminal::LeaveAlternateScreen, crossterm::cursor::Show);
+    let _ = execute!(
+        std::io::stdout(),
+        terminal::LeaveAlternateScreen,
+        crossterm::cursor::Show
+    );
     let _ = terminal::disable_raw_mode();
 }
 
@@ -174,7 +182,10 @@ impl Screen<'_> {
         let column = (x / self.pad_mm[0] * f64::from(inner.width)) as u16;
         let row = ((1.0 - y / self.pad_mm[1]) * rows as f64) as u16;
         if column < inner.width && usize::from(row) < shown {
-            let style = Style::new().fg(Color::Black).bg(Color::White).add_modifier(Modifier::BOLD);
+            let style = Style::new()
+                .fg(Color::Black)
+                .bg(Color::White)
+                .add_modifier(Modifier::BOLD);
             let label = format!("●{}", touch.id.0);
             let room = usize::from(inner.width - column);
             buffer.set_stringn(inner.x + column, inner.y + row, label, room, style);
@@ -189,7 +200,12 @@ impl Screen<'_> {
             Constraint::Length(6),
         ])
         .areas(area);
-        let lines: Vec<Line<'_>> = self.profile.bindings.iter().map(|b| self.binding(b)).collect();
+        let lines: Vec<Line<'_>> = self
+            .profile
+            .bindings
+            .iter()
+            .map(|b| self.binding(b))
+            .collect();
         Paragraph::new(lines)
             .block(Block::bordered().title(format!(" {} ", self.profile.name)))
             .render(held, buffer);
@@ -230,8 +246,11 @@ impl Screen<'_> {
             view.frames, view.frames_per_s, view.latency_us
         );
         let second = format!(" {} -> {}   q ends", self.title.source, self.title.output);
-        Paragraph::new(vec![Line::raw(first), Line::raw(second).fg(Color::DarkGray)])
-            .render(area, buffer);
+        Paragraph::new(vec![
+            Line::raw(first),
+            Line::raw(second).fg(Color::DarkGray),
+        ])
+        .render(area, buffer);
     }
 }
 

@@ -15,7 +15,9 @@ pub(super) struct Map {
 impl Map {
     /// An empty map of a pad of a size, so many characters wide; characters are twice as high as wide.
     pub(super) fn new(size_mm: [f64; 2], columns: usize) -> Self {
-        let rows = (columns as f64 / 2.0 * size_mm[1] / size_mm[0]).round().max(1.0) as usize;
+        let rows = (columns as f64 / 2.0 * size_mm[1] / size_mm[0])
+            .round()
+            .max(1.0) as usize;
         Self {
             columns,
             rows,
@@ -81,10 +83,7 @@ impl Map {
                 let step = self.size_mm[0] / self.columns as f64;
                 let conducts = (-2..=2).any(|i| {
                     (-2..=2).any(|j| {
-                        let point = [
-                            x + f64::from(i) * step / 5.0,
-                            y + f64::from(j) * step / 5.0,
-                        ];
+                        let point = [x + f64::from(i) * step / 5.0, y + f64::from(j) * step / 5.0];
                         pad.conducts_at(point)
                     })
                 });

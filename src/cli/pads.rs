@@ -35,7 +35,11 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
         PadCommand::Show { pad, toml: false } => {
             let pad = resolve::pad(pad)?;
             let linearised = Linearised::of_pad(&pad)?;
-            writeln!(stdout, "{}", Map::new(pad.outline.size_mm(), 60).pad(&pad).framed())?;
+            writeln!(
+                stdout,
+                "{}",
+                Map::new(pad.outline.size_mm(), 60).pad(&pad).framed()
+            )?;
             writeln!(stdout, "{}", facts(&pad, &linearised))?;
         }
     }
@@ -67,10 +71,21 @@ fn facts(pad: &Pad, linearised: &Linearised) -> String {
         format!("name         {}", pad.name),
         format!("             {}", pad.about),
         format!("outline      {outline}"),
-        format!("conductor    {conductor}; {} mm thick, {} S/m", pad.thickness_mm, pad.background_s_per_m),
-        format!("electrodes   {} of {} mm", pad.electrodes.len(), pad.electrodes[0].width_mm),
+        format!(
+            "conductor    {conductor}; {} mm thick, {} S/m",
+            pad.thickness_mm, pad.background_s_per_m
+        ),
+        format!(
+            "electrodes   {} of {} mm",
+            pad.electrodes.len(),
+            pad.electrodes[0].width_mm
+        ),
         format!("frame        {} voltages", pad.channels()),
-        format!("image        {} pixels of {} mm", linearised.active.len(), linearised.grid.pixel_mm),
+        format!(
+            "image        {} pixels of {} mm",
+            linearised.active.len(),
+            linearised.grid.pixel_mm
+        ),
         format!("a touch      {sign}"),
     ]
     .join("\n")

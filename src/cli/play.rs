@@ -45,7 +45,14 @@ pub(super) fn level() -> anyhow::Result<Ending> {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
     };
-    run(&pad, profile, Method::default(), Box::new(source), device, live.then_some(title))
+    run(
+        &pad,
+        profile,
+        Method::default(),
+        Box::new(source),
+        device,
+        live.then_some(title),
+    )
 }
 
 /// `gelpad play`.
@@ -64,7 +71,14 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
         },
         output: device.name().to_owned(),
     };
-    run(&pad, profile, args.method, source, device, live.then_some(title))
+    run(
+        &pad,
+        profile,
+        args.method,
+        source,
+        device,
+        live.then_some(title),
+    )
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
@@ -180,10 +194,16 @@ fn told(summary: &Summary) -> String {
         format!("median {:.0} us, p99 {:.0} us", us(0.5), us(0.99))
     };
     if summary.frames > 0 {
-        text.push_str(&format!("\nframe to events: {}", times(&summary.frame_to_events_ns)));
+        text.push_str(&format!(
+            "\nframe to events: {}",
+            times(&summary.frame_to_events_ns)
+        ));
     }
     if summary.presses > 0 {
-        text.push_str(&format!("\nframe to device: {}", times(&summary.frame_to_device_ns)));
+        text.push_str(&format!(
+            "\nframe to device: {}",
+            times(&summary.frame_to_device_ns)
+        ));
     }
     text
 }

@@ -39,7 +39,11 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
             toml: false,
         } => {
             let profile = resolve::profile(profile)?;
-            writeln!(stdout, "{}", Map::new(SQUARE_MM, 60).regions(&profile).framed())?;
+            writeln!(
+                stdout,
+                "{}",
+                Map::new(SQUARE_MM, 60).regions(&profile).framed()
+            )?;
             writeln!(stdout, "{}", facts(&profile))?;
         }
     }

@@ -55,7 +55,8 @@ fn step(
             t_ms: ms_from_nanos(t_ns),
             touches: engine.touches().down.iter().map(TouchEntry::of).collect(),
         };
-        serde_json::to_writer(&mut *stdout, &line)?;
+        // As an IO error: a closed pipe is told from a failure by its kind.
+        serde_json::to_writer(&mut *stdout, &line).map_err(std::io::Error::from)?;
         stdout.write_all(b"\n")?;
     }
     print_events(print, events, stdout)

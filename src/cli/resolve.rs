@@ -37,7 +37,9 @@ fn text(argument: &str, shipped: Option<&str>, kind: &str, names: &[&str]) -> an
         (false, None) => {
             let guess = match nearest(argument, names.iter().copied()) {
                 Some(name) => format!("did you mean `{name}`?"),
-                None => format!("`gelpad {kind} list` tells the names; a file is named by a path such as ./mine.toml"),
+                None => format!(
+                    "`gelpad {kind} list` tells the names; a file is named by a path such as ./mine.toml"
+                ),
             };
             bail!("no {kind} is named `{argument}`\n  help: {guess}");
         }
@@ -51,12 +53,20 @@ fn text(argument: &str, shipped: Option<&str>, kind: &str, names: &[&str]) -> an
 /// The text of a pad.
 pub(super) fn pad_text(argument: &str) -> anyhow::Result<Text> {
     let names: Vec<&str> = SHIPPED_PADS.iter().map(|pad| pad.name).collect();
-    text(argument, shipped_pad(argument).map(|pad| pad.toml), "pad", &names)
+    text(
+        argument,
+        shipped_pad(argument).map(|pad| pad.toml),
+        "pad",
+        &names,
+    )
 }
 
 /// The text of a profile.
 pub(super) fn profile_text(argument: &str) -> anyhow::Result<Text> {
-    let names: Vec<&str> = SHIPPED_PROFILES.iter().map(|profile| profile.name).collect();
+    let names: Vec<&str> = SHIPPED_PROFILES
+        .iter()
+        .map(|profile| profile.name)
+        .collect();
     let shipped = shipped_profile(argument).map(|profile| profile.toml);
     text(argument, shipped, "profile", &names)
 }

@@ -48,7 +48,9 @@ pub enum ForwardError {
     #[error("electrode {0} touches no conductor of the mesh")]
     BareElectrode(usize),
     /// The matrix is not positive definite.
-    #[error("the conductor falls apart: some of it is joined to no electrode, or a conductivity is not above zero")]
+    #[error(
+        "the conductor falls apart: some of it is joined to no electrode, or a conductivity is not above zero"
+    )]
     Disconnected,
     /// Too large for this machine.
     #[error("the mesh is too large to factorise")]
@@ -153,7 +155,13 @@ impl ForwardModel {
         )
         .map_err(|_| ForwardError::TooLarge)?;
         Ok(Self {
-            pattern: SymbolicSparseColMat::new_checked(unknowns, unknowns, column_starts, None, rows),
+            pattern: SymbolicSparseColMat::new_checked(
+                unknowns,
+                unknowns,
+                column_starts,
+                None,
+                rows,
+            ),
             mesh,
             contact_values,
             elements,
@@ -270,7 +278,8 @@ impl Fields {
 /// `f(a, q) - f(a, p) - f(b, q) + f(b, p)`.
 pub(super) fn combine(channel: &Channel, f: impl Fn(usize, usize) -> f64) -> f64 {
     let (drive, measure) = (channel.drive, channel.measure);
-    (f(drive.0, measure.1) - f(drive.0, measure.0)) - (f(drive.1, measure.1) - f(drive.1, measure.0))
+    (f(drive.0, measure.1) - f(drive.0, measure.0))
+        - (f(drive.1, measure.1) - f(drive.1, measure.0))
 }
 
 /// Larger index first: the lower triangle's row and column.

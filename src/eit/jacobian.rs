@@ -117,8 +117,10 @@ pub fn pixel_jacobian(
     for (column, pixel) in active.iter().enumerate() {
         column_of[*pixel] = column;
     }
-    let mut sensitivities: Vec<Sensitivity> =
-        active.iter().map(|_| Sensitivity::new(fields.len())).collect();
+    let mut sensitivities: Vec<Sensitivity> = active
+        .iter()
+        .map(|_| Sensitivity::new(fields.len()))
+        .collect();
     let mut gradients = [vec![0.0; fields.len()], vec![0.0; fields.len()]];
     for (triangle, pixels) in quarters.iter().enumerate() {
         let [x, y] = &mut gradients;

@@ -18,7 +18,10 @@ impl Keyboard {
     /// # Errors
     /// No display, or one that does not take key events.
     pub fn connect() -> Result<Self, OutputError> {
-        let Some(display) = std::env::var("DISPLAY").ok().filter(|name| !name.is_empty()) else {
+        let Some(display) = std::env::var("DISPLAY")
+            .ok()
+            .filter(|name| !name.is_empty())
+        else {
             return Err(OutputError::NoKeyboard {
                 reason: "DISPLAY names no X11 display: start gelpad in a desktop session, or use --output trace"
                     .to_owned(),
@@ -32,7 +35,9 @@ impl Keyboard {
         match Enigo::new(&settings) {
             Ok(enigo) => Ok(Self { enigo }),
             Err(error) => Err(OutputError::NoKeyboard {
-                reason: format!("the X11 display {display} did not answer ({error}): is it running, and may you use it?"),
+                reason: format!(
+                    "the X11 display {display} did not answer ({error}): is it running, and may you use it?"
+                ),
             }),
         }
     }

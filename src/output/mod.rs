@@ -151,7 +151,12 @@ mod tests {
         assert!(outcome.is_err());
         assert_eq!(
             *notes.lock().expect("notes"),
-            ["1.000 press key:f", "1.000 press key:d", "1.000 release key:f", "1.000 release key:d"]
+            [
+                "1.000 press key:f",
+                "1.000 press key:d",
+                "1.000 release key:f",
+                "1.000 release key:d"
+            ]
         );
     }
 }

@@ -111,8 +111,7 @@ impl Outline {
             }
             Self::Circle { radius_mm: r } => {
                 let (dx, dy) = (x - r, y - r);
-                near(libm::hypot(dx, dy), r)
-                    .then(|| libm::atan2(dy, dx).rem_euclid(2.0 * PI) * r)
+                near(libm::hypot(dx, dy), r).then(|| libm::atan2(dy, dx).rem_euclid(2.0 * PI) * r)
             }
         }
     }

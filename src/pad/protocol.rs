@@ -17,7 +17,9 @@ impl Pair {
     /// Whether the two pairs have an electrode in common.
     #[must_use]
     pub fn meets(self, other: Self) -> bool {
-        [self.0, self.1].iter().any(|e| *e == other.0 || *e == other.1)
+        [self.0, self.1]
+            .iter()
+            .any(|e| *e == other.0 || *e == other.1)
     }
 
     fn is_within(self, electrodes: usize) -> bool {
@@ -58,7 +60,9 @@ pub enum ProtocolError {
     #[error("no measurement is left: each shares an electrode with its drive")]
     Empty,
     /// The reciprocal half exists only where the drives are the measurements.
-    #[error("the reciprocal half exists only where stimulation and measurement use the same pattern")]
+    #[error(
+        "the reciprocal half exists only where stimulation and measurement use the same pattern"
+    )]
     NoHalf,
 }
 
@@ -175,7 +179,11 @@ mod tests {
         let full = adjacent(false);
         assert_eq!(full.channels.len(), 208);
         assert_eq!(full.channels[0].measure, Pair(2, 3));
-        assert_eq!(full.channels[13 * 2].measure, Pair(0, 1), "drive 2 starts at 0: not rotated");
+        assert_eq!(
+            full.channels[13 * 2].measure,
+            Pair(0, 1),
+            "drive 2 starts at 0: not rotated"
+        );
         let half = adjacent(true);
         assert_eq!(half.channels.len(), 104);
         let per_drive: Vec<usize> = (0..16)
@@ -201,7 +209,10 @@ mod tests {
         let protocol = adjacent(false);
         for (index, other) in protocol.reciprocal().into_iter().enumerate() {
             let other = other.expect("in the full set");
-            assert_eq!(protocol.channels[index].drive, protocol.channels[other].measure);
+            assert_eq!(
+                protocol.channels[index].drive,
+                protocol.channels[other].measure
+            );
         }
         assert!(adjacent(true).reciprocal().iter().all(Option::is_none));
     }

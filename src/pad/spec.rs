@@ -166,7 +166,11 @@ fn outline(spec: &Spanned<OutlineSpec>) -> Result<Outline, Fault> {
     } = spec.get_ref();
     let need = |value: &Option<Spanned<f64>>, key: &str| match value {
         Some(value) => positive(value, key),
-        None => Err(Fault::new(spec.span(), format!("the outline needs `{key}`"), "in this table")),
+        None => Err(Fault::new(
+            spec.span(),
+            format!("the outline needs `{key}`"),
+            "in this table",
+        )),
     };
     let refuse = |value: &Option<Spanned<f64>>, key: &str, shape: &str| match value {
         Some(value) => Err(Fault::new(
@@ -199,10 +203,17 @@ fn conductor(spec: Option<&LatticeSpec>, outline: &Outline) -> Result<Conductor,
         return Ok(Conductor::Solid);
     };
     let channel_mm = positive(&spec.width_mm, "the channel width")?;
-    let margin_mm = spec.margin_mm.as_ref().map_or(0.0, |margin| *margin.get_ref());
+    let margin_mm = spec
+        .margin_mm
+        .as_ref()
+        .map_or(0.0, |margin| *margin.get_ref());
     if !(margin_mm.is_finite() && margin_mm >= 0.0) {
         let span = spec.margin_mm.as_ref().map_or(0..0, Spanned::span);
-        return Err(Fault::new(span, "the lattice's margin cannot be negative", "here"));
+        return Err(Fault::new(
+            span,
+            "the lattice's margin cannot be negative",
+            "here",
+        ));
     }
     let size = outline.size_mm();
     for (lines, length) in [(&spec.x_lines, size[0]), (&spec.y_lines, size[1])] {
@@ -227,7 +238,10 @@ fn conductor(spec: Option<&LatticeSpec>, outline: &Outline) -> Result<Conductor,
             .help("make the channels narrower, or take fewer lines"));
         }
     }
-    let lines = [*spec.x_lines.get_ref() as usize, *spec.y_lines.get_ref() as usize];
+    let lines = [
+        *spec.x_lines.get_ref() as usize,
+        *spec.y_lines.get_ref() as usize,
+    ];
     Ok(Conductor::Lattice(Lattice::even(
         size, channel_mm, lines, margin_mm,
     )))
@@ -267,7 +281,9 @@ fn electrodes(
                 format!("electrodes {i} and {next} overlap by {:.2} mm", -gap),
                 "too wide for their places",
             )
-            .help("electrodes are numbered counter-clockwise; make them narrower or set them apart"));
+            .help(
+                "electrodes are numbered counter-clockwise; make them narrower or set them apart",
+            ));
         }
         let corner = outline.corners_mm().into_iter().find(|corner| {
             let into = (corner - electrode.start_mm).rem_euclid(perimeter);
@@ -277,7 +293,9 @@ fn electrodes(
             let [x, y] = outline.point_at(corner);
             return Err(Fault::new(
                 span.clone(),
-                format!("electrode {i} would bend round the corner at ({x}, {y}) mm: off the outline"),
+                format!(
+                    "electrode {i} would bend round the corner at ({x}, {y}) mm: off the outline"
+                ),
                 "off the outline",
             ));
         }
@@ -347,7 +365,11 @@ fn centres(
         (None, None, Outline::Rectangle { .. }) => step / 2.0,
     };
     if !first.is_finite() {
-        return Err(Fault::new(spec.count.span(), "the first electrode's place is not a number", "here"));
+        return Err(Fault::new(
+            spec.count.span(),
+            "the first electrode's place is not a number",
+            "here",
+        ));
     }
     Ok((0..count)
         .map(|i| (first + i as f64 * step, spec.count.span()))
@@ -374,8 +396,20 @@ fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Result<Protocol,
             .collect();
         Protocol::listed(electrodes, channels)
     } else {
-        let drives = pattern(spec, &written.stimulation, &written.drives, "stimulation", electrodes)?;
-        let measures = pattern(spec, &written.measurement, &written.measures, "measurement", electrodes)?;
+        let drives = pattern(
+            spec,
+            &written.stimulation,
+            &written.drives,
+            "stimulation",
+            electrodes,
+        )?;
+        let measures = pattern(
+            spec,
+            &written.measurement,
+            &written.measures,
+            "measurement",
+            electrodes,
+        )?;
         Protocol::crossed(electrodes, &drives, &measures, half)
     };
     made.map_err(|error| Fault::new(spec.span(), error.to_string(), "in this table"))
@@ -436,7 +470,10 @@ mod tests {
     fn refusal(from: &str, to: &str) -> (String, String) {
         let faulty = edited(from, to).expect_err("refused");
         let fault = &faulty.faults[0];
-        (fault.message.clone(), faulty.text[fault.span.clone()].to_owned())
+        (
+            fault.message.clone(),
+            faulty.text[fault.span.clone()].to_owned(),
+        )
     }
 
     #[test]
@@ -457,18 +494,67 @@ mod tests {
     #[test]
     fn impossible_pads_are_refused_at_the_word() {
         let cases: &[(&str, &str, &str, &str)] = &[
-            ("width_mm = 2.0\nx", "width_mm = 10.0\nx", "channels of 10 mm overlap: 11 lines on 100 mm are 9.00 mm apart", "10.0"),
-            ("margin_mm = 0.0", "margin_mm = 3.0", "electrode 1 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor", "16"),
-            ("width_mm = 3.0", "width_mm = 25.5", "electrodes 0 and 1 overlap by 0.50 mm", "25.5"),
-            ("count = 16", "count = 3", "a pad has 4 to 256 electrodes, not 3", "3"),
-            ("width_mm = 3.0", "width_mm = 3.0\nfirst_mm = 1.0", "electrode 0 would bend round the corner at (0, 0) mm: off the outline", "16"),
-            ("thickness_mm = 2.0", "thickness_mm = -2.0", "the layer's thickness must be a number above zero", "-2.0"),
-            ("stimulation = \"adjacent\"", "stimulation = \"adjacant\"", "`adjacant` is no stimulation pattern", "\"adjacant\""),
-            ("count = 16", "count = 4\nat_mm = [[10, 0], [100, 10], [50, 50], [0, 10]]", "the electrode at (50, 50) mm is off the outline", "[50, 50]"),
-            ("height_mm", "heigth_mm", "unknown field `heigth_mm`, expected one of `shape`, `width_mm`, `height_mm`, `radius_mm`", "heigth_mm"),
+            (
+                "width_mm = 2.0\nx",
+                "width_mm = 10.0\nx",
+                "channels of 10 mm overlap: 11 lines on 100 mm are 9.00 mm apart",
+                "10.0",
+            ),
+            (
+                "margin_mm = 0.0",
+                "margin_mm = 3.0",
+                "electrode 1 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor",
+                "16",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 25.5",
+                "electrodes 0 and 1 overlap by 0.50 mm",
+                "25.5",
+            ),
+            (
+                "count = 16",
+                "count = 3",
+                "a pad has 4 to 256 electrodes, not 3",
+                "3",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 3.0\nfirst_mm = 1.0",
+                "electrode 0 would bend round the corner at (0, 0) mm: off the outline",
+                "16",
+            ),
+            (
+                "thickness_mm = 2.0",
+                "thickness_mm = -2.0",
+                "the layer's thickness must be a number above zero",
+                "-2.0",
+            ),
+            (
+                "stimulation = \"adjacent\"",
+                "stimulation = \"adjacant\"",
+                "`adjacant` is no stimulation pattern",
+                "\"adjacant\"",
+            ),
+            (
+                "count = 16",
+                "count = 4\nat_mm = [[10, 0], [100, 10], [50, 50], [0, 10]]",
+                "the electrode at (50, 50) mm is off the outline",
+                "[50, 50]",
+            ),
+            (
+                "height_mm",
+                "heigth_mm",
+                "unknown field `heigth_mm`, expected one of `shape`, `width_mm`, `height_mm`, `radius_mm`",
+                "heigth_mm",
+            ),
         ];
         for (from, to, message, place) in cases {
-            assert_eq!(refusal(from, to), ((*message).to_owned(), (*place).to_owned()), "{to}");
+            assert_eq!(
+                refusal(from, to),
+                ((*message).to_owned(), (*place).to_owned()),
+                "{to}"
+            );
         }
     }
 
@@ -476,7 +562,8 @@ mod tests {
     fn patterns_by_name_and_by_list() {
         let half = edited("readings = \"full\"", "readings = \"half\"").expect("104");
         assert_eq!(half.channels(), 104);
-        let skip = edited("stimulation = \"adjacent\"", "stimulation = \"skip-2\"").expect("skip-2");
+        let skip =
+            edited("stimulation = \"adjacent\"", "stimulation = \"skip-2\"").expect("skip-2");
         assert_eq!(skip.protocol.channels[0].drive, Pair(0, 3));
         let listed = edited(
             "stimulation = \"adjacent\"\nmeasurement = \"adjacent\"",

@@ -176,8 +176,12 @@ impl Check {
         let number = *value.get_ref();
         if !(0.0..=1.0).contains(&number) {
             self.faults.push(
-                Fault::new(value.span(), format!("{number} lies off the pad"), "off the pad")
-                    .help("places are shares of the pad: 0 is left or bottom, 1 is right or top"),
+                Fault::new(
+                    value.span(),
+                    format!("{number} lies off the pad"),
+                    "off the pad",
+                )
+                .help("places are shares of the pad: 0 is left or bottom, 1 is right or top"),
             );
         }
         number
@@ -333,7 +337,8 @@ mod tests {
     fn said_of(from: &str, to: &str) -> String {
         let text = shipped_profile(DEFAULT_PROFILE).expect("shipped").toml;
         assert!(text.contains(from), "the profile's text holds `{from}`");
-        let faulty = Profile::from_toml("p.toml", &text.replacen(from, to, 1)).expect_err("refused");
+        let faulty =
+            Profile::from_toml("p.toml", &text.replacen(from, to, 1)).expect_err("refused");
         let fault = &faulty.faults[0];
         format!("{} <{}>", fault.message, &faulty.text[fault.span.clone()])
     }
@@ -342,16 +347,48 @@ mod tests {
     fn mistakes_point_at_their_word() {
         let cases: &[(&str, &str, &str)] = &[
             ("schema = 1", "schema = 7", "schema 7 is not known <7>"),
-            ("min_hold_ms", "min_hold", "unknown field `min_hold`, expected one of `schema`, `name`, `about`, `min_hold_ms`, `min_gap_ms`, `long_ms`, `short_frames`, `long_frames`, `region`, `binding` <min_hold>"),
+            (
+                "min_hold_ms",
+                "min_hold",
+                "unknown field `min_hold`, expected one of `schema`, `name`, `about`, `min_hold_ms`, `min_gap_ms`, `long_ms`, `short_frames`, `long_frames`, `region`, `binding` <min_hold>",
+            ),
             ("x = 0.02", "x = 1.02", "1.02 lies off the pad <1.02>"),
-            ("w = 0.22", "w = 0.99", "the region ends at 1.010, off the pad on the right <0.99>"),
+            (
+                "w = 0.22",
+                "w = 0.99",
+                "the region ends at 1.010, off the pad on the right <0.99>",
+            ),
             ("w = 0.22", "r = 0.22", "a rect has no `r` <0.22>"),
-            ("region = \"jump\"", "region = \"jmup\"", "no region is named `jmup` <\"jmup\">"),
-            ("output = \"key:f\"", "output = \"key:ff\"", "no key is named `ff` <\"key:ff\">"),
-            ("output = \"key:f\"", "output = \"f\"", "`f` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button <\"f\">"),
-            ("mode = \"direct\"", "mode = \"drect\"", "unknown variant `drect`, expected `direct` or `classified` <\"drect\">"),
-            ("min_hold_ms = 34", "min_hold_ms = -1", "-1 ms is no time here: 0 to 60000 ms <-1>"),
-            ("name = \"right\"", "name = \"left\"", "two regions are named `left` <\"left\">"),
+            (
+                "region = \"jump\"",
+                "region = \"jmup\"",
+                "no region is named `jmup` <\"jmup\">",
+            ),
+            (
+                "output = \"key:f\"",
+                "output = \"key:ff\"",
+                "no key is named `ff` <\"key:ff\">",
+            ),
+            (
+                "output = \"key:f\"",
+                "output = \"f\"",
+                "`f` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button <\"f\">",
+            ),
+            (
+                "mode = \"direct\"",
+                "mode = \"drect\"",
+                "unknown variant `drect`, expected `direct` or `classified` <\"drect\">",
+            ),
+            (
+                "min_hold_ms = 34",
+                "min_hold_ms = -1",
+                "-1 ms is no time here: 0 to 60000 ms <-1>",
+            ),
+            (
+                "name = \"right\"",
+                "name = \"left\"",
+                "two regions are named `left` <\"left\">",
+            ),
         ];
         for (from, to, said) in cases {
             assert_eq!(&said_of(from, to), said, "{to}");

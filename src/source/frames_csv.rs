@@ -43,7 +43,10 @@ impl FramesCsv {
             return Err(csv.problem(1, "the file is empty: expected a header t_ms,v0,v1,..."));
         }
         if !named {
-            return Err(csv.problem(1, "no frames here: the header must begin with t_ms,v0,v1,..."));
+            return Err(csv.problem(
+                1,
+                "no frames here: the header must begin with t_ms,v0,v1,...",
+            ));
         }
         if found != channels {
             return Err(csv.problem(
@@ -88,7 +91,11 @@ impl FramesCsv {
                 _ => {
                     return Err(self.problem(
                         line,
-                        format!("column {} (v{channel}): {} is no voltage", channel + 2, shown(word)),
+                        format!(
+                            "column {} (v{channel}): {} is no voltage",
+                            channel + 2,
+                            shown(word)
+                        ),
                     ));
                 }
             }
@@ -162,15 +169,42 @@ mod tests {
     #[test]
     fn wrong_files_are_told_by_line_and_column() {
         let cases: &[(&[u8], &str)] = &[
-            (b"", "f.csv:1: the file is empty: expected a header t_ms,v0,v1,..."),
-            (b"t_ms,v0,v1\n", "f.csv:2: the file ends after its header: it holds no frame"),
-            (b"a,b,c\n1,2,3\n", "f.csv:1: no frames here: the header must begin with t_ms,v0,v1,..."),
-            (b"t_ms,v0\n1,2\n", "f.csv:1: 1 voltages a frame, but the pad gives 2: choose its pad with --pad"),
-            (b"t_ms,v0,v1\n0,1,2\n10,1\n", "f.csv:3: 1 voltages where the header has 2"),
-            (b"t_ms,v0,v1\n0,1,NaN\n", "f.csv:2: column 3 (v1): \"NaN\" is no voltage"),
-            (b"t_ms,v0,v1\nx,1,2\n", "f.csv:2: column 1 (t_ms): \"x\" is no time"),
-            (b"t_ms,v0,v1\n9,1,2\n8,1,2\n", "f.csv:3: column 1 (t_ms): the time runs backwards"),
-            (b"t_ms,v0,v1\n0,1,2\n\xff\xfe,1,2\n", "f.csv:3: this is no text file"),
+            (
+                b"",
+                "f.csv:1: the file is empty: expected a header t_ms,v0,v1,...",
+            ),
+            (
+                b"t_ms,v0,v1\n",
+                "f.csv:2: the file ends after its header: it holds no frame",
+            ),
+            (
+                b"a,b,c\n1,2,3\n",
+                "f.csv:1: no frames here: the header must begin with t_ms,v0,v1,...",
+            ),
+            (
+                b"t_ms,v0\n1,2\n",
+                "f.csv:1: 1 voltages a frame, but the pad gives 2: choose its pad with --pad",
+            ),
+            (
+                b"t_ms,v0,v1\n0,1,2\n10,1\n",
+                "f.csv:3: 1 voltages where the header has 2",
+            ),
+            (
+                b"t_ms,v0,v1\n0,1,NaN\n",
+                "f.csv:2: column 3 (v1): \"NaN\" is no voltage",
+            ),
+            (
+                b"t_ms,v0,v1\nx,1,2\n",
+                "f.csv:2: column 1 (t_ms): \"x\" is no time",
+            ),
+            (
+                b"t_ms,v0,v1\n9,1,2\n8,1,2\n",
+                "f.csv:3: column 1 (t_ms): the time runs backwards",
+            ),
+            (
+                b"t_ms,v0,v1\n0,1,2\n\xff\xfe,1,2\n",
+                "f.csv:3: this is no text file",
+            ),
         ];
         for (bytes, said) in cases {
             assert_eq!(&said_of(bytes), said);
@@ -179,7 +213,10 @@ mod tests {
 
     #[test]
     fn a_missing_file_is_named() {
-        let said = FramesCsv::open(Path::new("no/such.csv"), 2).err().expect("missing").to_string();
+        let said = FramesCsv::open(Path::new("no/such.csv"), 2)
+            .err()
+            .expect("missing")
+            .to_string();
         assert!(said.starts_with("no/such.csv: No such file"), "{said}");
     }
 }

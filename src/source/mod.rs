@@ -70,7 +70,9 @@ pub enum SourceError {
     #[error("the simulated pad: {0}")]
     Simulation(#[from] ForwardError),
     /// A serial port cannot be opened.
-    #[error("{port}: {error}\n  help: plug the board in, close what else holds the port, and join the group `dialout` if permission is denied")]
+    #[error(
+        "{port}: {error}\n  help: plug the board in, close what else holds the port, and join the group `dialout` if permission is denied"
+    )]
     Open {
         /// Its path.
         port: String,

@@ -41,7 +41,10 @@ mod tests {
     fn sixty_db_is_a_thousandth() {
         let values = vec![2.0; 10_000];
         let noisy = Noise::new(60.0, 1).read(&values);
-        let power: f64 = noisy.iter().map(|v| (f64::from(*v) / 2.0 - 1.0).powi(2)).sum();
+        let power: f64 = noisy
+            .iter()
+            .map(|v| (f64::from(*v) / 2.0 - 1.0).powi(2))
+            .sum();
         let deviation = (power / 1e4).sqrt();
         assert!((deviation / 1e-3 - 1.0).abs() < 0.05, "{deviation}");
         assert_eq!(noisy, Noise::new(60.0, 1).read(&values));

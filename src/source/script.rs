@@ -122,7 +122,11 @@ impl Script {
         }
         let t_ns = words.time(0)?;
         if t_ns < self.last_ns() {
-            return Err(words.fault(0, "times must not run backwards", "earlier than the line before"));
+            return Err(words.fault(
+                0,
+                "times must not run backwards",
+                "earlier than the line before",
+            ));
         }
         let kind = match words.get(1, "what happens: down, move, up or end")? {
             "end" => {
@@ -159,7 +163,11 @@ impl Script {
             }
             other => {
                 return Err(words
-                    .fault(1, format!("`{other}` is nothing that a finger does"), "here")
+                    .fault(
+                        1,
+                        format!("`{other}` is nothing that a finger does"),
+                        "here",
+                    )
                     .help("write down, move, up or end"));
             }
         };
@@ -230,7 +238,13 @@ impl<'a> Words<'a> {
         word.parse::<f64>()
             .ok()
             .filter(|number| number.is_finite())
-            .ok_or_else(|| self.fault(index, format!("`{word}` is no number: expected {what}"), "here"))
+            .ok_or_else(|| {
+                self.fault(
+                    index,
+                    format!("`{word}` is no number: expected {what}"),
+                    "here",
+                )
+            })
     }
 
     fn above_zero(&self, index: usize, default: f64) -> Result<f64, Fault> {
@@ -285,12 +299,27 @@ mod tests {
     fn mistakes_point_at_their_word() {
         let cases = [
             ("t:10 down 1 80", "s:1:15: the line ends before y in mm"),
-            ("t:10 tap 1 80 50", "s:1:6: `tap` is nothing that a finger does"),
+            (
+                "t:10 tap 1 80 50",
+                "s:1:6: `tap` is nothing that a finger does",
+            ),
             ("10 down 1 80 50", "s:1:1: `10` is no time"),
-            ("t:10 down 1 80 50\nt:20 up 2", "s:2:9: finger 2 is not down"),
-            ("t:10 down 1 80 50\nt:5 up 1", "s:2:1: times must not run backwards"),
-            ("t:10 down 1 80 x", "s:1:16: `x` is no number: expected y in mm"),
-            ("t:10 down 1 80 50 -1", "s:1:19: a finger's radius and rise are above zero"),
+            (
+                "t:10 down 1 80 50\nt:20 up 2",
+                "s:2:9: finger 2 is not down",
+            ),
+            (
+                "t:10 down 1 80 50\nt:5 up 1",
+                "s:2:1: times must not run backwards",
+            ),
+            (
+                "t:10 down 1 80 x",
+                "s:1:16: `x` is no number: expected y in mm",
+            ),
+            (
+                "t:10 down 1 80 50 -1",
+                "s:1:19: a finger's radius and rise are above zero",
+            ),
             ("t:10 end\nt:20 end", "s:2:1: nothing may follow `end`"),
             ("t:10 down 1 80 50 7 1 9", "s:1:23: this word is too many"),
         ];

@@ -33,7 +33,10 @@ impl SerialSource {
     ///
     /// # Errors
     /// A port that cannot be opened.
-    #[allow(clippy::disallowed_methods, reason = "a board's frames are stamped on arrival")]
+    #[allow(
+        clippy::disallowed_methods,
+        reason = "a board's frames are stamped on arrival"
+    )]
     pub fn open(port: &str, channels: usize) -> Result<Self, SourceError> {
         let device = serialport::new(port, BAUD)
             .timeout(PATIENCE)

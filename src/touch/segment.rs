@@ -86,8 +86,11 @@ impl Segmenter {
     /// Appends the contacts of an image whose peaks reach a threshold, strongest first, and returns the
     /// highest value of the smoothed image.
     pub fn blobs(&mut self, image: &Image, threshold: Threshold, blobs: &mut Vec<Blob>) -> f32 {
-        for ((smooth, value), coverage) in
-            self.smooth.iter_mut().zip(&image.values).zip(&self.coverage)
+        for ((smooth, value), coverage) in self
+            .smooth
+            .iter_mut()
+            .zip(&image.values)
+            .zip(&self.coverage)
         {
             *smooth = value * coverage;
         }
@@ -224,8 +227,8 @@ impl Segmenter {
                 let from = column.saturating_sub(reach);
                 let to = (column + reach).min(columns - 1);
                 let mut sum = 0.0;
-                for near in from..=to {
-                    sum += self.kernel[near.abs_diff(column)] * source[near];
+                for (near, value) in (from..=to).zip(&source[from..=to]) {
+                    sum += self.kernel[near.abs_diff(column)] * value;
                 }
                 self.scratch[row * columns + column] = sum;
             }
@@ -321,8 +324,14 @@ mod tests {
 
     #[test]
     fn hills_that_touch_are_two_and_shoulders_are_one() {
-        assert_eq!(found(&hills(&[([40.0, 50.0], 1.0), ([60.0, 50.0], 1.0)])).len(), 2);
-        assert_eq!(found(&hills(&[([40.0, 50.0], 1.0), ([48.0, 50.0], 1.0)])).len(), 1);
+        assert_eq!(
+            found(&hills(&[([40.0, 50.0], 1.0), ([60.0, 50.0], 1.0)])).len(),
+            2
+        );
+        assert_eq!(
+            found(&hills(&[([40.0, 50.0], 1.0), ([48.0, 50.0], 1.0)])).len(),
+            1
+        );
     }
 
     #[test]

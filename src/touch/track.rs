@@ -119,16 +119,25 @@ mod tests {
     fn step(tracker: &mut Tracker, t_ms: u64, contacts: &[Contact]) -> Vec<(u64, Phase)> {
         let mut changed = Vec::new();
         tracker.follow(t_ms * 1_000_000, contacts, &mut changed);
-        changed.iter().map(|touch| (touch.id.0, touch.phase)).collect()
+        changed
+            .iter()
+            .map(|touch| (touch.id.0, touch.phase))
+            .collect()
     }
 
     #[test]
     fn a_touch_goes_down_moves_and_goes_up() {
         let mut tracker = Tracker::default();
         assert_eq!(step(&mut tracker, 0, &[at(10.0, 10.0)]), [(0, Phase::Down)]);
-        assert_eq!(step(&mut tracker, 10, &[at(12.0, 10.0)]), [(0, Phase::Move)]);
+        assert_eq!(
+            step(&mut tracker, 10, &[at(12.0, 10.0)]),
+            [(0, Phase::Move)]
+        );
         assert_eq!(step(&mut tracker, 20, &[]), [(0, Phase::Up)]);
-        assert_eq!(step(&mut tracker, 30, &[at(12.0, 10.0)]), [(1, Phase::Down)]);
+        assert_eq!(
+            step(&mut tracker, 30, &[at(12.0, 10.0)]),
+            [(1, Phase::Down)]
+        );
     }
 
     #[test]
@@ -146,7 +155,10 @@ mod tests {
         let mut tracker = Tracker::default();
         step(&mut tracker, 0, &[at(10.0, 10.0), at(20.0, 10.0)]);
         let changed = step(&mut tracker, 10, &[at(19.0, 10.0), at(60.0, 10.0)]);
-        assert_eq!(changed, [(0, Phase::Up), (1, Phase::Move), (2, Phase::Down)]);
+        assert_eq!(
+            changed,
+            [(0, Phase::Up), (1, Phase::Move), (2, Phase::Down)]
+        );
     }
 
     proptest! {

@@ -77,8 +77,14 @@ mod tests {
             action,
         };
         let space: Output = "key:space".parse().expect("a key");
-        assert_eq!(at(Action::Press(space)).to_string(), "12340.000 press key:space");
-        assert_eq!(at(Action::Release(space)).to_string(), "12340.000 release key:space");
+        assert_eq!(
+            at(Action::Press(space)).to_string(),
+            "12340.000 press key:space"
+        );
+        assert_eq!(
+            at(Action::Release(space)).to_string(),
+            "12340.000 release key:space"
+        );
         assert_eq!(
             at(Action::Axis(Axis::LeftX, 0.5)).to_string(),
             "12340.000 axis pad:left-x 0.500"

@@ -33,10 +33,8 @@ impl PixelGrid {
     pub fn index_at(&self, [x, y]: PointMm) -> Option<usize> {
         let column = libm::floor((x - self.origin_mm[0]) / self.pixel_mm);
         let row = libm::floor((y - self.origin_mm[1]) / self.pixel_mm);
-        let inside = column >= 0.0
-            && row >= 0.0
-            && column < self.columns as f64
-            && row < self.rows as f64;
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| row as usize * self.columns + column as usize)
     }
 

@@ -11,11 +11,11 @@ mod image;
 mod names;
 mod touch;
 
-pub(crate) use names::nearest;
 pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;
 pub use image::{Image, PixelGrid};
+pub(crate) use names::nearest;
 pub use names::{Axis, Button, Key, UnknownName};
 pub use touch::{Contact, Phase, Touch, TouchId};
 

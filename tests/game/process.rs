@@ -1,5 +1,7 @@
 //! Programs that end with the test, whatever becomes of it.
 
+#![allow(clippy::disallowed_methods, reason = "deadlines of a test read the clock")]
+
 use std::fmt;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

@@ -21,7 +21,12 @@ pub(super) fn mesh(pad: &Pad, size: MeshSize) -> Mesh {
             if !pad.conductor.contains(centre) {
                 continue;
             }
-            let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            let [a, b, c, d] = [
+                node(i, j),
+                node(i + 1, j),
+                node(i + 1, j + 1),
+                node(i, j + 1),
+            ];
             if ((i + j) % 2 == 0) != size.mirrored {
                 triangles.extend([[a, b, c], [a, c, d]]);
             } else {

@@ -59,9 +59,10 @@ impl MeshSize {
         let span_mm = pad.outline.size_mm().into_iter().fold(0.0, f64::max);
         let (coarse_mm, fine_mm) = match &pad.conductor {
             crate::pad::Conductor::Solid => (span_mm / 70.0, feature_mm / 8.0),
-            crate::pad::Conductor::Lattice(lattice) => {
-                (lattice.width_mm / 3.0, lattice.width_mm.min(feature_mm) / 6.0)
-            }
+            crate::pad::Conductor::Lattice(lattice) => (
+                lattice.width_mm / 3.0,
+                lattice.width_mm.min(feature_mm) / 6.0,
+            ),
         };
         Self {
             coarse_mm: coarse_mm * scale,
@@ -109,13 +110,14 @@ impl Mesh {
         let corners = self.corners_mm(triangle);
         let centre = self.centroid_mm(triangle);
         // A corner's quarter has its centroid half-way between the corner and the centroid.
-        let towards = |corner: PointMm| {
-            [
-                0.5 * (corner[0] + centre[0]),
-                0.5 * (corner[1] + centre[1]),
-            ]
-        };
-        [centre, towards(corners[0]), towards(corners[1]), towards(corners[2])]
+        let towards =
+            |corner: PointMm| [0.5 * (corner[0] + centre[0]), 0.5 * (corner[1] + centre[1])];
+        [
+            centre,
+            towards(corners[0]),
+            towards(corners[1]),
+            towards(corners[2]),
+        ]
     }
 
     /// The mean of a function over each triangle, by its quarter points.
@@ -248,7 +250,11 @@ mod tests {
                         libm::hypot(a[0] - b[0], a[1] - b[1])
                     })
                     .sum();
-                assert!((length / electrode.width_mm - 1.0).abs() < 1e-3, "{}", shipped.name);
+                assert!(
+                    (length / electrode.width_mm - 1.0).abs() < 1e-3,
+                    "{}",
+                    shipped.name
+                );
             }
         }
     }

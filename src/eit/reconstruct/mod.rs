@@ -53,7 +53,9 @@ pub enum SetupError {
     #[error(transparent)]
     Forward(#[from] ForwardError),
     /// A reading of the untouched pad is so near zero that no relative change can be told.
-    #[error("channel {channel} reads almost nothing on the untouched pad: leave it out of the protocol")]
+    #[error(
+        "channel {channel} reads almost nothing on the untouched pad: leave it out of the protocol"
+    )]
     DeadChannel {
         /// Its place in the frame.
         channel: usize,
@@ -111,7 +113,9 @@ impl Linearised {
 
 /// The first reading that is nothing beside the others, if there is one.
 fn dead_channel(volts: &[f64]) -> Option<usize> {
-    let largest = volts.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
+    let largest = volts
+        .iter()
+        .fold(0.0_f64, |most, volt| most.max(volt.abs()));
     volts.iter().position(|volt| volt.abs() < 1e-9 * largest)
 }
 

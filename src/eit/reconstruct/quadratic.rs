@@ -29,7 +29,9 @@ pub(super) fn one_step(
     lambda: f64,
 ) -> Result<Mat<f64>, SetupError> {
     let channels = jacobian.nrows();
-    let weighted = Mat::from_fn(channels, jacobian.ncols(), |m, p| jacobian[(m, p)] * prior[p]);
+    let weighted = Mat::from_fn(channels, jacobian.ncols(), |m, p| {
+        jacobian[(m, p)] * prior[p]
+    });
     let mut system = &weighted * jacobian.transpose();
     let trace: f64 = (0..channels).map(|m| system[(m, m)]).sum();
     let lambda_abs = lambda * trace / channels as f64;

@@ -143,15 +143,18 @@ mod tests {
     fn the_firmwares_line_is_read_in_any_pieces() {
         let line = b"magnitudes:        1.5000,       2.0000,    -300.2500,\r\n";
         let volts = Decoded::Volts(vec![1.5, 2.0, -300.25]);
-        assert_eq!(fed(&[line]), [volts.clone()]);
+        assert_eq!(fed(&[line]), std::slice::from_ref(&volts));
         let bytes: Vec<&[u8]> = line.chunks(1).collect();
-        assert_eq!(fed(&bytes), [volts.clone()]);
+        assert_eq!(fed(&bytes), std::slice::from_ref(&volts));
         assert_eq!(fed(&[b"magnitudes : 1.5,2,-300.25,\n"]), [volts]);
     }
 
     #[test]
     fn menus_and_messages_pass_in_silence() {
-        assert_eq!(fed(&[b"Select mode:\r\n 1) imaging\r\n\r\nstarting\r\n"]), []);
+        assert_eq!(
+            fed(&[b"Select mode:\r\n 1) imaging\r\n\r\nstarting\r\n"]),
+            []
+        );
     }
 
     #[test]

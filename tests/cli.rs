@@ -1,0 +1,310 @@
+//! The command line as a user meets it: endings, exit codes, messages.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process};
+
+fn gelpad(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
+    // No display: nothing here may reach a desktop.
+    command
+        .args(arguments)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("RUST_LOG");
+    command.stdin(Stdio::null());
+    command
+}
+
+fn ended(arguments: &[&str]) -> (i32, String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = gelpad(arguments).output().expect("started");
+    (
+        status.code().expect("no signal"),
+        String::from_utf8(stdout).expect("text"),
+        String::from_utf8(stderr).expect("text"),
+    )
+}
+
+fn session() -> String {
+    format!(
+        "{}/tests/data/lattice-presses/session.csv",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+#[test]
+fn wrong_input_gets_one_clear_message_and_code_1() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        path.display().to_string()
+    };
+    let shipped = include_str!("../profiles/super-mario.toml");
+    let pad = include_str!("../pads/edinburgh-lattice.toml");
+    let row = |value: &str| {
+        let header: Vec<String> = (0..208).map(|i| format!("v{i}")).collect();
+        let mut values = vec!["1.0"; 208];
+        values[7] = value;
+        format!("t_ms,{}\n0,{}\n", header.join(","), values.join(","))
+    };
+    let cases: Vec<(Vec<String>, &str)> = vec![
+        (
+            vec!["replay".into(), "no-such.csv".into()],
+            "no-such.csv: No such file",
+        ),
+        (
+            vec!["replay".into(), file("empty.csv", b"")],
+            "empty.csv:1: the file is empty",
+        ),
+        (
+            vec!["replay".into(), file("few.csv", b"t_ms,v0\n0,1\n")],
+            "few.csv:1: 1 voltages a frame, but the pad gives 208",
+        ),
+        (
+            vec!["replay".into(), file("nan.csv", row("NaN").as_bytes())],
+            "nan.csv:2: column 9 (v7): \"NaN\" is no voltage",
+        ),
+        (
+            vec![
+                "replay".into(),
+                file("noise.csv", b"\x00\xff\x80\x13\n\xfe\xfe"),
+            ],
+            "noise.csv:1: ",
+        ),
+        (
+            vec![
+                "replay".into(),
+                session(),
+                "--pad".into(),
+                "edinburg-lattice".into(),
+            ],
+            "did you mean `edinburgh-lattice`?",
+        ),
+        (
+            vec!["play".into(), "super-maria".into()],
+            "did you mean `super-mario`?",
+        ),
+        (
+            vec!["play".into(), "./no-such.toml".into()],
+            "./no-such.toml: No such file",
+        ),
+        (
+            vec![
+                "play".into(),
+                file(
+                    "key.toml",
+                    shipped.replacen("min_gap_ms", "min_gap", 1).as_bytes(),
+                ),
+            ],
+            "key.toml:23:1: unknown field `min_gap`",
+        ),
+        (
+            vec![
+                "play".into(),
+                file(
+                    "off.toml",
+                    shipped.replacen("x = 0.62", "x = 0.72", 1).as_bytes(),
+                ),
+            ],
+            "the region ends at 1.100, off the pad on the right",
+        ),
+        (
+            vec![
+                "profile".into(),
+                "check".into(),
+                file("bytes.toml", b"\xff\xfe\x00"),
+            ],
+            "bytes.toml: this is no text file",
+        ),
+        (
+            vec![
+                "pad".into(),
+                "check".into(),
+                file(
+                    "wide.toml",
+                    pad.replacen("width_mm = 2.0", "width_mm = 12.0", 1)
+                        .as_bytes(),
+                ),
+            ],
+            "channels of 12 mm overlap",
+        ),
+        (
+            vec![
+                "play".into(),
+                "--source".into(),
+                format!("simulated:{}", file("script.txt", b"t:10 down 1 80\n")),
+            ],
+            "script.txt:1:15: the line ends before y in mm",
+        ),
+        (
+            vec![
+                "play".into(),
+                "--source".into(),
+                "serial:/dev/no-such-port".into(),
+            ],
+            "/dev/no-such-port: ",
+        ),
+        (
+            vec!["play".into(), "--output".into(), "keyboard".into()],
+            "DISPLAY names no X11 display",
+        ),
+    ];
+    for (arguments, said) in &cases {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let (code, stdout, stderr) = ended(&arguments);
+        assert_eq!(code, 1, "{arguments:?}: {stderr}");
+        assert!(
+            stderr.contains(said),
+            "{arguments:?}\nsaid {stderr}\nnot  {said}"
+        );
+        assert!(!stderr.contains("panicked"), "{stderr}");
+        assert_eq!(stdout, "", "{arguments:?}");
+    }
+}
+
+#[test]
+fn what_help_forbids_is_code_2() {
+    for arguments in [
+        ["replay", "--print"].as_slice(),
+        &["play", "--source", "carrier-pigeon"],
+        &["play", "--method", "magic"],
+        &["play", "--snr", "-3"],
+        &["fly"],
+    ] {
+        assert_eq!(ended(arguments).0, 2, "{arguments:?}");
+    }
+}
+
+#[test]
+fn every_subcommand_has_an_example_in_its_help() {
+    for arguments in [
+        ["--help"].as_slice(),
+        &["play", "--help"],
+        &["replay", "--help"],
+        &["pad", "--help"],
+        &["pad", "show", "--help"],
+        &["pad", "check", "--help"],
+        &["profile", "--help"],
+        &["profile", "show", "--help"],
+        &["profile", "check", "--help"],
+    ] {
+        let (code, stdout, _) = ended(arguments);
+        assert_eq!(code, 0);
+        assert!(stdout.contains("Example"), "{arguments:?}\n{stdout}");
+    }
+}
+
+#[test]
+fn what_show_prints_can_be_copied_edited_and_used() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (kind, name) in [("pad", "round-tank"), ("profile", "super-mario")] {
+        let (_, toml, _) = ended(&[kind, "show", name, "--toml"]);
+        let path = folder.path().join(format!("{name}.toml"));
+        fs::write(&path, toml).expect("written");
+        let (code, stdout, _) = ended(&[kind, "check", &path.display().to_string()]);
+        assert_eq!(code, 0);
+        assert!(stdout.contains("sound"), "{stdout}");
+    }
+}
+
+#[test]
+fn without_a_terminal_the_level_prints_its_events_and_a_summary() {
+    let (code, stdout, stderr) = ended(&[]);
+    assert_eq!(code, 0, "{stderr}");
+    let presses = stdout
+        .lines()
+        .filter(|line| line.contains(" press "))
+        .count();
+    let releases = stdout
+        .lines()
+        .filter(|line| line.contains(" release "))
+        .count();
+    assert_eq!((presses, releases), (13, 13), "{stdout}");
+    assert!(stderr.contains("1001 frames, 13 presses"), "{stderr}");
+}
+
+#[test]
+fn a_recorded_session_plays_in_real_time_to_its_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("short.csv");
+    let text = fs::read_to_string(session()).expect("the session");
+    let head: String = text
+        .lines()
+        .take(200)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    fs::write(&path, head).expect("written");
+    let source = format!("replay:{}", path.display());
+    let (code, stdout, stderr) = ended(&[
+        "play",
+        "--source",
+        &source,
+        "--output",
+        "trace",
+        "--headless",
+    ]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stdout.contains("press key:f"), "{stdout}");
+}
+
+#[test]
+fn a_closed_stdout_ends_quietly() {
+    let mut child = gelpad(&["replay", &session(), "--print", "touches"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+/// A game in which one finger stays down, and its first line of events.
+fn held(folder: &Path) -> (Child, BufReader<std::process::ChildStdout>, String) {
+    let script = folder.join("hold.txt");
+    let mut file = fs::File::create(&script).expect("a script");
+    writeln!(file, "t:150 down 1 80 50\nt:60000 end").expect("written");
+    let source = format!("simulated:{}", script.display());
+    let mut child = gelpad(&[
+        "play",
+        "--source",
+        &source,
+        "--output",
+        "trace",
+        "--headless",
+    ])
+    .stdout(Stdio::piped())
+    .stderr(Stdio::null())
+    .spawn()
+    .expect("started");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped"));
+    let mut first = String::new();
+    lines.read_line(&mut first).expect("a line");
+    (child, lines, first)
+}
+
+#[test]
+fn signals_end_with_keys_up_and_their_code() {
+    for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut child, mut lines, first) = held(folder.path());
+        assert!(first.ends_with("press key:f\n"), "{first}");
+        std::thread::sleep(Duration::from_millis(100));
+        let pid = Pid::from_child(&child);
+        kill_process(pid, signal).expect("our own child");
+        let mut rest = String::new();
+        lines.read_line(&mut rest).expect("a line");
+        assert!(rest.ends_with("release key:f\n"), "{rest}");
+        assert_eq!(child.wait().expect("ended").code(), Some(code));
+    }
+}

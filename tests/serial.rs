@@ -1,0 +1,235 @@
+//! A board on a pseudo-terminal: OpenEIT's text against the same frames from a CSV file, garbled lines, an unplugged
+//! port.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use gelpad::eit::{Method, Reconstruction};
+use gelpad::pad::{Pad, shipped_pad};
+use gelpad::source::serial::SerialSource;
+use gelpad::source::wire::openeit;
+use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source, SourceError};
+use gelpad::touch::Detector;
+use gelpad::types::Frame;
+use rustix::process::{Pid, Signal, kill_process};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+const PAD: &str = "openeit-lattice";
+/// The board's unit is not the volt: its text has four decimals.
+const SCALE: f64 = 1e4;
+const FRAME: Duration = Duration::from_millis(10);
+
+/// A pseudo-terminal: what the board writes to, and the path that gelpad opens.
+fn pty() -> (File, String) {
+    // Closed on exec: a child that inherits the board's end would keep the port alive.
+    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+    let board = openpt(flags).expect("a pseudo-terminal");
+    grantpt(&board).expect("granted");
+    unlockpt(&board).expect("unlocked");
+    // Raw from the start: what is written before gelpad opens it must not be echoed or edited.
+    let mut modes = tcgetattr(&board).expect("modes");
+    modes.make_raw();
+    tcsetattr(&board, OptionalActions::Now, &modes).expect("raw");
+    let path = ptsname(&board, Vec::new()).expect("its path");
+    (File::from(board), path.into_string().expect("a text"))
+}
+
+fn pad() -> Pad {
+    Pad::from_toml(PAD, shipped_pad(PAD).expect("shipped").toml).expect("sound")
+}
+
+/// Frames as a board sends them: untouched, one finger, two fingers, untouched, one finger to the end.
+fn frames() -> Vec<Vec<f32>> {
+    let finger = |id, x, y| Finger {
+        id,
+        centre_mm: [x, y],
+        radius_mm: 7.0,
+        rise: 1.2,
+    };
+    let pad = SimulatedPad::new(&pad()).expect("solvable");
+    let one = [finger(1, 80.0, 50.0)];
+    let two = [finger(1, 80.0, 50.0), finger(2, 13.0, 55.0)];
+    let states: Vec<Vec<f64>> = [&[] as &[Finger], &one, &two]
+        .iter()
+        .map(|fingers| {
+            let volts = pad.volts(fingers).expect("solved");
+            volts.iter().map(|volt| volt.abs() * SCALE).collect()
+        })
+        .collect();
+    let mut noise = Noise::new(60.0, 5);
+    [(0, 30), (1, 20), (2, 20), (0, 20), (1, 20)]
+        .iter()
+        .flat_map(|(state, count)| std::iter::repeat_n(*state, *count))
+        .map(|state: usize| {
+            // What survives the board's four decimals.
+            noise
+                .read(&states[state])
+                .iter()
+                .map(|value| format!("{value:.4}").parse().expect("a number"))
+                .collect()
+        })
+        .collect()
+}
+
+fn read_frame(source: &mut dyn Source) -> Frame {
+    for _ in 0..200 {
+        match source.read().expect("the board is there") {
+            Reading::Frame(frame) => return frame,
+            Reading::Idle => {}
+            other => panic!("{other:?} instead of a frame"),
+        }
+    }
+    panic!("no frame within 10 s");
+}
+
+/// Kills our own child after half a minute unless it is told that all is done: a test must not hang.
+fn deadline(child: Pid) -> Arc<AtomicBool> {
+    let done = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&done);
+    std::thread::Builder::new()
+        .spawn(move || {
+            for _ in 0..300 {
+                std::thread::sleep(Duration::from_millis(100));
+                if seen.load(Ordering::Relaxed) {
+                    return;
+                }
+            }
+            let _ = kill_process(child, Signal::KILL);
+        })
+        .expect("a thread");
+    done
+}
+
+#[test]
+fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
+    let frames = frames();
+    let mut csv = tempfile::NamedTempFile::new().expect("a file");
+    let header: Vec<String> = (0..192).map(|i| format!("v{i}")).collect();
+    writeln!(csv, "t_ms,{}", header.join(",")).expect("written");
+    for (index, volts) in frames.iter().enumerate() {
+        let values: Vec<String> = volts.iter().map(f32::to_string).collect();
+        writeln!(csv, "{},{}", index * 10, values.join(",")).expect("written");
+    }
+    let (mut board, path) = pty();
+    let mut serial = SerialSource::open(&path, 192).expect("opened");
+    let mut file = FramesCsv::open(csv.path(), 192).expect("opened");
+    let matrix = Arc::new(Reconstruction::of_pad(&pad(), Method::default()).expect("a matrix"));
+    let (mut by_wire, mut by_file) = (Detector::new(Arc::clone(&matrix)), Detector::new(matrix));
+    let mut changed = Vec::new();
+    let mut most = 0;
+    for volts in &frames {
+        board
+            .write_all(openeit::encode(volts).as_bytes())
+            .expect("sent");
+        let from_wire = read_frame(&mut serial);
+        let from_file = read_frame(&mut file);
+        assert_eq!(from_wire.volts, from_file.volts, "bit for bit");
+        // The board has no clock: only the time of a frame may differ.
+        let stamped = Frame {
+            t_ns: from_file.t_ns,
+            ..from_wire
+        };
+        by_wire.frame(&stamped, &mut changed);
+        by_file.frame(&from_file, &mut changed);
+        assert_eq!(by_wire.state().down, by_file.state().down);
+        most = most.max(by_file.state().down.len());
+    }
+    assert_eq!(most, 2, "both fingers were seen");
+}
+
+#[test]
+fn an_unplugged_port_is_told_at_once() {
+    let (board, path) = pty();
+    let mut serial = SerialSource::open(&path, 192).expect("opened");
+    drop(board);
+    let mut readings = 0;
+    let error = loop {
+        match serial.read() {
+            Ok(Reading::Idle) if readings < 10 => readings += 1,
+            Ok(other) => panic!("{other:?} from a port that is gone"),
+            Err(error) => break error,
+        }
+    };
+    assert!(matches!(error, SourceError::Gone { .. }), "{error}");
+}
+
+#[test]
+fn garbled_lines_are_counted_and_an_unplugged_port_ends_with_all_keys_up() {
+    let frames = frames();
+    let (mut board, path) = pty();
+    let mut gelpad = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args([
+            "play",
+            "--headless",
+            "--output",
+            "trace",
+            "--pad",
+            PAD,
+            "--source",
+        ])
+        .arg(format!("serial:{path}"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    let pid = Pid::from_child(&gelpad);
+    let mut events = BufReader::new(gelpad.stdout.take().expect("piped"));
+    let done = deadline(pid);
+    // The board sends what gelpad only reads once it is set up: the terminal keeps it until then.
+    std::thread::sleep(Duration::from_millis(1500));
+    for (index, volts) in frames.iter().enumerate() {
+        let line = openeit::encode(volts);
+        match index {
+            15 => board
+                .write_all(&line.as_bytes()[..line.len() / 2])
+                .and_then(|()| board.write_all(b"\r\n")),
+            20 => board.write_all(line.replacen("0.", "x.", 1).as_bytes()),
+            _ => board.write_all(line.as_bytes()),
+        }
+        .expect("sent");
+        std::thread::sleep(FRAME);
+    }
+    let mut pressed = String::new();
+    for _ in 0..5 {
+        events.read_line(&mut pressed).expect("a line");
+    }
+    drop(board);
+    let mut rest = String::new();
+    events.read_to_string(&mut rest).expect("text");
+    let output = gelpad.wait_with_output().expect("ended");
+    done.store(true, Ordering::Relaxed);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let words = |text: &str| -> Vec<String> {
+        text.lines()
+            .map(|line| line.split_once(' ').expect("a time first").1.to_owned())
+            .collect()
+    };
+    assert_eq!(
+        words(&(pressed + &rest)),
+        [
+            "press key:f",
+            "press key:left",
+            "release key:f",
+            "release key:left",
+            "press key:f",
+            "release key:f"
+        ],
+        "{stderr}"
+    );
+    assert!(
+        stderr.contains("skipped what is no frame (2 so far)"),
+        "{stderr}"
+    );
+    assert!(
+        stderr.contains("2 frames lost (2 of them garbled)"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("the board is gone"), "{stderr}");
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+}
