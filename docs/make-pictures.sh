@@ -5,14 +5,14 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet
 display=$(mktemp)
-Xvfb -displayfd 1 -screen 0 1160x700x24 >"$display" 2>/dev/null &
+Xvfb -displayfd 1 -screen 0 1092x646x24 >"$display" 2>/dev/null &
 server=$!
 trap 'kill "$server"; rm -f "$display"' EXIT
 until [ -s "$display" ]; do sleep 0.1; done
 export DISPLAY=":$(cat "$display")" COLORTERM=truecolor
-xterm -geometry 120x38+0+0 -fa 'DejaVu Sans Mono' -fs 11 -bg black -fg gray90 -b 6 -e target/release/gelpad &
+xterm -geometry 120x35+0+0 -fa 'DejaVu Sans Mono' -fs 11 -bg black -fg gray90 -b 6 -e target/release/gelpad &
 # At 6.4 s three fingers are down: right, run and jump.
-sleep 7.2
+sleep 6.9
 import -window root docs/live.png
 wait %2 || true
 echo "docs/live.png"

@@ -358,7 +358,11 @@ mod tests {
                 "w = 0.99",
                 "the region ends at 1.010, off the pad on the right <0.99>",
             ),
-            ("w = 0.22", "r = 0.22", "a rect has no `r` <0.22>"),
+            (
+                "w = 0.22",
+                "r = 0.22",
+                "the region `left` needs `w` <\"left\">",
+            ),
             (
                 "region = \"jump\"",
                 "region = \"jmup\"",
@@ -375,8 +379,8 @@ mod tests {
                 "`f` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button <\"f\">",
             ),
             (
-                "mode = \"direct\"",
-                "mode = \"drect\"",
+                "mode = \"direct\"\noutput",
+                "mode = \"drect\"\noutput",
                 "unknown variant `drect`, expected `direct` or `classified` <\"drect\">",
             ),
             (

@@ -1,6 +1,9 @@
 //! Programs that end with the test, whatever becomes of it.
 
-#![allow(clippy::disallowed_methods, reason = "deadlines of a test read the clock")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "deadlines of a test read the clock"
+)]
 
 use std::fmt;
 use std::fs::{self, File};
