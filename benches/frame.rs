@@ -7,12 +7,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use gelpad::eit::{Method, REFERENCE_FRAMES, Reconstruction};
+use gelpad::eit::{REFERENCE_FRAMES, Reconstruction};
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
 use gelpad::source::{Finger, Noise, SimulatedPad};
-use gelpad::types::{Frame, NANOS_PER_MS};
+use gelpad::types::{Frame, Method, NANOS_PER_MS};
 
 fn pad() -> Pad {
     let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");

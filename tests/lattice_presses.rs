@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 
-use gelpad::eit::{Method, REFERENCE_FRAMES, Reconstruction};
+use gelpad::eit::{REFERENCE_FRAMES, Reconstruction};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::source::Noise;
 use gelpad::touch::Detector;
-use gelpad::types::Frame;
+use gelpad::types::{Frame, Method};
 use serde::Deserialize;
 
 const SNR_DB: f64 = 60.0;

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use gelpad::eit::{Method, Reconstruction};
+use gelpad::eit::Reconstruction;
 use gelpad::pad::{Pad, shipped_pad};
 use gelpad::source::serial::SerialSource;
 use gelpad::source::wire::openeit;
 use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source, SourceError};
 use gelpad::touch::Detector;
-use gelpad::types::Frame;
+use gelpad::types::{Frame, Method};
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};

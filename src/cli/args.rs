@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::eit::Method;
+use crate::types::Method;
 
 /// Play games on a soft sheet of hydrogel.
 ///
@@ -55,7 +55,7 @@ pub(super) struct PlayArgs {
     /// A shipped pad, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: simulated[:SCRIPT], serial:PORT or replay:FILE
+    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
     /// Where events go; auto takes the keyboard where there is a display, else the trace
@@ -64,9 +64,9 @@ pub(super) struct PlayArgs {
     /// What a board sends
     #[arg(long, value_enum, default_value_t = FormatArg::Auto)]
     pub format: FormatArg,
-    /// How images are made
-    #[arg(long, value_parser = method, default_value = Method::Noser.name())]
-    pub method: Method,
+    /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
+    #[arg(long)]
+    pub method: Option<Method>,
     /// No live view, even in a terminal
     #[arg(long)]
     pub headless: bool,
@@ -89,9 +89,9 @@ pub(super) struct ReplayArgs {
     /// A shipped profile, or a file
     #[arg(long, default_value = crate::profile::DEFAULT_PROFILE)]
     pub profile: String,
-    /// How images are made
-    #[arg(long, value_parser = method, default_value = Method::Noser.name())]
-    pub method: Method,
+    /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
+    #[arg(long)]
+    pub method: Option<Method>,
     /// touches: a JSON line a frame; events: a text line an event
     #[arg(long, value_enum, default_value_t = PrintArg::Events)]
     pub print: PrintArg,
@@ -193,15 +193,6 @@ pub(super) enum FormatArg {
 pub(super) enum PrintArg {
     Touches,
     Events,
-}
-
-fn method(text: &str) -> Result<Method, String> {
-    let known = || Method::ALL.iter().map(|method| method.name());
-    Method::ALL
-        .iter()
-        .copied()
-        .find(|method| method.name() == text)
-        .ok_or_else(|| format!("the methods are {}", known().collect::<Vec<_>>().join(", ")))
 }
 
 fn snr(text: &str) -> Result<f64, String> {

@@ -6,8 +6,9 @@ use super::args::PadCommand;
 use super::exit::Ending;
 use super::map::Map;
 use super::resolve;
-use crate::eit::{Linearised, Method};
+use crate::eit::Linearised;
 use crate::pad::{Conductor, Outline, Pad, SHIPPED_PADS, TouchSign};
+use crate::types::Method;
 
 pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();

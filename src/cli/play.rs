@@ -14,7 +14,7 @@ use super::args::{OutputArg, PlayArgs, SourceArg};
 use super::exit::Ending;
 use super::live::{LiveView, Title};
 use super::resolve;
-use crate::eit::Method;
+use crate::types::Method;
 use crate::engine::Engine;
 use crate::output::{Device, Keyboard, OutputError, Trace};
 use crate::pad::{DEFAULT_PAD, Pad};
@@ -71,14 +71,8 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
         },
         output: device.name().to_owned(),
     };
-    run(
-        &pad,
-        profile,
-        args.method,
-        source,
-        device,
-        live.then_some(title),
-    )
+    let method = resolve::method(args.method, &profile, &pad);
+    run(&pad, profile, method, source, device, live.then_some(title))
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {

@@ -15,7 +15,8 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile)?;
     let mut source = FramesCsv::open(&args.file, pad.channels())?;
-    let matrix = resolve::reconstruction(&pad, args.method)?;
+    let method = resolve::method(args.method, &profile, &pad);
+    let matrix = resolve::reconstruction(&pad, method)?;
     let mut engine = Engine::new(&pad, matrix, profile);
     let mut stdout = BufWriter::new(std::io::stdout().lock());
     let mut events = Vec::new();

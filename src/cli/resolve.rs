@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 
-use crate::eit::{Method, Reconstruction};
+use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
-use crate::types::nearest;
+use crate::types::{Method, nearest};
 
 /// Name and text of a pad or profile.
 pub(super) struct Text {
@@ -83,7 +83,12 @@ pub(super) fn profile(argument: &str) -> anyhow::Result<Arc<Profile>> {
     Ok(Arc::new(Profile::from_toml(&text.name, &text.toml)?))
 }
 
-/// The matrix of a pad.
+/// How images are made: the command line's word, else the profile's, else the pad's, else NOSER.
+pub(super) fn method(asked: Option<Method>, profile: &Profile, pad: &Pad) -> Method {
+    asked.or(profile.method).or(pad.method).unwrap_or_default()
+}
+
+/// What makes a pad's images.
 pub(super) fn reconstruction(pad: &Pad, method: Method) -> anyhow::Result<Arc<Reconstruction>> {
     let matrix = Reconstruction::of_pad(pad, method)
         .with_context(|| format!("the pad {} gives no image", pad.name))?;

@@ -12,5 +12,5 @@ mod reference;
 pub use forward::{ContactModel, Fields, ForwardError, ForwardModel};
 pub use jacobian::{element_jacobian, pixel_jacobian};
 pub use mesh::{Mesh, MeshSize};
-pub use reconstruct::{Linearised, Method, Reconstruction, SetupError};
+pub use reconstruct::{Imager, LAMBDA, Linearised, Reconstruction, SetupError};
 pub use reference::{REFERENCE_FRAMES, Reference};

@@ -87,6 +87,12 @@ impl Reference {
         libm::sqrt(1.0 + self.covariance.level / self.noise)
     }
 
+    /// Deviation of a relative change, from the first frames' noise and the reference's own doubt.
+    #[must_use]
+    pub fn change_noise(&self) -> f64 {
+        libm::sqrt(self.noise) * self.doubt()
+    }
+
     /// Takes one of the first frames into the mean.
     pub fn begin(&mut self, t_ns: u64, volts: &[f32]) {
         self.frames += 1;

@@ -20,7 +20,7 @@ pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
 
-use crate::types::Faulty;
+use crate::types::{Faulty, Method};
 
 /// Which way the conductivity goes where the pad is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +65,8 @@ pub struct Pad {
     pub protocol: Protocol,
     /// Which way a touch changes the conductivity.
     pub touch_sign: TouchSign,
+    /// How its images are made, unless profile or command line say otherwise.
+    pub method: Option<Method>,
 }
 
 impl Pad {

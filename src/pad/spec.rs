@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Channel, Conductor, Electrode, Lattice, Outline, Pad, Pair, Protocol, TouchSign};
-use crate::types::{Fault, Faulty};
+use crate::types::{Fault, Faulty, Method};
 
 /// The version of the format that this reads.
 const SCHEMA: i64 = 1;
@@ -27,6 +27,7 @@ struct PadSpec {
     about: String,
     #[serde(default)]
     touch_sign: SignSpec,
+    method: Option<Method>,
     outline: Spanned<OutlineSpec>,
     layer: LayerSpec,
     lattice: Option<LatticeSpec>,
@@ -141,6 +142,7 @@ fn build(spec: &PadSpec) -> Result<Pad, Fault> {
             SignSpec::Rise => TouchSign::Rise,
             SignSpec::Fall => TouchSign::Fall,
         },
+        method: spec.method,
     })
 }
 

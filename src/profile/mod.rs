@@ -10,7 +10,7 @@ mod spec;
 pub use region::{Region, Shape};
 pub use shipped::{DEFAULT_PROFILE, SHIPPED_PROFILES, ShippedProfile, shipped_profile};
 
-use crate::types::{Faulty, Nanos, Output, PointMm};
+use crate::types::{Faulty, Method, Nanos, Output, PointMm};
 
 /// How a touch turns into a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +50,8 @@ pub struct Profile {
     pub name: String,
     /// One sentence for lists.
     pub about: String,
+    /// How images are made, unless the command line says otherwise; none leaves it to the pad.
+    pub method: Option<Method>,
     /// No press is shorter: games that poll would miss it.
     pub min_hold_ns: Nanos,
     /// No release is shorter before the same output is pressed again; zero never delays a press.

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Binding, Latch, Mode, Profile, Region, Shape};
-use crate::types::{Fault, Faulty, Nanos, Output, nanos_from_ms, nearest};
+use crate::types::{Fault, Faulty, Method, Nanos, Output, nanos_from_ms, nearest};
 
 /// The version of the format that this reads.
 const SCHEMA: i64 = 1;
@@ -33,6 +33,7 @@ struct ProfileSpec {
     name: String,
     #[serde(default)]
     about: String,
+    method: Option<Method>,
     min_hold_ms: Option<Spanned<f64>>,
     min_gap_ms: Option<Spanned<f64>>,
     long_ms: Option<Spanned<f64>>,
@@ -121,6 +122,7 @@ impl Check {
         Profile {
             name: spec.name.clone(),
             about: spec.about.clone(),
+            method: spec.method,
             min_hold_ns: self.time(&spec.min_hold_ms, MIN_HOLD_MS),
             min_gap_ns: self.time(&spec.min_gap_ms, 0.0),
             regions,
@@ -350,7 +352,7 @@ mod tests {
             (
                 "min_hold_ms",
                 "min_hold",
-                "unknown field `min_hold`, expected one of `schema`, `name`, `about`, `min_hold_ms`, `min_gap_ms`, `long_ms`, `short_frames`, `long_frames`, `region`, `binding` <min_hold>",
+                "unknown field `min_hold`, expected one of `schema`, `name`, `about`, `method`, `min_hold_ms`, `min_gap_ms`, `long_ms`, `short_frames`, `long_frames`, `region`, `binding` <min_hold>",
             ),
             ("x = 0.02", "x = 1.02", "1.02 lies off the pad <1.02>"),
             (

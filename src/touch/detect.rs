@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Blob, Segmenter, Threshold, Tracker};
-use crate::eit::{Reconstruction, Reference};
+use crate::eit::{Imager, Reconstruction, Reference};
 use crate::types::{Contact, Frame, Image, Touch};
 
 /// A new touch needs a smoothed peak of this many times the untouched image's: noise at any SNR makes none.
@@ -20,7 +20,7 @@ const NOISE_FOLLOW: f32 = 0.01;
 /// Frames to touches. Holds the reference, the matrix and the tracker.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    reconstruction: Arc<Reconstruction>,
+    imager: Imager,
     reference: Reference,
     segmenter: Segmenter,
     tracker: Tracker,
@@ -56,7 +56,7 @@ impl Detector {
             contacts: Vec::new(),
             first_frames: Vec::new(),
             noise_peak: 0.0,
-            reconstruction,
+            imager: Imager::new(reconstruction),
         }
     }
 
@@ -68,7 +68,7 @@ impl Detector {
         assert_eq!(reconstruction.channels(), self.changes.len());
         self.segmenter = Segmenter::new(reconstruction.grid, &reconstruction.coverage);
         self.image = Image::blank(reconstruction.grid);
-        self.reconstruction = reconstruction;
+        self.imager = Imager::new(reconstruction);
     }
 
     /// Takes a frame and appends what became of every touch.
@@ -116,13 +116,14 @@ impl Detector {
         // The median: a finger that brushes the pad meanwhile must not deafen it.
         peaks.sort_by(f32::total_cmp);
         self.noise_peak = peaks[peaks.len() / 2];
-        self.image = Image::blank(self.reconstruction.grid);
+        self.image = Image::blank(self.image.grid);
     }
 
     /// Makes the image and finds its blobs; returns the highest value of the smoothed image.
     fn look(&mut self, volts: &[f32], threshold: Threshold) -> f32 {
         self.reference.changes(volts, &mut self.changes);
-        self.reconstruction.apply(&self.changes, &mut self.image);
+        self.imager
+            .image(&self.changes, self.reference.change_noise(), &mut self.image);
         self.blobs.clear();
         self.segmenter
             .blobs(&self.image, threshold, &mut self.blobs)

@@ -8,6 +8,7 @@ mod event;
 mod fault;
 mod frame;
 mod image;
+mod method;
 mod names;
 mod touch;
 
@@ -15,6 +16,7 @@ pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;
 pub use image::{Image, PixelGrid};
+pub use method::Method;
 pub(crate) use names::nearest;
 pub use names::{Axis, Button, Key, UnknownName};
 pub use touch::{Contact, Phase, Touch, TouchId};

@@ -1,11 +1,15 @@
 //! Relative voltage changes to an image.
 //!
 //! Set-up (f64, once a pad) turns the model into one f32 matrix; a frame is one product with it, summed in an
-//! order that `kernel` fixes, negative values cut. The scaling of the hyperparameter is the project's (see
-//! `quadratic`): it does not move with the size of a pixel or the units of a voltage.
+//! order that `kernel` fixes, negative values cut. `l1` is the exception: it iterates, from the last frame's answer.
+//! The scaling of the hyperparameter is the project's (see `quadratic`): it does not move with the size of a pixel or
+//! the units of a voltage.
 
 mod kernel;
+pub mod l1;
 mod quadratic;
+
+use std::sync::Arc;
 
 use faer::Mat;
 
@@ -13,38 +17,15 @@ use super::forward::{ContactModel, ForwardError, ForwardModel};
 use super::jacobian::{PixelJacobian, pixel_jacobian};
 use super::{Mesh, MeshSize};
 use crate::pad::{Pad, TouchSign};
-use crate::types::{Image, PixelGrid};
+use crate::types::{Image, Method, PixelGrid};
 use kernel::RowMatrix;
+use l1::{L1Model, L1State, Quality};
 
 /// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
 pub const PIXEL_MM: f64 = 2.5;
 
 /// The hyperparameter of the paper, in the scaling of this module.
 pub const LAMBDA: f64 = 0.01;
-
-/// How an image is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Prior: identity.
-    Tikhonov,
-    /// Prior: the inverse root of each pixel's sensitivity, which evens out depth.
-    #[default]
-    Noser,
-}
-
-impl Method {
-    /// All of them.
-    pub const ALL: &[Self] = &[Self::Tikhonov, Self::Noser];
-
-    /// The word on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Tikhonov => "tikhonov",
-            Self::Noser => "noser",
-        }
-    }
-}
 
 /// Why a pad gives no image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -132,23 +113,29 @@ pub fn pixel_grid(pad: &Pad) -> PixelGrid {
     }
 }
 
-/// A pad's reconstruction matrix and what is needed to apply it.
+/// How a pad's images are made: its matrix, or what L1 needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstruction {
-    /// How it was made.
+    /// The method that it was made for.
     pub method: Method,
     /// Where the pixels of its images lie.
     pub grid: PixelGrid,
     /// Share of each pixel of the grid that is conductor, 0 to 1.
     pub coverage: Vec<f32>,
-    /// The pixel of each row of the matrix.
+    /// The pixel of each unknown.
     active: Vec<usize>,
-    matrix: RowMatrix,
+    solver: Solver,
     sign: f32,
 }
 
+#[derive(Clone, Debug, PartialEq)]
+enum Solver {
+    OneStep(RowMatrix),
+    L1(L1Model),
+}
+
 impl Reconstruction {
-    /// Builds the matrix of a pad with the hyperparameter [`LAMBDA`].
+    /// Prepares a pad with the hyperparameter [`LAMBDA`].
     ///
     /// # Errors
     /// See [`SetupError`].
@@ -156,7 +143,7 @@ impl Reconstruction {
         Self::from_linearised(&Linearised::of_pad(pad)?, method, LAMBDA, pad.touch_sign)
     }
 
-    /// Builds the matrix from a linearised pad.
+    /// Prepares a linearised pad.
     ///
     /// # Errors
     /// [`SetupError::Singular`] if lambda is not above zero.
@@ -166,17 +153,19 @@ impl Reconstruction {
         lambda: f64,
         touch_sign: TouchSign,
     ) -> Result<Self, SetupError> {
-        let prior = match method {
-            Method::Tikhonov => quadratic::even_prior(&pad.jacobian),
-            Method::Noser => quadratic::noser_prior(&pad.jacobian),
+        let solver = match quadratic::prior_times_jacobian(pad, method) {
+            Some(weighted) => {
+                let matrix = quadratic::one_step(&pad.jacobian, weighted, lambda)?;
+                Solver::OneStep(RowMatrix::transposed(&matrix))
+            }
+            None => Solver::L1(L1Model::new(&pad.jacobian, lambda, true)),
         };
-        let matrix = quadratic::one_step(&pad.jacobian, &prior, lambda)?;
         Ok(Self {
             method,
             grid: pad.grid,
             coverage: pad.coverage.iter().map(|share| *share as f32).collect(),
             active: pad.active.clone(),
-            matrix: RowMatrix::transposed(&matrix),
+            solver,
             sign: touch_sign.factor(),
         })
     }
@@ -184,7 +173,10 @@ impl Reconstruction {
     /// Number of voltages in a frame.
     #[must_use]
     pub fn channels(&self) -> usize {
-        self.matrix.columns()
+        match &self.solver {
+            Solver::OneStep(matrix) => matrix.columns(),
+            Solver::L1(model) => model.channels(),
+        }
     }
 
     /// Number of pixels that hold conductor.
@@ -192,16 +184,71 @@ impl Reconstruction {
     pub fn unknowns(&self) -> usize {
         self.active.len()
     }
+}
 
-    /// The image of relative voltage changes: signed by the pad's touch sign, then cut at zero.
+/// Makes images, one frame after the other.
+#[derive(Clone, Debug)]
+pub struct Imager {
+    reconstruction: Arc<Reconstruction>,
+    l1: L1State,
+    signed: Vec<f64>,
+    quality: Option<Quality>,
+}
+
+impl Imager {
+    /// An imager that has seen no frame.
+    #[must_use]
+    pub fn new(reconstruction: Arc<Reconstruction>) -> Self {
+        Self {
+            reconstruction,
+            l1: L1State::default(),
+            signed: Vec::new(),
+            quality: None,
+        }
+    }
+
+    /// What its images are made with.
+    #[must_use]
+    pub fn reconstruction(&self) -> &Arc<Reconstruction> {
+        &self.reconstruction
+    }
+
+    /// How good the last answer of L1 was; `None` for the other methods.
+    #[must_use]
+    pub fn quality(&self) -> Option<Quality> {
+        self.quality
+    }
+
+    /// The image of relative voltage changes: signed by the pad's touch sign, then cut at zero. `noise` is the
+    /// deviation of a change, which L1 needs (0 if unknown).
     ///
     /// # Panics
     /// If there is not one change a channel, or the image lies on another grid.
-    pub fn apply(&self, changes: &[f32], image: &mut Image) {
-        assert_eq!(image.grid, self.grid, "the image lies on the matrix' grid");
-        for (row, pixel) in self.active.iter().enumerate() {
-            let value = self.sign * self.matrix.row_dot(row, changes);
-            image.values[*pixel] = value.max(0.0);
+    pub fn image(&mut self, changes: &[f32], noise: f64, image: &mut Image) {
+        let Reconstruction {
+            grid,
+            active,
+            solver,
+            sign,
+            ..
+        } = &*self.reconstruction;
+        assert_eq!(image.grid, *grid, "the image lies on the matrix' grid");
+        match solver {
+            Solver::OneStep(matrix) => {
+                for (row, pixel) in active.iter().enumerate() {
+                    image.values[*pixel] = (sign * matrix.row_dot(row, changes)).max(0.0);
+                }
+            }
+            Solver::L1(model) => {
+                self.signed.clear();
+                self.signed
+                    .extend(changes.iter().map(|change| f64::from(sign * change)));
+                self.quality = Some(model.solve(&self.signed, noise, &mut self.l1));
+                for (column, pixel) in active.iter().enumerate() {
+                    let change = self.l1.answer()[column] / model.norm(column);
+                    image.values[*pixel] = change.max(0.0) as f32;
+                }
+            }
         }
     }
 }

@@ -8,30 +8,72 @@
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
-use super::SetupError;
+use super::{Linearised, SetupError};
+use crate::types::{Method, PixelGrid};
 
-/// Tikhonov: every pixel alike.
-pub(super) fn even_prior(jacobian: &Mat<f64>) -> Vec<f64> {
-    vec![1.0; jacobian.ncols()]
+/// Deviation of the smooth prior's Gaussian, mm: half a lattice's pitch, and a fingertip's scale.
+const SMOOTH_MM: f64 = 5.0;
+
+/// Jn P (channels by pixels) for the prior P of a method; none for a method without a quadratic prior.
+pub(super) fn prior_times_jacobian(pad: &Linearised, method: Method) -> Option<Mat<f64>> {
+    let jacobian = &pad.jacobian;
+    let scaled = |prior: &dyn Fn(usize) -> f64| {
+        let priors: Vec<f64> = (0..jacobian.ncols()).map(prior).collect();
+        Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |m, p| jacobian[(m, p)] * priors[p])
+    };
+    match method {
+        // Every pixel alike.
+        Method::Tikhonov => Some(jacobian.clone()),
+        // Cheney et al. 1990 with exponent 1/2: P = 1 / diag(Jn' Jn)^0.5.
+        Method::Noser => {
+            Some(scaled(&|p| 1.0 / jacobian.col(p).norm_l2().max(f64::MIN_POSITIVE)))
+        }
+        // P_ij = exp(-d_ij2 / 2 s2): a Gaussian covariance, which is separable on the grid.
+        Method::Smooth => Some(smoothed(jacobian, &pad.active, &pad.grid)),
+        Method::L1 => None,
+    }
 }
 
-/// NOSER (Cheney et al. 1990) with exponent 1/2: P = 1 / diag(Jn' Jn)^0.5.
-pub(super) fn noser_prior(jacobian: &Mat<f64>) -> Vec<f64> {
-    (0..jacobian.ncols())
-        .map(|pixel| 1.0 / jacobian.col(pixel).norm_l2().max(f64::MIN_POSITIVE))
-        .collect()
+/// Every row of the Jacobian, convolved with a Gaussian over the grid.
+fn smoothed(jacobian: &Mat<f64>, active: &[usize], grid: &PixelGrid) -> Mat<f64> {
+    let kernel = |length: usize| -> Vec<f64> {
+        (0..length)
+            .map(|cells| {
+                let z = cells as f64 * grid.pixel_mm / SMOOTH_MM;
+                libm::exp(-0.5 * z * z)
+            })
+            .collect()
+    };
+    let (along_x, along_y) = (kernel(grid.columns), kernel(grid.rows));
+    let mut smooth = Mat::zeros(jacobian.nrows(), active.len());
+    let mut plane = vec![0.0; grid.len()];
+    let mut half = vec![0.0; grid.len()];
+    for channel in 0..jacobian.nrows() {
+        for (column, pixel) in active.iter().enumerate() {
+            plane[*pixel] = jacobian[(channel, column)];
+        }
+        for (index, value) in half.iter_mut().enumerate() {
+            let (row, at) = (index / grid.columns, index % grid.columns);
+            let line = &plane[row * grid.columns..(row + 1) * grid.columns];
+            *value = line.iter().enumerate().map(|(x, v)| v * along_x[x.abs_diff(at)]).sum();
+        }
+        for (column, pixel) in active.iter().enumerate() {
+            let (at, x) = (pixel / grid.columns, pixel % grid.columns);
+            smooth[(channel, column)] = (0..grid.rows)
+                .map(|y| half[y * grid.columns + x] * along_y[y.abs_diff(at)])
+                .sum();
+        }
+    }
+    smooth
 }
 
-/// The transpose of the reconstruction matrix (channels by pixels) for a diagonal prior.
+/// The transpose of the reconstruction matrix (channels by pixels), from Jn and Jn P.
 pub(super) fn one_step(
     jacobian: &Mat<f64>,
-    prior: &[f64],
+    weighted: Mat<f64>,
     lambda: f64,
 ) -> Result<Mat<f64>, SetupError> {
     let channels = jacobian.nrows();
-    let weighted = Mat::from_fn(channels, jacobian.ncols(), |m, p| {
-        jacobian[(m, p)] * prior[p]
-    });
     let mut system = &weighted * jacobian.transpose();
     let trace: f64 = (0..channels).map(|m| system[(m, m)]).sum();
     let lambda_abs = lambda * trace / channels as f64;
