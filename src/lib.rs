@@ -14,5 +14,6 @@ pub mod pad;
 pub mod profile;
 pub mod runtime;
 pub mod source;
+pub mod study;
 pub mod touch;
 pub mod types;

@@ -18,6 +18,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
+    ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
         &[

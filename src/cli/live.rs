@@ -15,11 +15,11 @@ use ratatui::style::{Color, Modifier, Style, Stylize as _};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Widget};
 
-use super::map::{Map, heat};
+use super::map::Map;
 use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::runtime::View;
-use crate::types::{Action, Event, Image, Output, Touch, ms_from_nanos};
+use crate::types::{Action, Event, Image, Output, Touch, heat, ms_from_nanos};
 
 /// The colour scale ends at this relative rise, or at the image's peak if that is higher.
 const FULL_SCALE: f32 = 0.3;
@@ -162,7 +162,7 @@ impl Screen<'_> {
                 let [upper, lower] = [0.25, 0.75].map(|part| {
                     let x = (column as f64 + 0.5) / f64::from(inner.width) * self.pad_mm[0];
                     let y = (1.0 - (row as f64 + part) / map.rows() as f64) * self.pad_mm[1];
-                    let (r, g, b) = heat(value_at(&self.view.image, [x, y]) / scale);
+                    let [r, g, b] = heat(value_at(&self.view.image, [x, y]) / scale);
                     Color::Rgb(r, g, b)
                 });
                 let cell = &mut buffer[(inner.x + column as u16, inner.y + row as u16)];

@@ -131,22 +131,3 @@ impl Map {
         self.rows
     }
 }
-
-/// A perceptually even scale from near-black over violet and orange to pale yellow, for a value 0..1. Its lightness
-/// rises all the way: it reads the same without colour vision.
-pub(super) fn heat(value: f32) -> (u8, u8, u8) {
-    const STOPS: [(f32, f32, f32); 6] = [
-        (10.0, 8.0, 24.0),
-        (66.0, 18.0, 104.0),
-        (140.0, 41.0, 99.0),
-        (214.0, 76.0, 62.0),
-        (249.0, 153.0, 28.0),
-        (252.0, 250.0, 170.0),
-    ];
-    let at = value.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let low = (at as usize).min(STOPS.len() - 2);
-    let share = at - low as f32;
-    let mix = |a: f32, b: f32| (a + share * (b - a)).round() as u8;
-    let (a, b) = (STOPS[low], STOPS[low + 1]);
-    (mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
-}

@@ -12,6 +12,7 @@ mod play;
 mod profiles;
 mod replay;
 mod resolve;
+mod study;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),
+        Some(Command::Study { command }) => study::run(&command),
     };
     exit::code(outcome)
 }

@@ -4,6 +4,7 @@
 //! Every stage of the way of a frame is a plain function between two of these types, so this module
 //! imports nothing of ours and everything else imports it.
 
+mod colour;
 mod event;
 mod fault;
 mod frame;
@@ -12,6 +13,7 @@ mod method;
 mod names;
 mod touch;
 
+pub use colour::heat;
 pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;

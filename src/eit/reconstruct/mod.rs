@@ -225,6 +225,17 @@ impl Imager {
     /// # Panics
     /// If there is not one change a channel, or the image lies on another grid.
     pub fn image(&mut self, changes: &[f32], noise: f64, image: &mut Image) {
+        self.uncut(changes, noise, image);
+        for value in &mut image.values {
+            *value = value.max(0.0);
+        }
+    }
+
+    /// The image before negative values are cut: what ringing is measured on.
+    ///
+    /// # Panics
+    /// As [`Self::image`].
+    pub fn uncut(&mut self, changes: &[f32], noise: f64, image: &mut Image) {
         let Reconstruction {
             grid,
             active,
@@ -236,7 +247,7 @@ impl Imager {
         match solver {
             Solver::OneStep(matrix) => {
                 for (row, pixel) in active.iter().enumerate() {
-                    image.values[*pixel] = (sign * matrix.row_dot(row, changes)).max(0.0);
+                    image.values[*pixel] = sign * matrix.row_dot(row, changes);
                 }
             }
             Solver::L1(model) => {
@@ -246,7 +257,7 @@ impl Imager {
                 self.quality = Some(model.solve(&self.signed, noise, &mut self.l1));
                 for (column, pixel) in active.iter().enumerate() {
                     let change = self.l1.answer()[column] / model.norm(column);
-                    image.values[*pixel] = change.max(0.0) as f32;
+                    image.values[*pixel] = change as f32;
                 }
             }
         }
