@@ -14,7 +14,6 @@ use super::args::{OutputArg, PlayArgs, SourceArg};
 use super::exit::Ending;
 use super::live::{LiveView, Title};
 use super::resolve;
-use crate::types::Method;
 use crate::engine::Engine;
 use crate::output::{Device, Keyboard, OutputError, Trace};
 use crate::pad::{DEFAULT_PAD, Pad};
@@ -22,6 +21,7 @@ use crate::profile::{DEFAULT_PROFILE, Profile};
 use crate::runtime::{self, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source};
+use crate::types::Method;
 
 /// How often signals are looked at, and the live view drawn.
 const LOOK: Duration = Duration::from_millis(33);

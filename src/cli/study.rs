@@ -69,8 +69,14 @@ fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
 fn solve_width(study: &Width, common: &StudyArgs) -> anyhow::Result<Ending> {
     let folder = Folder::open(&common.out, &Settings::Width(study.settings().clone()))?;
     let bar = bar();
-    let cases = study.cases();
-    job::run(&folder, &cases, common.shard, Width::id, |case| study.solve(case), tell(&bar))?;
+    job::run(
+        &folder,
+        study.cases(),
+        common.shard,
+        Width::id,
+        |case| study.solve(case),
+        tell(&bar),
+    )?;
     bar.finish_and_clear();
     if common.shard == Shard::ALL {
         write_width(study, &folder)?;
@@ -79,15 +85,22 @@ fn solve_width(study: &Width, common: &StudyArgs) -> anyhow::Result<Ending> {
 }
 
 fn write_width(study: &Width, folder: &Folder) -> anyhow::Result<()> {
-    let outcomes = job::results(folder, &study.cases(), Width::id)?;
-    Ok(study.report(outcomes)?.write(folder)?)
+    let outcomes: Vec<width::Outcome> = job::results(folder, study.cases(), Width::id)?;
+    Ok(study.report(&outcomes)?.write(folder)?)
 }
 
 fn solve_phantoms(study: &Phantoms, common: &StudyArgs) -> anyhow::Result<Ending> {
     let folder = Folder::open(&common.out, &Settings::Phantoms(study.settings().clone()))?;
     let bar = bar();
     let cases = phantoms::phantoms();
-    job::run(&folder, &cases, common.shard, Phantoms::id, |case| study.solve(case), tell(&bar))?;
+    job::run(
+        &folder,
+        &cases,
+        common.shard,
+        Phantoms::id,
+        |case| study.solve(case),
+        tell(&bar),
+    )?;
     bar.finish_and_clear();
     if common.shard == Shard::ALL {
         write_phantoms(study, &folder)?;
@@ -96,7 +109,8 @@ fn solve_phantoms(study: &Phantoms, common: &StudyArgs) -> anyhow::Result<Ending
 }
 
 fn write_phantoms(study: &Phantoms, folder: &Folder) -> anyhow::Result<()> {
-    let outcomes: Vec<phantoms::Outcome> = job::results(folder, &phantoms::phantoms(), Phantoms::id)?;
+    let outcomes: Vec<phantoms::Outcome> =
+        job::results(folder, &phantoms::phantoms(), Phantoms::id)?;
     Ok(study.report(&outcomes)?.write(folder)?)
 }
 
@@ -140,7 +154,9 @@ fn bar() -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} cases, {elapsed}, {eta} left") {
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:40} {pos} of {len} cases, {elapsed}, {eta} left")
+    {
         bar.set_style(style);
     }
     bar

@@ -53,19 +53,24 @@ impl Sensitivity {
     }
 }
 
-/// Channels by triangles, V/A per S/m.
+/// Channels by the listed triangles, V/A per S/m.
 #[must_use]
-pub fn element_jacobian(model: &ForwardModel, fields: &Fields, protocol: &Protocol) -> Mat<f64> {
-    let triangles = model.mesh().triangles.len();
-    let mut jacobian = Mat::zeros(protocol.channels.len(), triangles);
+pub fn element_jacobian(
+    model: &ForwardModel,
+    fields: &Fields,
+    protocol: &Protocol,
+    triangles: &[usize],
+) -> Mat<f64> {
+    let mut jacobian = Mat::zeros(protocol.channels.len(), triangles.len());
     let mut gradients = [vec![0.0; fields.len()], vec![0.0; fields.len()]];
-    for triangle in 0..triangles {
+    let mut sensitivity = Sensitivity::new(fields.len());
+    for (index, triangle) in triangles.iter().enumerate() {
         let [x, y] = &mut gradients;
-        model.gradients(fields, triangle, x, y);
-        let mut sensitivity = Sensitivity::new(fields.len());
-        sensitivity.add(model.weight(triangle), x, y);
+        model.gradients(fields, *triangle, x, y);
+        sensitivity.sums.fill(0.0);
+        sensitivity.add(model.weight(*triangle), x, y);
         for (entry, value) in jacobian
-            .col_mut(triangle)
+            .col_mut(index)
             .iter_mut()
             .zip(sensitivity.channels(protocol))
         {

@@ -68,22 +68,27 @@ pub fn place_bound_mm(
     let conductivity = mesh.mean_over_triangles(|point| background * press.factor(point));
     let fields = model.solve(&conductivity)?;
     let volts = fields.voltages(&pad.protocol);
-    let jacobian = element_jacobian(model, &fields, &pad.protocol);
+    // Only the triangles under the press change with it.
+    let under: Vec<(usize, [f64; 4])> = (0..mesh.triangles.len())
+        .map(|triangle| {
+            let mut mean = [0.0; 4];
+            for point in mesh.quarter_points_mm(triangle) {
+                for (sum, part) in mean.iter_mut().zip(press.derivatives(point)) {
+                    *sum += part * background / 4.0;
+                }
+            }
+            (triangle, mean)
+        })
+        .filter(|(_, mean)| *mean != [0.0; 4])
+        .collect();
+    let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
+    let jacobian = element_jacobian(model, &fields, &pad.protocol, &triangles);
     let noise = 10f64.powf(-snr_db / 20.0);
     let mut derivative = Mat::<f64>::zeros(volts.len(), 4);
-    for triangle in 0..mesh.triangles.len() {
-        let mut mean = [0.0; 4];
-        for point in mesh.quarter_points_mm(triangle) {
-            for (sum, part) in mean.iter_mut().zip(press.derivatives(point)) {
-                *sum += part * background / 4.0;
-            }
-        }
-        if mean == [0.0; 4] {
-            continue;
-        }
+    for (index, (_, mean)) in under.iter().enumerate() {
         for (channel, volt) in volts.iter().enumerate() {
             // Whitened: divided by the noise of that reading.
-            let gain = jacobian[(channel, triangle)] / (volt * noise);
+            let gain = jacobian[(channel, index)] / (volt * noise);
             for (parameter, part) in mean.iter().enumerate() {
                 derivative[(channel, parameter)] += gain * part;
             }
@@ -93,7 +98,10 @@ pub fn place_bound_mm(
     let told = information
         .llt(Side::Lower)
         .map_err(|_| StudyError::Refused {
-            reason: format!("the voltages do not tell a touch at {:?} mm", press.centre_mm),
+            reason: format!(
+                "the voltages do not tell a touch at {:?} mm",
+                press.centre_mm
+            ),
         })?;
     let covariance = told.solve(Mat::<f64>::identity(4, 4));
     Ok((covariance[(0, 0)] + covariance[(1, 1)]).sqrt())

@@ -81,7 +81,11 @@ where
     D: Fn(&mut dyn FnMut(Shape2)) -> Result<(), StudyError>,
 {
     // The bitmap needs glyphs of its own; registering the same font again is harmless.
-    let _ = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    let _ = register_font(
+        "sans-serif",
+        FontStyle::Normal,
+        epaint_default_fonts::UBUNTU_LIGHT,
+    );
     let mut shapes = Vec::new();
     draw(&mut |shape| shapes.push(shape))?;
     let mut svg = String::new();
@@ -151,7 +155,10 @@ fn paint<B: DrawingBackend>(
                 colour,
                 width,
             } => area
-                .draw(&PathElement::new(points.clone(), colour.stroke_width(*width)))
+                .draw(&PathElement::new(
+                    points.clone(),
+                    colour.stroke_width(*width),
+                ))
                 .map_err(failed)?,
             Shape2::Box { corners, colour } => area
                 .draw(&Rectangle::new(*corners, colour.filled()))
@@ -176,7 +183,8 @@ fn paint<B: DrawingBackend>(
                     style = style.transform(FontTransform::Rotate270);
                 }
                 let style = style.pos(Pos::new(horizontal, VPos::Center)).color(&BLACK);
-                area.draw(&Text::new(text.as_str(), *at, style)).map_err(failed)?;
+                area.draw(&Text::new(text.as_str(), *at, style))
+                    .map_err(failed)?;
             }
         }
     }
@@ -199,7 +207,16 @@ fn scale(highest: f64) -> (f64, usize) {
         return (1.0, 4);
     }
     let unit = 10f64.powf(highest.log10().floor());
-    for (factor, steps) in [(1.0, 5), (1.5, 3), (2.0, 4), (3.0, 3), (4.0, 4), (5.0, 5), (6.0, 3), (8.0, 4)] {
+    for (factor, steps) in [
+        (1.0, 5),
+        (1.5, 3),
+        (2.0, 4),
+        (3.0, 3),
+        (4.0, 4),
+        (5.0, 5),
+        (6.0, 3),
+        (8.0, 4),
+    ] {
         if highest <= factor * unit * 1.000_001 {
             return (factor * unit, steps);
         }
@@ -255,7 +272,8 @@ impl Chart {
             let share = (place as f64 + 0.5) / self.places.len().max(1) as f64;
             left + (f64::from(right - left) * share) as i32
         };
-        let y_of = |value: f64| bottom - (f64::from(bottom - top) * (value / end).clamp(0.0, 1.0)) as i32;
+        let y_of =
+            |value: f64| bottom - (f64::from(bottom - top) * (value / end).clamp(0.0, 1.0)) as i32;
         put(text((left, 22), &self.title, 19.0, -1));
         for step in 0..=steps {
             let value = end * step as f64 / steps as f64;
@@ -272,7 +290,12 @@ impl Chart {
         for (place, name) in self.places.iter().enumerate().step_by(every) {
             put(text((x_of(place), bottom + 16), name, 14.0, 0));
         }
-        put(text(((left + right) / 2, bottom + 42), &self.x_label, 15.0, 0));
+        put(text(
+            ((left + right) / 2, bottom + 42),
+            &self.x_label,
+            15.0,
+            0,
+        ));
         put(Shape2::Text {
             at: (20, (top + bottom) / 2),
             text: self.y_label.clone(),
@@ -342,7 +365,12 @@ impl Gallery {
         const CELL: i32 = 180;
         const GAP: i32 = 16;
         const LINE: i32 = 17;
-        let said = self.cells.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0) as i32;
+        let said = self
+            .cells
+            .iter()
+            .map(|(_, lines)| lines.len())
+            .max()
+            .unwrap_or(0) as i32;
         let pitch = (CELL + GAP, CELL + said * LINE + 2 * GAP);
         let (left, top) = (96, 76);
         let size = (
@@ -352,10 +380,20 @@ impl Gallery {
         both(&self.name, &self.title, size, |put| {
             put(text((left, 22), &self.title, 19.0, -1));
             for (column, name) in self.columns.iter().enumerate() {
-                put(text((left + column as i32 * pitch.0 + CELL / 2, 56), name, 16.0, 0));
+                put(text(
+                    (left + column as i32 * pitch.0 + CELL / 2, 56),
+                    name,
+                    16.0,
+                    0,
+                ));
             }
             for (row, name) in self.rows.iter().enumerate() {
-                put(text((left - 12, top + row as i32 * pitch.1 + CELL / 2), name, 16.0, 1));
+                put(text(
+                    (left - 12, top + row as i32 * pitch.1 + CELL / 2),
+                    name,
+                    16.0,
+                    1,
+                ));
             }
             for (index, (raster, lines)) in self.cells.iter().enumerate() {
                 let (row, column) = (index / self.columns.len(), index % self.columns.len());
@@ -409,7 +447,13 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let cases = [(0.0, "0"), (1234.0, "1234"), (0.012_34, "0.0123"), (2.0, "2"), (1.5e-9, "1.50e-9")];
+        let cases = [
+            (0.0, "0"),
+            (1234.0, "1234"),
+            (0.012_34, "0.0123"),
+            (2.0, "2"),
+            (1.5e-9, "1.50e-9"),
+        ];
         for (value, said) in cases {
             assert_eq!(short(value), said);
         }

@@ -26,7 +26,9 @@ impl std::str::FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parsed = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        let parsed = text
+            .split_once('/')
+            .and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         match parsed {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
             _ => Err("write K/N with K from 1 to N, as in 2/8".to_owned()),
@@ -64,7 +66,8 @@ impl Folder {
     /// # Errors
     /// A folder that cannot be written, or that holds another study.
     pub fn open(path: &Path, settings: &impl Serialize) -> Result<Self, StudyError> {
-        let study = serde_json::to_string_pretty(settings).map_err(|error| StudyError::Internal(error.to_string()))?;
+        let study = serde_json::to_string_pretty(settings)
+            .map_err(|error| StudyError::Internal(error.to_string()))?;
         let folder = Self {
             path: path.to_owned(),
             study,
@@ -74,7 +77,10 @@ impl Folder {
         let manifest = path.join("study.json");
         match fs::read_to_string(&manifest) {
             Ok(other) if other != folder.study => Err(StudyError::Refused {
-                reason: format!("{} holds another study: choose another --out", path.display()),
+                reason: format!(
+                    "{} holds another study: choose another --out",
+                    path.display()
+                ),
             }),
             Ok(_) => Ok(folder),
             Err(_) => {
@@ -128,7 +134,8 @@ impl Folder {
             study: self.study.clone(),
             result,
         };
-        let text = serde_json::to_vec(&kept).map_err(|error| StudyError::Internal(error.to_string()))?;
+        let text =
+            serde_json::to_vec(&kept).map_err(|error| StudyError::Internal(error.to_string()))?;
         self.write(&Self::case_name(id), &text)
     }
 
@@ -139,14 +146,21 @@ impl Folder {
     pub fn take_over(&self, other: &Path) -> Result<(), StudyError> {
         if Self::settings_text(other)? != self.study {
             return Err(StudyError::Refused {
-                reason: format!("{} holds another study than the first folder", other.display()),
+                reason: format!(
+                    "{} holds another study than the first folder",
+                    other.display()
+                ),
             });
         }
         let cases = other.join("cases");
         let entries = fs::read_dir(&cases).map_err(|error| StudyError::file(&cases, error))?;
         for entry in entries {
-            let path = entry.map_err(|error| StudyError::file(&cases, error))?.path();
-            if path.extension().is_some_and(|extension| extension == "json")
+            let path = entry
+                .map_err(|error| StudyError::file(&cases, error))?
+                .path();
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "json")
                 && let Some(name) = path.file_name().and_then(|name| name.to_str())
             {
                 let bytes = fs::read(&path).map_err(|error| StudyError::file(&path, error))?;
@@ -272,17 +286,25 @@ mod tests {
         squares(&whole, Shard::ALL, &solved).expect("solved");
         let cases: Vec<u32> = (0..7).collect();
         let id = |case: &u32| format!("square-{case}");
-        assert!(results::<_, f64>(&one, &cases, id).is_err(), "half is missing");
+        assert!(
+            results::<_, f64>(&one, &cases, id).is_err(),
+            "half is missing"
+        );
         one.take_over(two.path()).expect("the same study");
         let merged: Vec<f64> = results(&one, &cases, id).expect("complete");
-        assert_eq!(merged, results::<_, f64>(&whole, &cases, id).expect("complete"));
+        assert_eq!(
+            merged,
+            results::<_, f64>(&whole, &cases, id).expect("complete")
+        );
     }
 
     #[test]
     fn a_folder_of_another_study_is_refused() {
         let root = tempfile::tempdir().expect("a folder");
         Folder::open(root.path(), &"one").expect("opened");
-        let said = Folder::open(root.path(), &"two").expect_err("another").to_string();
+        let said = Folder::open(root.path(), &"two")
+            .expect_err("another")
+            .to_string();
         assert!(said.contains("holds another study"), "{said}");
     }
 }

@@ -46,7 +46,11 @@ impl Raster {
             .filter(|pixel| coverage[*pixel] > 0.0)
             .map(|pixel| {
                 let share = f64::from(coverage[pixel]);
-                (image.grid.centre_mm(pixel), share, f64::from(image.values[pixel]))
+                (
+                    image.grid.centre_mm(pixel),
+                    share,
+                    f64::from(image.values[pixel]),
+                )
             })
             .collect();
         let values = (0..grid.len())
@@ -107,7 +111,10 @@ impl Raster {
     /// Which cells reach a share of the peak.
     fn reaching(&self, share: f64) -> Vec<bool> {
         let edge = share * self.peak();
-        self.values.iter().map(|value| *value >= edge && *value > 0.0).collect()
+        self.values
+            .iter()
+            .map(|value| *value >= edge && *value > 0.0)
+            .collect()
     }
 
     /// Intersection over union of the image, cut at half its peak, with a true mask of the same grid.
@@ -155,9 +162,20 @@ impl Raster {
 
     /// GREIT's figures for one target, looking only at the cells that are its own (nearer to it than to another).
     #[must_use]
-    pub fn merit(&self, truth: &Raster, amplitude: f64, centre_mm: PointMm, own: impl Fn(PointMm) -> bool) -> Merit {
-        let cells: Vec<usize> = (0..self.grid.len()).filter(|cell| own(self.grid.centre_mm(*cell))).collect();
-        let peak = cells.iter().map(|cell| self.values[*cell]).fold(0.0, f64::max);
+    pub fn merit(
+        &self,
+        truth: &Raster,
+        amplitude: f64,
+        centre_mm: PointMm,
+        own: impl Fn(PointMm) -> bool,
+    ) -> Merit {
+        let cells: Vec<usize> = (0..self.grid.len())
+            .filter(|cell| own(self.grid.centre_mm(*cell)))
+            .collect();
+        let peak = cells
+            .iter()
+            .map(|cell| self.values[*cell])
+            .fold(0.0, f64::max);
         let in_q = |cell: &usize| peak > 0.0 && self.values[*cell] >= QUARTER * peak;
         let q: Vec<usize> = cells.iter().copied().filter(in_q).collect();
         let (mut sum, mut centre) = (0.0, [0.0, 0.0]);
@@ -167,14 +185,22 @@ impl Raster {
             sum += weight;
             centre = [centre[0] + weight * x, centre[1] + weight * y];
         }
-        let centre = if sum > 0.0 { centre.map(|c| c / sum) } else { [f64::NAN; 2] };
+        let centre = if sum > 0.0 {
+            centre.map(|c| c / sum)
+        } else {
+            [f64::NAN; 2]
+        };
         let area = q.len() as f64 * CELL_MM * CELL_MM;
         let radius = (area / std::f64::consts::PI).sqrt();
         let within = |cell: usize| {
             let [x, y] = self.grid.centre_mm(cell);
             (x - centre[0]).hypot(y - centre[1]) <= radius
         };
-        let inside: f64 = cells.iter().filter(|c| within(**c)).map(|c| self.values[*c]).sum();
+        let inside: f64 = cells
+            .iter()
+            .filter(|c| within(**c))
+            .map(|c| self.values[*c])
+            .sum();
         let against: f64 = cells
             .iter()
             .filter(|c| !within(**c))
@@ -187,7 +213,8 @@ impl Raster {
             amplitude_response: total / (amplitude * held),
             place_error_mm: (centre[0] - centre_mm[0]).hypot(centre[1] - centre_mm[1]),
             resolution: (area / pad_area).sqrt(),
-            shape_deformation: q.iter().filter(|c| !within(**c)).count() as f64 / q.len().max(1) as f64,
+            shape_deformation: q.iter().filter(|c| !within(**c)).count() as f64
+                / q.len().max(1) as f64,
             ringing: against / inside,
         }
     }
@@ -200,14 +227,18 @@ mod tests {
     const SIZE: [f64; 2] = [100.0, 100.0];
 
     fn ring(inner: f64, outer: f64) -> Raster {
-        Raster::of(SIZE, |[x, y]| (inner..=outer).contains(&(x - 50.0).hypot(y - 50.0)))
+        Raster::of(SIZE, |[x, y]| {
+            (inner..=outer).contains(&(x - 50.0).hypot(y - 50.0))
+        })
     }
 
     #[test]
     fn euler_numbers_count_parts_and_holes() {
         assert_eq!(ring(0.0, 20.0).euler_number(), 1);
         assert_eq!(ring(10.0, 20.0).euler_number(), 0);
-        let two = Raster::of(SIZE, |[x, y]| [30.0, 70.0].iter().any(|c| (x - c).hypot(y - 50.0) < 8.0));
+        let two = Raster::of(SIZE, |[x, y]| {
+            [30.0, 70.0].iter().any(|c| (x - c).hypot(y - 50.0) < 8.0)
+        });
         assert_eq!(two.euler_number(), 2);
     }
 
@@ -223,7 +254,9 @@ mod tests {
         let disc = ring(0.0, 15.0);
         let merit = disc.merit(&disc, 1.0, [50.0, 50.0], |_| true);
         assert!((merit.amplitude_response - 1.0).abs() < 1e-12);
-        assert!(merit.place_error_mm < 1e-9 && merit.shape_deformation < 0.02 && merit.ringing == 0.0);
+        assert!(
+            merit.place_error_mm < 1e-9 && merit.shape_deformation < 0.02 && merit.ringing == 0.0
+        );
         let expected = (std::f64::consts::PI * 225.0 / 1e4).sqrt();
         assert!((merit.resolution - expected).abs() < 0.01);
     }

@@ -95,7 +95,10 @@ impl Shape {
                 [a, b]
                     .into_iter()
                     .flat_map(|[x, y]| {
-                        [[x - uy * half, y + ux * half], [x + uy * half, y - ux * half]]
+                        [
+                            [x - uy * half, y + ux * half],
+                            [x + uy * half, y - ux * half],
+                        ]
                     })
                     .collect()
             }
@@ -167,15 +170,26 @@ mod tests {
             ends_mm: [[20.0, 50.0], [80.0, 50.0]],
             width_mm: 10.0,
         };
-        assert!(bar.contains([50.0, 54.9]) && !bar.contains([50.0, 55.1]) && !bar.contains([81.0, 50.0]));
+        assert!(
+            bar.contains([50.0, 54.9])
+                && !bar.contains([50.0, 55.1])
+                && !bar.contains([81.0, 50.0])
+        );
     }
 
     #[test]
     fn a_touch_off_the_pad_is_named() {
-        let pad = Pad::from_toml("p", shipped_pad(DEFAULT_PAD).expect("shipped").toml).expect("sound");
+        let pad =
+            Pad::from_toml("p", shipped_pad(DEFAULT_PAD).expect("shipped").toml).expect("sound");
         let phantom = Phantom::discs("one point", &[[98.0, 50.0]], 5.0);
         let misfit = phantom.misfit(&pad).expect("off the pad");
-        assert!(misfit.starts_with("one point: the touch at (98, 50) mm reaches off the pad"), "{misfit}");
-        assert_eq!(Phantom::discs("one point", &[[50.0, 50.0]], 5.0).misfit(&pad), None);
+        assert!(
+            misfit.starts_with("one point: the touch at (98, 50) mm reaches off the pad"),
+            "{misfit}"
+        );
+        assert_eq!(
+            Phantom::discs("one point", &[[50.0, 50.0]], 5.0).misfit(&pad),
+            None
+        );
     }
 }

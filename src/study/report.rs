@@ -61,12 +61,23 @@ impl Report {
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n```sh\n{}\n```\n\n{}\n", self.title, self.command, self.made_by());
+        let mut text = format!(
+            "# {}\n\n```sh\n{}\n```\n\n{}\n",
+            self.title,
+            self.command,
+            self.made_by()
+        );
         for paragraph in &self.paragraphs {
             let _ = write!(text, "\n{paragraph}\n");
         }
         for table in &self.tables {
-            let _ = write!(text, "\n## {}\n\n| {} |\n|{}\n", table.title, cells(&table.head), " --- |".repeat(table.head.len()));
+            let _ = write!(
+                text,
+                "\n## {}\n\n| {} |\n|{}\n",
+                table.title,
+                cells(&table.head),
+                " --- |".repeat(table.head.len())
+            );
             for row in &table.rows {
                 let _ = writeln!(text, "| {} |", cells(row));
             }
@@ -94,9 +105,17 @@ impl Report {
         }
         for table in &self.tables {
             let row = |cells: &[String], tag: &str| -> String {
-                cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect()
+                cells
+                    .iter()
+                    .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)))
+                    .collect()
             };
-            let _ = write!(text, "<h2>{}</h2>\n<table>\n<tr>{}</tr>\n", escaped(&table.title), row(&table.head, "th"));
+            let _ = write!(
+                text,
+                "<h2>{}</h2>\n<table>\n<tr>{}</tr>\n",
+                escaped(&table.title),
+                row(&table.head, "th")
+            );
             for cells in &table.rows {
                 let _ = writeln!(text, "<tr>{}</tr>", row(cells, "td"));
             }
@@ -119,7 +138,9 @@ impl Table {
     fn csv(&self) -> Result<Vec<u8>, StudyError> {
         let failed = |error: &dyn std::fmt::Display| StudyError::Internal(error.to_string());
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&self.head).map_err(|error| failed(&error))?;
+        writer
+            .write_record(&self.head)
+            .map_err(|error| failed(&error))?;
         for row in &self.rows {
             writer.write_record(row).map_err(|error| failed(&error))?;
         }
@@ -129,9 +150,16 @@ impl Table {
 
 /// Cells of a markdown row; a bar in a text would end its cell.
 fn cells(texts: &[String]) -> String {
-    texts.iter().map(|text| text.replace('|', "\\|")).collect::<Vec<_>>().join(" | ")
+    texts
+        .iter()
+        .map(|text| text.replace('|', "\\|"))
+        .collect::<Vec<_>>()
+        .join(" | ")
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }

@@ -78,7 +78,9 @@ impl Vary {
     /// No such number in the text; a pad that cannot be built, with its reason.
     pub fn pad(&self, name: &str, text: &str, number: f64) -> Result<Pad, StudyError> {
         let refuse = |reason: String| StudyError::Refused { reason };
-        let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| refuse(error.to_string()))?;
+        let mut document: DocumentMut = text
+            .parse()
+            .map_err(|error: toml_edit::TomlError| refuse(error.to_string()))?;
         let (table, key) = self.path.rsplit_once('.').unwrap_or(("", &self.path));
         let mut item: &mut Item = document.as_item_mut();
         for part in table.split('.').filter(|part| !part.is_empty()) {
@@ -89,8 +91,16 @@ impl Vary {
         let wanted = [key.to_owned(), format!("{key}_mm")];
         let place = wanted
             .iter()
-            .find(|key| item.get(key).is_some_and(|value| value.is_integer() || value.is_float()))
-            .ok_or_else(|| refuse(format!("the pad {name} has no number `{}` to vary", self.path)))?;
+            .find(|key| {
+                item.get(key)
+                    .is_some_and(|value| value.is_integer() || value.is_float())
+            })
+            .ok_or_else(|| {
+                refuse(format!(
+                    "the pad {name} has no number `{}` to vary",
+                    self.path
+                ))
+            })?;
         item[place.as_str()] = match item[place.as_str()].is_integer() && number.fract() == 0.0 {
             true => value(number as i64),
             false => value(number),
@@ -114,7 +124,13 @@ mod tests {
         let vary: Vary = "lattice.width=1..3:0.5".parse().expect("a range");
         assert_eq!(vary.values(), [1.0, 1.5, 2.0, 2.5, 3.0]);
         assert_eq!(vary.to_string(), "lattice.width=1..3:0.5");
-        for wrong in ["lattice.width", "w=1..x:1", "w=2..1:1", "w=1..2:0", "w=0..1e9:1"] {
+        for wrong in [
+            "lattice.width",
+            "w=1..x:1",
+            "w=2..1:1",
+            "w=1..2:0",
+            "w=0..1e9:1",
+        ] {
             assert!(wrong.parse::<Vary>().is_err(), "{wrong}");
         }
     }
@@ -132,10 +148,16 @@ mod tests {
     #[test]
     fn impossible_values_are_refused_with_the_reason() {
         let vary: Vary = "lattice.width=1..20:1".parse().expect("a range");
-        let said = vary.pad("p", text(), 12.0).expect_err("too wide").to_string();
+        let said = vary
+            .pad("p", text(), 12.0)
+            .expect_err("too wide")
+            .to_string();
         assert!(said.contains("channels of 12 mm overlap"), "{said}");
         let vary: Vary = "lattice.colour=1..2:1".parse().expect("a range");
-        let said = vary.pad("p", text(), 1.0).expect_err("no such thing").to_string();
+        let said = vary
+            .pad("p", text(), 1.0)
+            .expect_err("no such thing")
+            .to_string();
         assert_eq!(said, "the pad p has no number `lattice.colour` to vary");
     }
 }

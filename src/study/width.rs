@@ -24,15 +24,15 @@ const WIDTHS_MM: [f64; 5] = [5.0, 4.0, 3.0, 2.0, 1.0];
 /// Noise against which changes and bounds are measured, dB.
 const SNR_DB: f64 = 60.0;
 /// Random places of one touch, in full and in quick studies.
-const PLACES: (usize, usize) = (60, 12);
+const PLACES: (usize, usize) = (50, 12);
 /// The press whose place is bounded: a fingertip's.
 const PRESS: (f64, f64) = (7.0, 1.2);
 /// Places a side of the grid over which the bound is taken, in full and in quick studies.
-const BOUND_GRID: (usize, usize) = (5, 3);
+const BOUND_GRID: (usize, usize) = (4, 3);
 /// Places keep this distance from the edge, mm.
 const MARGIN_MM: f64 = 10.0;
-/// Longest edge of the study's mesh in units of the reconstruction's.
-const MESH_SCALE: f64 = 1.25;
+/// Longest edge of the study's mesh, mm.
+const LONGEST_EDGE_MM: f64 = 0.5;
 
 /// What is studied. Its text is the study's identity: the same settings give the same files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,30 +75,15 @@ pub struct Variant {
     pub pad: Pad,
 }
 
-/// One job: a part of what is asked of one variant.
-#[derive(Clone, Debug)]
-pub struct Case {
-    variant: usize,
-    part: Part,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
-    Phantoms,
-    Places,
-    Bound,
-}
-
-/// What a job gave.
+/// What one variant gave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Outcome {
+pub struct Outcome {
     /// Touches by levels, in that order.
-    Phantoms(Vec<Change>),
+    phantoms: Vec<Change>,
     /// One touch at each random place.
-    Places(Vec<Change>),
-    /// Place and bound, mm.
-    Bound(Vec<([f64; 2], f64)>),
+    places: Vec<Change>,
+    /// Places and bounds, mm.
+    bounds: Vec<([f64; 2], f64)>,
 }
 
 /// How the voltages change.
@@ -119,7 +104,11 @@ fn phantoms() -> [Phantom; 3] {
     [
         Phantom::discs("one point", &[[50.0, 50.0]], TOUCH_MM),
         Phantom::discs("two points", &[[30.0, 50.0], [70.0, 50.0]], TOUCH_MM),
-        Phantom::discs("three points", &[[30.0, 30.0], [70.0, 30.0], [50.0, 70.0]], TOUCH_MM),
+        Phantom::discs(
+            "three points",
+            &[[30.0, 30.0], [70.0, 30.0], [50.0, 70.0]],
+            TOUCH_MM,
+        ),
     ]
 }
 
@@ -140,7 +129,10 @@ impl Width {
     pub fn new(settings: Settings) -> Result<Self, StudyError> {
         let variants = variants(&settings)?;
         for variant in &variants {
-            if let Some(misfit) = phantoms().iter().find_map(|phantom| phantom.misfit(&variant.pad)) {
+            if let Some(misfit) = phantoms()
+                .iter()
+                .find_map(|phantom| phantom.misfit(&variant.pad))
+            {
                 return Err(StudyError::Refused {
                     reason: format!("{}: {misfit}", variant.label),
                 });
@@ -152,7 +144,11 @@ impl Width {
             [least[0].min(size[0]), least[1].min(size[1])]
         });
         let everywhere = |place: &PointMm| variants.iter().all(|v| v.pad.outline.contains(*place));
-        let (places, grid) = if settings.quick { (PLACES.1, BOUND_GRID.1) } else { (PLACES.0, BOUND_GRID.0) };
+        let (places, grid) = if settings.quick {
+            (PLACES.1, BOUND_GRID.1)
+        } else {
+            (PLACES.0, BOUND_GRID.0)
+        };
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         let places = std::iter::repeat_with(|| {
             std::array::from_fn(|axis| {
@@ -184,73 +180,66 @@ impl Width {
         &self.settings
     }
 
-    /// The jobs, in order.
+    /// The pads to compare, in order: one job each.
     #[must_use]
-    pub fn cases(&self) -> Vec<Case> {
-        (0..self.variants.len())
-            .flat_map(|variant| {
-                [Part::Places, Part::Bound, Part::Phantoms].map(|part| Case { variant, part })
-            })
-            .collect()
+    pub fn cases(&self) -> &[Variant] {
+        &self.variants
     }
 
     /// The name under which a job's result is kept.
     #[must_use]
-    pub fn id(case: &Case) -> String {
-        let part = match case.part {
-            Part::Phantoms => "phantoms",
-            Part::Places => "places",
-            Part::Bound => "bound",
-        };
-        format!("{:03}-{part}", case.variant)
+    pub fn id(variant: &Variant) -> String {
+        variant.label.replace(' ', "-")
     }
 
     /// Solves one job.
     ///
     /// # Errors
     /// A pad that cannot be solved.
-    pub fn solve(&self, case: &Case) -> Result<Outcome, StudyError> {
-        let pad = &self.variants[case.variant].pad;
-        let mesh = Mesh::of_pad(pad, MeshSize::relative(pad, MESH_SCALE, false));
+    pub fn solve(&self, variant: &Variant) -> Result<Outcome, StudyError> {
+        let pad = &variant.pad;
         let contacts = ContactModel {
             thickness_m: 1.0,
             ..ContactModel::of_pad(pad)
         };
-        let model = ForwardModel::new(mesh, &contacts)?;
-        match case.part {
-            Part::Bound => {
-                let bounds = self.bound_places.iter().map(|place| {
-                    let press = Press {
-                        centre_mm: *place,
-                        radius_mm: PRESS.0,
-                        rise: PRESS.1,
-                    };
-                    Ok((*place, place_bound_mm(pad, &model, &press, SNR_DB)?))
-                });
-                Ok(Outcome::Bound(bounds.collect::<Result<_, StudyError>>()?))
-            }
-            Part::Phantoms => {
-                let rest = volts(pad, &model, |_| false, pad.background_s_per_m)?;
-                let mut changes = Vec::new();
-                for phantom in phantoms() {
-                    for level in LEVELS {
-                        let touched = volts(pad, &model, |point| phantom.contains(point), level)?;
-                        changes.push(Change::between(&rest, &touched));
-                    }
-                }
-                Ok(Outcome::Phantoms(changes))
-            }
-            Part::Places => {
-                let rest = volts(pad, &model, |_| false, pad.background_s_per_m)?;
-                let level = LEVELS[LEVELS.len() - 1];
-                let changes = self.places.iter().map(|place| {
-                    let touch = Phantom::discs("one point", &[*place], TOUCH_MM);
-                    let touched = volts(pad, &model, |point| touch.contains(point), level)?;
-                    Ok(Change::between(&rest, &touched))
-                });
-                Ok(Outcome::Places(changes.collect::<Result<_, StudyError>>()?))
-            }
-        }
+        let model = ForwardModel::new(Mesh::of_pad(pad, mesh_size(pad)), &contacts)?;
+        let rest = volts(pad, &model, |_| false, pad.background_s_per_m)?;
+        let change = |touch: &Phantom, level: f64| -> Result<Change, StudyError> {
+            let touched = volts(pad, &model, |point| touch.contains(point), level)?;
+            Ok(Change::between(&rest, &touched))
+        };
+        let phantoms = phantoms();
+        let by_level = phantoms
+            .iter()
+            .flat_map(|touch| LEVELS.map(|level| change(touch, level)));
+        let by_place = self.places.iter().map(|place| {
+            let touch = Phantom::discs("one point", &[*place], TOUCH_MM);
+            change(&touch, LEVELS[LEVELS.len() - 1])
+        });
+        let bounds = self.bound_places.iter().map(|place| {
+            let press = Press {
+                centre_mm: *place,
+                radius_mm: PRESS.0,
+                rise: PRESS.1,
+            };
+            Ok((*place, place_bound_mm(pad, &model, &press, SNR_DB)?))
+        });
+        Ok(Outcome {
+            phantoms: by_level.collect::<Result<_, StudyError>>()?,
+            places: by_place.collect::<Result<_, StudyError>>()?,
+            bounds: bounds.collect::<Result<_, StudyError>>()?,
+        })
+    }
+}
+
+/// A mesh on which touches of 5 mm are resolved: the figures of the phantoms change by less than 3 % when it is refined.
+fn mesh_size(pad: &Pad) -> MeshSize {
+    let size = MeshSize::relative(pad, 1.0, false);
+    MeshSize {
+        coarse_mm: size.coarse_mm.min(LONGEST_EDGE_MM),
+        fine_mm: size.fine_mm.min(LONGEST_EDGE_MM),
+        growth: 0.5,
+        ..size
     }
 }
 
@@ -267,8 +256,10 @@ fn variants(settings: &Settings) -> Result<Vec<Variant>, StudyError> {
             })
             .collect();
     }
-    let base = Pad::from_toml(&settings.pad, &settings.pad_toml).map_err(|faulty| StudyError::Refused {
-        reason: faulty.to_string(),
+    let base = Pad::from_toml(&settings.pad, &settings.pad_toml).map_err(|faulty| {
+        StudyError::Refused {
+            reason: faulty.to_string(),
+        }
     })?;
     let Conductor::Lattice(lattice) = base.conductor.clone() else {
         return Err(StudyError::Refused {
@@ -290,7 +281,12 @@ fn variants(settings: &Settings) -> Result<Vec<Variant>, StudyError> {
     let lattices = WIDTHS_MM.into_iter().map(|width_mm| Variant {
         label: format!("{width_mm} mm"),
         pad: Pad {
-            conductor: Conductor::Lattice(Lattice::even(base.outline.size_mm(), width_mm, lines, margin_mm)),
+            conductor: Conductor::Lattice(Lattice::even(
+                base.outline.size_mm(),
+                width_mm,
+                lines,
+                margin_mm,
+            )),
             ..base.clone()
         },
     });
@@ -305,7 +301,11 @@ fn volts(
     level: f64,
 ) -> Result<Vec<f64>, StudyError> {
     let conductivity = model.mesh().mean_over_triangles(|point| {
-        if touched(point) { level } else { pad.background_s_per_m }
+        if touched(point) {
+            level
+        } else {
+            pad.background_s_per_m
+        }
     });
     Ok(model.solve(&conductivity)?.voltages(&pad.protocol))
 }
@@ -315,12 +315,18 @@ impl Change {
         let noise = 10f64.powf(-SNR_DB / 20.0);
         let full_scale = rest.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
         let count = rest.len() as f64;
-        let over = |value: &dyn Fn(f64, f64) -> f64| rest.iter().zip(touched).map(|(v, t)| value(*v, t - v)).sum::<f64>();
+        let over = |value: &dyn Fn(f64, f64) -> f64| {
+            rest.iter()
+                .zip(touched)
+                .map(|(v, t)| value(*v, t - v))
+                .sum::<f64>()
+        };
         Self {
             absolute: over(&|_, dv| dv.abs()) / count,
             relative: over(&|v, dv| (dv / v).abs()) / count,
             over_proportional_noise: (over(&|v, dv| (dv / v / noise).powi(2)) / count).sqrt(),
-            over_full_scale_noise: (over(&|_, dv| (dv / full_scale / noise).powi(2)) / count).sqrt(),
+            over_full_scale_noise: (over(&|_, dv| (dv / full_scale / noise).powi(2)) / count)
+                .sqrt(),
         }
     }
 }
@@ -340,22 +346,17 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// What all jobs of one variant gave.
-struct Found {
-    /// Touches by levels.
-    phantoms: Vec<Change>,
-    places: Vec<Change>,
-    bounds: Vec<([f64; 2], f64)>,
-}
-
-impl Found {
+impl Outcome {
     fn phantom(&self, touches: usize, level: usize) -> Change {
         self.phantoms[touches * LEVELS.len() + level]
     }
 
     /// Mean over the three phantoms at the highest level: REFERENCE section 1.
     fn at_the_top(&self, figure: impl Fn(&Change) -> f64) -> f64 {
-        (0..3).map(|touches| figure(&self.phantom(touches, LEVELS.len() - 1))).sum::<f64>() / 3.0
+        (0..3)
+            .map(|touches| figure(&self.phantom(touches, LEVELS.len() - 1)))
+            .sum::<f64>()
+            / 3.0
     }
 
     fn bound_mm(&self) -> f64 {
@@ -368,13 +369,16 @@ impl Width {
     ///
     /// # Errors
     /// Figures that cannot be drawn.
-    pub fn report(&self, outcomes: Vec<Outcome>) -> Result<Report, StudyError> {
-        let found = self.gather(outcomes);
+    pub fn report(&self, found: &[Outcome]) -> Result<Report, StudyError> {
         let x_label = match &self.settings.vary {
             Some(vary) => vary.path.clone(),
             None => "width of the channels".to_owned(),
         };
-        let places: Vec<String> = self.variants.iter().map(|variant| variant.label.clone()).collect();
+        let places: Vec<String> = self
+            .variants
+            .iter()
+            .map(|variant| variant.label.clone())
+            .collect();
         let chart = |name: &str, title: &str, y_label: &str, series: Vec<Series>| {
             Chart {
                 name: name.to_owned(),
@@ -408,7 +412,10 @@ impl Width {
                     points: found
                         .iter()
                         .map(|one| {
-                            [(0..3).map(|touches| figure(&one.phantom(touches, level))).sum::<f64>() / 3.0; 3]
+                            [(0..3)
+                                .map(|touches| figure(&one.phantom(touches, level)))
+                                .sum::<f64>()
+                                / 3.0; 3]
                         })
                         .collect(),
                 })
@@ -417,18 +424,51 @@ impl Width {
         let over_places = |figure: &dyn Fn(&Change) -> f64| {
             vec![Series {
                 name: format!("{} places", self.places.len()),
-                points: found.iter().map(|one| spread(one.places.iter().map(figure))).collect(),
+                points: found
+                    .iter()
+                    .map(|one| spread(one.places.iter().map(figure)))
+                    .collect(),
             }]
         };
         let percent = |change: &Change| 100.0 * change.relative;
         let milli = |change: &Change| 1e3 * change.absolute;
         let figures = vec![
-            chart("change", "Change at constant current, 5 S/m", "mean |dV|, mV/A (2-D)", by_touches(&milli))?,
-            chart("relative", "Relative change, 5 S/m", "mean |dV/V|, %", by_touches(&percent))?,
-            chart("levels", "Relative change by level, mean of the phantoms", "mean |dV/V|, %", by_level(&percent))?,
-            chart("levels-change", "Change by level, mean of the phantoms", "mean |dV|, mV/A (2-D)", by_level(&milli))?,
-            chart("places", "Relative change over random places: mean, least, greatest", "mean |dV/V|, %", over_places(&percent))?,
-            chart("places-change", "Change over random places: mean, least, greatest", "mean |dV|, mV/A (2-D)", over_places(&milli))?,
+            chart(
+                "change",
+                "Change at constant current, 5 S/m",
+                "mean |dV|, mV/A (2-D)",
+                by_touches(&milli),
+            )?,
+            chart(
+                "relative",
+                "Relative change, 5 S/m",
+                "mean |dV/V|, %",
+                by_touches(&percent),
+            )?,
+            chart(
+                "levels",
+                "Relative change by level, mean of the phantoms",
+                "mean |dV/V|, %",
+                by_level(&percent),
+            )?,
+            chart(
+                "levels-change",
+                "Change by level, mean of the phantoms",
+                "mean |dV|, mV/A (2-D)",
+                by_level(&milli),
+            )?,
+            chart(
+                "places",
+                "Relative change over random places: mean, least, greatest",
+                "mean |dV/V|, %",
+                over_places(&percent),
+            )?,
+            chart(
+                "places-change",
+                "Change over random places: mean, least, greatest",
+                "mean |dV|, mV/A (2-D)",
+                over_places(&milli),
+            )?,
             chart(
                 "noise",
                 "The change in units of noise (60 dB), over random places",
@@ -436,11 +476,17 @@ impl Width {
                 vec![
                     Series {
                         name: "noise of a reading".to_owned(),
-                        points: found.iter().map(|one| spread(one.places.iter().map(|c| c.over_proportional_noise))).collect(),
+                        points: found
+                            .iter()
+                            .map(|one| spread(one.places.iter().map(|c| c.over_proportional_noise)))
+                            .collect(),
                     },
                     Series {
                         name: "of full scale".to_owned(),
-                        points: found.iter().map(|one| spread(one.places.iter().map(|c| c.over_full_scale_noise))).collect(),
+                        points: found
+                            .iter()
+                            .map(|one| spread(one.places.iter().map(|c| c.over_full_scale_noise)))
+                            .collect(),
                     },
                 ],
             )?,
@@ -453,7 +499,8 @@ impl Width {
                     points: found
                         .iter()
                         .map(|one| {
-                            let [_, least, most] = spread(one.bounds.iter().map(|(_, bound)| *bound));
+                            let [_, least, most] =
+                                spread(one.bounds.iter().map(|(_, bound)| *bound));
                             [one.bound_mm(), least, most]
                         })
                         .collect(),
@@ -465,38 +512,20 @@ impl Width {
             command: self.command(),
             version: self.settings.version.clone(),
             seed: self.settings.seed,
-            paragraphs: self.claims(&found),
-            tables: vec![self.summary(&found, &x_label)],
-            csvs: self.csvs(&found),
+            paragraphs: self.claims(found),
+            tables: vec![self.summary(found, &x_label)],
+            csvs: self.csvs(found),
             figures,
         })
-    }
-
-    fn gather(&self, outcomes: Vec<Outcome>) -> Vec<Found> {
-        let mut found: Vec<Found> = self
-            .variants
-            .iter()
-            .map(|_| Found {
-                phantoms: Vec::new(),
-                places: Vec::new(),
-                bounds: Vec::new(),
-            })
-            .collect();
-        for (case, outcome) in self.cases().iter().zip(outcomes) {
-            let one = &mut found[case.variant];
-            match outcome {
-                Outcome::Phantoms(changes) => one.phantoms = changes,
-                Outcome::Places(changes) => one.places = changes,
-                Outcome::Bound(bounds) => one.bounds = bounds,
-            }
-        }
-        found
     }
 
     /// The command that makes these files, wherever they are.
     fn command(&self) -> String {
         let settings = &self.settings;
-        let mut command = format!("gelpad study width --pad {} --seed {}", settings.pad, settings.seed);
+        let mut command = format!(
+            "gelpad study width --pad {} --seed {}",
+            settings.pad, settings.seed
+        );
         if let Some(vary) = &settings.vary {
             command.push_str(&format!(" --vary {vary}"));
         }
@@ -514,7 +543,7 @@ impl Width {
     }
 
     /// What the figures say of the paper's claims.
-    fn claims(&self, found: &[Found]) -> Vec<String> {
+    fn claims(&self, found: &[Outcome]) -> Vec<String> {
         let mut said = vec![
             "Two-dimensional complete electrode model. The paper gives neither the number of lattice lines, nor the \
              conductivity levels, nor the size and places of its touches: 11 x 11 lines (the pad's text), levels of 2, 3, 4, 5 S/m \
@@ -536,10 +565,22 @@ impl Width {
         if self.settings.vary.is_some() {
             return said;
         }
-        let absolute: Vec<f64> = found.iter().map(|one| one.at_the_top(|change| change.absolute)).collect();
-        let relative: Vec<f64> = found.iter().map(|one| one.at_the_top(|change| change.relative)).collect();
+        let absolute: Vec<f64> = found
+            .iter()
+            .map(|one| one.at_the_top(|change| change.absolute))
+            .collect();
+        let relative: Vec<f64> = found
+            .iter()
+            .map(|one| one.at_the_top(|change| change.relative))
+            .collect();
         let grows = |values: &[f64]| values.windows(2).all(|pair| pair[1] > pair[0]);
-        let list = |values: &[f64], unit: f64| values.iter().map(|v| short(v * unit)).collect::<Vec<_>>().join(", ");
+        let list = |values: &[f64], unit: f64| {
+            values
+                .iter()
+                .map(|v| short(v * unit))
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
         said.push(format!(
             "Paper's claims \"the lattice gives more voltage variation than the solid\" and \"narrower channels give more\": for |dV| at \
              constant current they {} ({} mV/A from solid to 1 mm, figure change); for the relative change |dV/V| they {} ({} %, figure relative).",
@@ -549,10 +590,13 @@ impl Width {
             list(&relative, 100.0),
         ));
         let mean_places = |figure: &dyn Fn(&Change) -> f64| -> Vec<f64> {
-            found.iter().map(|one| spread(one.places.iter().map(figure))[0]).collect()
+            found
+                .iter()
+                .map(|one| spread(one.places.iter().map(figure))[0])
+                .collect()
         };
         let placed = mean_places(&|change| change.absolute);
-        let bounds: Vec<f64> = found.iter().map(Found::bound_mm).collect();
+        let bounds: Vec<f64> = found.iter().map(Outcome::bound_mm).collect();
         said.push(format!(
             "Beyond the paper: phantoms at crossings of lines flatter narrow channels. Over {} random places the mean |dV| is {} mV/A \
              (figures places, places-change). What a touch's place can be known to at 60 dB (Cramer-Rao bound, a press of 7 mm radius \
@@ -564,7 +608,7 @@ impl Width {
         said
     }
 
-    fn summary(&self, found: &[Found], x_label: &str) -> Table {
+    fn summary(&self, found: &[Outcome], x_label: &str) -> Table {
         let key = |index: &usize| -> f64 {
             let one = &found[*index];
             match self.settings.rank {
@@ -597,7 +641,8 @@ impl Width {
                 .into_iter()
                 .map(|index| {
                     let one = &found[index];
-                    let mean = |figure: &dyn Fn(&Change) -> f64| spread(one.places.iter().map(figure))[0];
+                    let mean =
+                        |figure: &dyn Fn(&Change) -> f64| spread(one.places.iter().map(figure))[0];
                     vec![
                         self.variants[index].label.clone(),
                         short(1e3 * one.at_the_top(|c| c.absolute)),
@@ -612,7 +657,7 @@ impl Width {
         }
     }
 
-    fn csvs(&self, found: &[Found]) -> Vec<Table> {
+    fn csvs(&self, found: &[Outcome]) -> Vec<Table> {
         let figures = |change: &Change| {
             [
                 change.absolute,
@@ -622,9 +667,18 @@ impl Width {
             ]
             .map(|value| value.to_string())
         };
-        let columns = ["mean_abs_dv_v_per_a_2d", "mean_abs_dv_over_v", "rms_dv_over_noise_60db", "rms_dv_over_full_scale_noise_60db"];
+        let columns = [
+            "mean_abs_dv_v_per_a_2d",
+            "mean_abs_dv_over_v",
+            "rms_dv_over_noise_60db",
+            "rms_dv_over_full_scale_noise_60db",
+        ];
         let head = |first: &[&str]| -> Vec<String> {
-            first.iter().chain(&columns).map(|name| (*name).to_owned()).collect()
+            first
+                .iter()
+                .chain(&columns)
+                .map(|name| (*name).to_owned())
+                .collect()
         };
         let mut phantom_rows = Vec::new();
         let mut place_rows = Vec::new();
@@ -632,13 +686,21 @@ impl Width {
         for (variant, one) in self.variants.iter().zip(found) {
             for (touches, phantom) in phantoms().iter().enumerate() {
                 for (level, s_per_m) in LEVELS.iter().enumerate() {
-                    let mut row = vec![variant.label.clone(), phantom.name.to_owned(), s_per_m.to_string()];
+                    let mut row = vec![
+                        variant.label.clone(),
+                        phantom.name.to_owned(),
+                        s_per_m.to_string(),
+                    ];
                     row.extend(figures(&one.phantom(touches, level)));
                     phantom_rows.push(row);
                 }
             }
             for (place, change) in self.places.iter().zip(&one.places) {
-                let mut row = vec![variant.label.clone(), place[0].to_string(), place[1].to_string()];
+                let mut row = vec![
+                    variant.label.clone(),
+                    place[0].to_string(),
+                    place[1].to_string(),
+                ];
                 row.extend(figures(change));
                 place_rows.push(row);
             }
@@ -664,7 +726,9 @@ impl Width {
             },
             Table {
                 title: "bound".to_owned(),
-                head: ["variant", "x_mm", "y_mm", "bound_mm"].map(str::to_owned).to_vec(),
+                head: ["variant", "x_mm", "y_mm", "bound_mm"]
+                    .map(str::to_owned)
+                    .to_vec(),
                 rows: bound_rows,
             },
         ]

@@ -122,8 +122,11 @@ impl Detector {
     /// Makes the image and finds its blobs; returns the highest value of the smoothed image.
     fn look(&mut self, volts: &[f32], threshold: Threshold) -> f32 {
         self.reference.changes(volts, &mut self.changes);
-        self.imager
-            .image(&self.changes, self.reference.change_noise(), &mut self.image);
+        self.imager.image(
+            &self.changes,
+            self.reference.change_noise(),
+            &mut self.image,
+        );
         self.blobs.clear();
         self.segmenter
             .blobs(&self.image, threshold, &mut self.blobs)

@@ -107,30 +107,16 @@ impl Mesh {
     /// that stand for a quarter of its area each.
     #[must_use]
     pub fn quarter_points_mm(&self, triangle: usize) -> [PointMm; 4] {
-        let corners = self.corners_mm(triangle);
-        let centre = self.centroid_mm(triangle);
-        // A corner's quarter has its centroid half-way between the corner and the centroid.
-        let towards =
-            |corner: PointMm| [0.5 * (corner[0] + centre[0]), 0.5 * (corner[1] + centre[1])];
-        [
-            centre,
-            towards(corners[0]),
-            towards(corners[1]),
-            towards(corners[2]),
-        ]
+        quarter_points(self.corners_mm(triangle))
     }
 
-    /// The mean of a function over each triangle, by its quarter points.
+    /// The mean of a function over each triangle, by its quarter points; where these disagree (the edge of a shape runs
+    /// through), by quarters of quarters.
     #[must_use]
     pub fn mean_over_triangles(&self, f: impl Fn(PointMm) -> f64) -> Vec<f64> {
+        const DEPTH: usize = 3;
         (0..self.triangles.len())
-            .map(|triangle| {
-                self.quarter_points_mm(triangle)
-                    .into_iter()
-                    .map(&f)
-                    .sum::<f64>()
-                    / 4.0
-            })
+            .map(|triangle| mean_over(self.corners_mm(triangle), &f, DEPTH))
             .collect()
     }
 
@@ -159,8 +145,7 @@ impl Mesh {
         };
         for edge in mesh.boundary_edges() {
             let [a, b] = edge.map(|node| mesh.nodes_mm[node]);
-            let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-            let Some(along) = along_outline(&pad.outline, middle) else {
+            let Some(along) = along_outline(&pad.outline, middle(a, b)) else {
                 continue;
             };
             let owner = pad
@@ -189,6 +174,32 @@ impl Mesh {
             .map(|run| run[0])
             .collect()
     }
+}
+
+fn quarter_points(corners: [PointMm; 3]) -> [PointMm; 4] {
+    let [a, b, c] = corners;
+    let centre = [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0];
+    // A corner's quarter has its centroid half-way between the corner and the centroid.
+    let towards = |corner: PointMm| middle(corner, centre);
+    [centre, towards(a), towards(b), towards(c)]
+}
+
+fn middle(a: PointMm, b: PointMm) -> PointMm {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+fn mean_over(corners: [PointMm; 3], f: &impl Fn(PointMm) -> f64, depth: usize) -> f64 {
+    let values = quarter_points(corners).map(f);
+    if depth == 0 || values.iter().all(|value| *value == values[0]) {
+        return values.iter().sum::<f64>() / 4.0;
+    }
+    let [a, b, c] = corners;
+    let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+    [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]]
+        .into_iter()
+        .map(|quarter| mean_over(quarter, f, depth - 1))
+        .sum::<f64>()
+        / 4.0
 }
 
 /// The distance along the outline of a point on a chord of it.

@@ -19,15 +19,17 @@ pub(super) fn prior_times_jacobian(pad: &Linearised, method: Method) -> Option<M
     let jacobian = &pad.jacobian;
     let scaled = |prior: &dyn Fn(usize) -> f64| {
         let priors: Vec<f64> = (0..jacobian.ncols()).map(prior).collect();
-        Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |m, p| jacobian[(m, p)] * priors[p])
+        Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |m, p| {
+            jacobian[(m, p)] * priors[p]
+        })
     };
     match method {
         // Every pixel alike.
         Method::Tikhonov => Some(jacobian.clone()),
         // Cheney et al. 1990 with exponent 1/2: P = 1 / diag(Jn' Jn)^0.5.
-        Method::Noser => {
-            Some(scaled(&|p| 1.0 / jacobian.col(p).norm_l2().max(f64::MIN_POSITIVE)))
-        }
+        Method::Noser => Some(scaled(&|p| {
+            1.0 / jacobian.col(p).norm_l2().max(f64::MIN_POSITIVE)
+        })),
         // P_ij = exp(-d_ij2 / 2 s2): a Gaussian covariance, which is separable on the grid.
         Method::Smooth => Some(smoothed(jacobian, &pad.active, &pad.grid)),
         Method::L1 => None,
@@ -55,7 +57,11 @@ fn smoothed(jacobian: &Mat<f64>, active: &[usize], grid: &PixelGrid) -> Mat<f64>
         for (index, value) in half.iter_mut().enumerate() {
             let (row, at) = (index / grid.columns, index % grid.columns);
             let line = &plane[row * grid.columns..(row + 1) * grid.columns];
-            *value = line.iter().enumerate().map(|(x, v)| v * along_x[x.abs_diff(at)]).sum();
+            *value = line
+                .iter()
+                .enumerate()
+                .map(|(x, v)| v * along_x[x.abs_diff(at)])
+                .sum();
         }
         for (column, pixel) in active.iter().enumerate() {
             let (at, x) = (pixel / grid.columns, pixel % grid.columns);
