@@ -115,6 +115,12 @@ impl Engine {
         self.gestures.held()
     }
 
+    /// Channels that the first frames showed to be dead or loose, and that are left out since.
+    #[must_use]
+    pub fn muted_channels(&self) -> Vec<usize> {
+        self.detector.muted_channels()
+    }
+
     /// Frames that were lost before the engine.
     #[must_use]
     pub fn lost_frames(&self) -> u64 {

@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError, RingBuffer};
 
+use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::output::{Device, Held, OutputError};
 use crate::source::{Pace, Reading, Source, SourceError};
@@ -29,6 +30,12 @@ const FRAME_QUEUE: usize = 256;
 const EVENT_QUEUE: usize = 1024;
 /// Longest sleep of any thread: what a shut-down waits for at most.
 const NAP: Duration = Duration::from_millis(20);
+/// A board that sends no frame for this long is silent: its keys come up until it speaks again.
+const SILENCE: Duration = Duration::from_millis(500);
+/// Longest wait for the threads to end when nobody asks how it went.
+const LAST_WAIT: Duration = Duration::from_secs(2);
+/// The first reasons for skipping are told, then every hundredth.
+const TOLD_SKIPS: u64 = 3;
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
 
@@ -47,6 +54,8 @@ pub struct View {
     pub events: VecDeque<Event>,
     /// Frames so far.
     pub frames: u64,
+    /// Frames that were lost or garbled.
+    pub lost_frames: u64,
     /// Frames a second, over the last second or so.
     pub frames_per_s: f64,
     /// From a frame's arrival to its events, median so far, us.
@@ -80,6 +89,10 @@ pub struct Summary {
 pub struct Running {
     stop: Arc<AtomicBool>,
     views: triple_buffer::Output<View>,
+    threads: Option<Threads>,
+}
+
+struct Threads {
     source: JoinHandle<SourceReport>,
     engine: JoinHandle<EngineReport>,
     output: JoinHandle<OutputReport>,
@@ -134,9 +147,11 @@ pub fn start(
         held: Vec::new(),
         events: VecDeque::new(),
         frames: 0,
+        lost_frames: 0,
         frames_per_s: 0.0,
         latency_us: 0,
     };
+    let pace = source.pace();
     let (views_in, views) = triple_buffer::triple_buffer(&blank);
     let output = Builder::new()
         .name("output".to_owned())
@@ -154,6 +169,9 @@ pub fn start(
             view: blank,
             fresh: Vec::new(),
             latency: new_histogram(),
+            pace,
+            silent: false,
+            muted_told: false,
             last_frame: None,
             second: None,
         }
@@ -167,9 +185,11 @@ pub fn start(
     Ok(Running {
         stop,
         views,
-        source,
-        engine,
-        output,
+        threads: Some(Threads {
+            source,
+            engine,
+            output,
+        }),
     })
 }
 
@@ -177,13 +197,17 @@ impl Running {
     /// Whether everything has ended.
     #[must_use]
     pub fn is_finished(&self) -> bool {
-        self.output.is_finished()
+        self.threads
+            .as_ref()
+            .is_none_or(|threads| threads.output.is_finished())
     }
 
     /// Asks the source to end; the rest follows.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
-        self.source.thread().unpark();
+        if let Some(threads) = &self.threads {
+            threads.source.thread().unpark();
+        }
     }
 
     /// The newest view.
@@ -193,13 +217,14 @@ impl Running {
 
     /// Waits for the end.
     #[must_use]
-    pub fn join(self) -> Summary {
+    pub fn join(mut self) -> Summary {
+        let threads = self.threads.take().expect("taken here only");
         let mut panicked = None;
-        let source = self.source.join().unwrap_or_else(|_| {
+        let source = threads.source.join().unwrap_or_else(|_| {
             panicked = Some("source");
             SourceReport::default()
         });
-        let engine = self.engine.join().unwrap_or_else(|_| {
+        let engine = threads.engine.join().unwrap_or_else(|_| {
             panicked = Some("engine");
             EngineReport {
                 frames: 0,
@@ -207,7 +232,7 @@ impl Running {
                 latency: new_histogram(),
             }
         });
-        let output = self.output.join().unwrap_or_else(|_| {
+        let output = threads.output.join().unwrap_or_else(|_| {
             panicked = Some("output");
             OutputReport {
                 presses: 0,
@@ -225,6 +250,17 @@ impl Running {
             source_error: source.error,
             output_error: output.error,
             panicked,
+        }
+    }
+}
+
+/// Whoever shows the game may panic: the keys come up before the program ends.
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop();
+        let start = now();
+        while !self.is_finished() && start.elapsed() < LAST_WAIT {
+            std::thread::sleep(Duration::from_millis(2));
         }
     }
 }
@@ -259,18 +295,30 @@ fn source_thread(
                     let (start, t0) = *first.get_or_insert_with(|| (now(), frame.t_ns));
                     sleep_until(start + Duration::from_nanos(frame.t_ns - t0), stop);
                 }
-                if let Err(PushError::Full(_)) = frames.push(Arrived { frame, at: now() }) {
-                    lost.fetch_add(1, Ordering::Relaxed);
+                if stop.load(Ordering::Relaxed) {
+                    break;
                 }
+                let full = match frames.push(Arrived { frame, at: now() }) {
+                    Ok(()) => None,
+                    Err(PushError::Full(back)) => Some(back),
+                };
                 engine.unpark();
+                match (full, source.pace()) {
+                    (None, _) => {}
+                    // A board goes on sending: its frame is lost, and said to be.
+                    (Some(_), Pace::ByDevice) => {
+                        lost.fetch_add(1, Ordering::Relaxed);
+                    }
+                    (Some(back), Pace::ByStamp) => wait_for_room(&mut frames, back, engine, stop),
+                }
             }
             Ok(Reading::Skipped { reason }) => {
                 report.skipped += 1;
                 lost.fetch_add(1, Ordering::Relaxed);
-                tracing::warn!(
-                    "skipped what is no frame ({} so far): {reason}",
-                    report.skipped
-                );
+                if report.skipped <= TOLD_SKIPS || report.skipped.is_multiple_of(100) {
+                    let skipped = report.skipped;
+                    tracing::warn!("skipped what is no frame ({skipped} so far): {reason}");
+                }
                 engine.unpark();
             }
             Ok(Reading::Idle) => {}
@@ -284,6 +332,25 @@ fn source_thread(
     drop(frames);
     engine.unpark();
     report
+}
+
+/// A file's frames are never lost: it waits until the engine has caught up.
+fn wait_for_room(
+    frames: &mut Producer<Arrived>,
+    frame: Arrived,
+    engine: &Thread,
+    stop: &AtomicBool,
+) {
+    let mut waiting = frame;
+    while !stop.load(Ordering::Relaxed) && !frames.is_abandoned() {
+        match frames.push(waiting) {
+            Ok(()) => break,
+            Err(PushError::Full(back)) => waiting = back,
+        }
+        engine.unpark();
+        std::thread::park_timeout(Duration::from_millis(1));
+    }
+    engine.unpark();
 }
 
 /// Sleeps, but wakes to stop.
@@ -307,6 +374,11 @@ struct EngineThread {
     view: View,
     fresh: Vec<Event>,
     latency: Histogram<u64>,
+    pace: Pace,
+    /// Whether the board is silent, and its keys up.
+    silent: bool,
+    /// Whether loose channels have been told.
+    muted_told: bool,
     /// Time and arrival of the last frame: how the source's time runs against the clock's.
     last_frame: Option<(Nanos, Instant)>,
     /// When the current second of the frame rate began, and the frames until then.
@@ -316,12 +388,8 @@ struct EngineThread {
 impl EngineThread {
     fn run(mut self) -> EngineReport {
         loop {
-            let lost = self.lost.swap(0, Ordering::Relaxed);
-            if lost > 0 {
-                self.input(&Input::Lost { frames: lost }, None);
-            }
+            self.take_losses();
             if let Ok(arrived) = self.frames.pop() {
-                self.tick_until(arrived.frame.t_ns);
                 self.frame(arrived);
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
                 break;
@@ -332,7 +400,12 @@ impl EngineThread {
                 break;
             }
         }
-        let end_ns = self.now_ns().max(self.view.t_ns);
+        self.take_losses();
+        let end_ns = match self.pace {
+            // The same file ends at the same time, however fast it was played.
+            Pace::ByStamp => self.view.t_ns,
+            Pace::ByDevice => self.now_ns().max(self.view.t_ns),
+        };
         self.input(&Input::End { t_ns: end_ns }, None);
         self.publish();
         EngineReport {
@@ -342,8 +415,20 @@ impl EngineThread {
         }
     }
 
+    fn take_losses(&mut self) {
+        let lost = self.lost.swap(0, Ordering::Relaxed);
+        if lost > 0 {
+            self.input(&Input::Lost { frames: lost }, None);
+            self.view.lost_frames += lost;
+        }
+    }
+
     fn frame(&mut self, arrived: Arrived) {
         let Arrived { frame, at } = arrived;
+        if self.silent {
+            self.silent = false;
+            tracing::warn!("the board sends again");
+        }
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;
@@ -352,6 +437,13 @@ impl EngineThread {
         self.latency.saturating_record(took);
         self.rate(at);
         self.publish();
+        if !self.muted_told && self.view.frames > REFERENCE_FRAMES as u64 {
+            self.muted_told = true;
+            let muted = self.engine.muted_channels();
+            if !muted.is_empty() {
+                tracing::warn!("dead or loose at the start, left out: channels {muted:?}");
+            }
+        }
     }
 
     /// Feeds every tick that is due by a time, with its own time.
@@ -372,6 +464,24 @@ impl EngineThread {
         }
         if self.frames.is_empty() {
             self.tick_until(self.now_ns());
+            self.watch();
+        }
+    }
+
+    /// Lets go of everything while a board is silent: a key must not stick because a cable is half out.
+    fn watch(&mut self) {
+        let quiet = self
+            .last_frame
+            .is_some_and(|(_, at)| at.elapsed() > SILENCE);
+        if self.pace == Pace::ByDevice && quiet && !self.silent {
+            self.silent = true;
+            let t_ns = self.now_ns();
+            self.input(&Input::End { t_ns }, None);
+            self.publish();
+            tracing::warn!(
+                "the board has been silent for {} ms: all keys are up",
+                SILENCE.as_millis()
+            );
         }
     }
 
@@ -423,6 +533,7 @@ impl EngineThread {
         slot.held.extend(self.engine.held());
         slot.events.clone_from(&self.view.events);
         slot.frames = self.view.frames;
+        slot.lost_frames = self.view.lost_frames;
         slot.frames_per_s = self.view.frames_per_s;
         slot.latency_us = self.view.latency_us;
         self.views.publish();

@@ -29,7 +29,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "cli",
         &[
             "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
-            "runtime",
+            "runtime", "study",
         ],
     ),
 ];

@@ -295,7 +295,12 @@ fn held(folder: &Path) -> (Child, BufReader<std::process::ChildStdout>, String) 
 
 #[test]
 fn signals_end_with_keys_up_and_their_code() {
-    for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
+    for (signal, code) in [
+        (Signal::INT, 130),
+        (Signal::TERM, 143),
+        (Signal::HUP, 129),
+        (Signal::QUIT, 131),
+    ] {
         let folder = tempfile::tempdir().expect("a folder");
         let (mut child, mut lines, first) = held(folder.path());
         assert!(first.ends_with("press key:f\n"), "{first}");

@@ -140,7 +140,17 @@ impl From<RankArg> for Rank {
 Examples:
   gelpad play                                      the level, on the simulated pad
   gelpad play super-mario --source serial:/dev/ttyACM0
-  gelpad play ./mine.toml --source simulated:touches.txt --output trace --headless")]
+    gelpad play ./mine.toml --source simulated:touches.txt --output trace --headless
+
+A touch script, for simulated:SCRIPT (milliseconds, finger, millimetres from the bottom-left):
+  t:1000 down 1 80 30           a finger of 7 mm radius that raises the conductivity by 1.2
+  t:1000 down 2 20 50 6 1.5     the same with its radius (mm) and rise
+  t:1040 move 1 82 31
+  t:1080 up 1
+  t:2000 end                    else half a second after the last line
+
+A board's frame, for serial:PORT (115200 baud, OpenEIT's text, a comma behind every value):
+  magnitudes:        1.5000,       2.0000, ... ,\\r\\n")]
 pub(super) struct PlayArgs {
     /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`)
     #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
@@ -151,7 +161,7 @@ pub(super) struct PlayArgs {
     /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
-    /// Where events go; auto takes the keyboard where there is a display, else the trace
+    /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
     /// What a board sends

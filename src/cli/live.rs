@@ -15,6 +15,7 @@ use ratatui::style::{Color, Modifier, Style, Stylize as _};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Widget};
 
+use super::log;
 use super::map::Map;
 use crate::pad::Pad;
 use crate::profile::Profile;
@@ -34,6 +35,16 @@ pub(super) struct Title {
     pub output: String,
 }
 
+/// What the player asks of the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wish {
+    GoOn,
+    /// q or Esc: the end, as planned.
+    End,
+    /// Ctrl-C.
+    Interrupt,
+}
+
 /// A terminal in raw mode on its alternate screen; dropping it gives the terminal back.
 pub(super) struct LiveView {
     terminal: ratatui::Terminal<CrosstermBackend<Stdout>>,
@@ -41,12 +52,15 @@ pub(super) struct LiveView {
     pad: String,
     pad_mm: [f64; 2],
     profile: Arc<Profile>,
+    /// NO_COLOR: the image as shades of characters.
+    plain: bool,
 }
 
 impl LiveView {
     /// Takes the terminal.
     pub(super) fn open(title: Title, pad: &Pad, profile: Arc<Profile>) -> anyhow::Result<Self> {
         terminal::enable_raw_mode().context("the terminal gives no raw mode: use --headless")?;
+        log::hold_back(true);
         let mut stdout = std::io::stdout();
         execute!(
             stdout,
@@ -64,30 +78,29 @@ impl LiveView {
             pad: pad.name.clone(),
             pad_mm: pad.outline.size_mm(),
             profile,
+            plain: std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()),
         })
     }
 
-    /// Draws a view, then waits for a while; returns whether the user wants to end.
-    pub(super) fn draw_and_wait(&mut self, view: &View, wait: Duration) -> bool {
-        let (title, pad, pad_mm, profile) = (&self.title, &self.pad, self.pad_mm, &self.profile);
-        let drawn = self.terminal.draw(|frame| {
-            let screen = Screen {
-                view,
-                title,
-                pad,
-                pad_mm,
-                profile,
-            };
-            frame.render_widget(screen, frame.area());
-        });
-        if let Err(error) = drawn {
-            tracing::error!("the terminal is gone: {error}");
-            return true;
-        }
-        match event::poll(wait) {
-            Ok(true) => event::read().is_ok_and(|event| wants_to_end(&event)),
-            Ok(false) => false,
-            Err(_) => true,
+    /// Draws a view, then waits for a while for what the player wants.
+    ///
+    /// # Errors
+    /// The terminal is gone.
+    pub(super) fn draw_and_wait(&mut self, view: &View, wait: Duration) -> anyhow::Result<Wish> {
+        let screen = Screen {
+            view,
+            title: &self.title,
+            pad: &self.pad,
+            pad_mm: self.pad_mm,
+            profile: &self.profile,
+            plain: self.plain,
+        };
+        self.terminal
+            .draw(|frame| frame.render_widget(screen, frame.area()))?;
+        if event::poll(wait)? {
+            Ok(wish(&event::read()?))
+        } else {
+            Ok(Wish::GoOn)
         }
     }
 }
@@ -100,6 +113,7 @@ impl Drop for LiveView {
 
 /// Gives the terminal back; nothing can be done where that fails.
 fn restore() {
+    log::hold_back(false);
     let _ = execute!(
         std::io::stdout(),
         terminal::LeaveAlternateScreen,
@@ -108,14 +122,14 @@ fn restore() {
     let _ = terminal::disable_raw_mode();
 }
 
-fn wants_to_end(event: &TerminalEvent) -> bool {
+fn wish(event: &TerminalEvent) -> Wish {
     let TerminalEvent::Key(key) = event else {
-        return false;
+        return Wish::GoOn;
     };
     match key.code {
-        KeyCode::Esc | KeyCode::Char('q') => true,
-        KeyCode::Char('c') => key.modifiers.contains(KeyModifiers::CONTROL),
-        _ => false,
+        KeyCode::Esc | KeyCode::Char('q') => Wish::End,
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Wish::Interrupt,
+        _ => Wish::GoOn,
     }
 }
 
@@ -126,6 +140,7 @@ struct Screen<'a> {
     pad: &'a str,
     pad_mm: [f64; 2],
     profile: &'a Profile,
+    plain: bool,
 }
 
 impl Widget for Screen<'_> {
@@ -158,15 +173,24 @@ impl Screen<'_> {
         let scale = FULL_SCALE.max(self.view.image.peak());
         for row in 0..rows {
             for column in 0..usize::from(inner.width) {
-                // Two pixels a character: the upper is the half block's colour, the lower its background.
-                let [upper, lower] = [0.25, 0.75].map(|part| {
+                let value = |part: f64| {
                     let x = (column as f64 + 0.5) / f64::from(inner.width) * self.pad_mm[0];
                     let y = (1.0 - (row as f64 + part) / map.rows() as f64) * self.pad_mm[1];
-                    let [r, g, b] = heat(value_at(&self.view.image, [x, y]) / scale);
+                    value_at(&self.view.image, [x, y]) / scale
+                };
+                let mark = map.get(row, column);
+                let cell = &mut buffer[(inner.x + column as u16, inner.y + row as u16)];
+                if self.plain {
+                    let shown = if mark == ' ' { shade(value(0.5)) } else { mark };
+                    cell.set_char(shown);
+                    continue;
+                }
+                // Two pixels a character: the upper is the half block's colour, the lower its background.
+                let [upper, lower] = [0.25, 0.75].map(|part| {
+                    let [r, g, b] = heat(value(part));
                     Color::Rgb(r, g, b)
                 });
-                let cell = &mut buffer[(inner.x + column as u16, inner.y + row as u16)];
-                match map.get(row, column) {
+                match mark {
                     ' ' => cell.set_char('▀').set_fg(upper).set_bg(lower),
                     mark => cell.set_char(mark).set_fg(Color::Gray).set_bg(lower),
                 };
@@ -241,10 +265,13 @@ impl Screen<'_> {
     fn footer(&self, area: Rect, buffer: &mut Buffer) {
         let view = self.view;
         let seconds = ms_from_nanos(view.t_ns) / 1000.0;
-        let first = format!(
+        let mut first = format!(
             " {seconds:6.1} s   {} frames   {:.0} frames/s   frame to events {} us",
             view.frames, view.frames_per_s, view.latency_us
         );
+        if view.lost_frames > 0 {
+            first.push_str(&format!("   {} LOST", view.lost_frames));
+        }
         let second = format!(" {} -> {}   q ends", self.title.source, self.title.output);
         Paragraph::new(vec![
             Line::raw(first),
@@ -252,6 +279,12 @@ impl Screen<'_> {
         ])
         .render(area, buffer);
     }
+}
+
+/// A value 0..1 without colours.
+fn shade(value: f32) -> char {
+    const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
+    SHADES[((value * SHADES.len() as f32) as usize).min(SHADES.len() - 1)]
 }
 
 /// The image's value at a place; zero off the pad.

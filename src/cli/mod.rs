@@ -6,6 +6,7 @@
 mod args;
 mod exit;
 mod live;
+mod log;
 mod map;
 mod pads;
 mod play;
@@ -14,7 +15,6 @@ mod replay;
 mod resolve;
 mod study;
 
-use std::io::IsTerminal as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -25,7 +25,7 @@ use args::{Arguments, Command};
 #[must_use]
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    start_log(arguments.verbose);
+    log::start(arguments.verbose);
     let outcome = match arguments.command {
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
@@ -35,19 +35,4 @@ pub fn main() -> ExitCode {
         Some(Command::Study { command }) => study::run(&command),
     };
     exit::code(outcome)
-}
-
-/// Logs go to stderr: warnings always, more with `-v` or `RUST_LOG`.
-fn start_log(verbose: u8) {
-    use tracing_subscriber::EnvFilter;
-
-    let default = ["warn", "info", "debug"][usize::from(verbose.min(2))];
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .without_time()
-        .with_target(false)
-        .init();
 }

@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use hdrhistogram::Histogram;
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 
 use super::args::{OutputArg, PlayArgs, SourceArg};
 use super::exit::Ending;
-use super::live::{LiveView, Title};
+use super::live::{LiveView, Title, Wish};
 use super::resolve;
 use crate::engine::Engine;
 use crate::output::{Device, Keyboard, OutputError, Trace};
@@ -35,7 +35,7 @@ pub(super) fn level() -> anyhow::Result<Ending> {
     let script = Script::parse("level", LEVEL_SCRIPT)?;
     let noise = Noise::new(LEVEL_NOISE.0, LEVEL_NOISE.1);
     let source = SimulatedSource::new(&pad, &script, noise)?;
-    let live = std::io::stdout().is_terminal();
+    let live = can_show();
     let device: Box<dyn Device> = if live {
         Box::new(Trace::new(std::io::sink()))
     } else {
@@ -55,13 +55,19 @@ pub(super) fn level() -> anyhow::Result<Ending> {
     )
 }
 
+/// Whether there is a terminal that can be drawn on.
+fn can_show() -> bool {
+    std::io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile)?;
-    let live = !args.headless && std::io::stdout().is_terminal();
+    let live = !args.headless && can_show();
     let source = source(args, &pad)?;
-    let device = device(args.output, live)?;
+    let device = device(args, live)?;
+    check_outputs(&profile, device.as_ref())?;
     let title = Title {
         source: match &args.source {
             SourceArg::Simulated(None) => "simulated pad, the level".to_owned(),
@@ -90,7 +96,7 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
     })
 }
 
-fn device(output: OutputArg, live: bool) -> anyhow::Result<Box<dyn Device>> {
+fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
     let trace = || -> Box<dyn Device> {
         if live {
             Box::new(Trace::new(std::io::sink()))
@@ -98,17 +104,34 @@ fn device(output: OutputArg, live: bool) -> anyhow::Result<Box<dyn Device>> {
             Box::new(Trace::new(std::io::stdout()))
         }
     };
-    Ok(match output {
-        OutputArg::Trace => trace(),
-        OutputArg::Keyboard => Box::new(Keyboard::connect()?),
-        OutputArg::Auto => match Keyboard::connect() {
+    Ok(match (args.output, &args.source) {
+        (OutputArg::Keyboard, _) => Box::new(Keyboard::connect()?),
+        // A demonstration must not type into whatever has the focus.
+        (OutputArg::Trace, _) | (OutputArg::Auto, SourceArg::Simulated(_)) => trace(),
+        (OutputArg::Auto, _) => match Keyboard::connect() {
             Ok(keyboard) => Box::new(keyboard),
             Err(error) => {
-                eprintln!("output: trace ({error})");
+                say(&format!("output: trace ({error})"));
                 trace()
             }
         },
     })
+}
+
+/// Refuses a profile that presses what the device does not have.
+fn check_outputs(profile: &Profile, device: &dyn Device) -> anyhow::Result<()> {
+    match profile
+        .outputs
+        .iter()
+        .find(|output| !device.takes(**output))
+    {
+        Some(output) => anyhow::bail!(
+            "the profile {} presses {output}, which the {} does not have\n  help: bind a key (key:NAME), or choose another --output",
+            profile.name,
+            device.name()
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Plays until the source ends or a signal comes; shows it if a title is given.
@@ -120,43 +143,48 @@ fn run(
     device: Box<dyn Device>,
     title: Option<Title>,
 ) -> anyhow::Result<Ending> {
-    let signals = Signals::listen()?;
     let matrix = resolve::reconstruction(pad, method)?;
     let engine = Engine::new(pad, matrix, Arc::clone(&profile));
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad, profile)?),
         None => None,
     };
+    // Until here nothing is held: Ctrl-C may end the program as it likes.
+    let signals = Signals::listen()?;
     let mut running = runtime::start(engine, source, device).context("no thread to play on")?;
-    let signal = watch(&mut running, &signals, view.as_mut());
+    let watched = watch(&mut running, &signals, view.as_mut());
     running.stop();
     let summary = running.join();
     drop(view);
-    conclude(summary, signal)
+    conclude(summary, watched?)
 }
 
 /// Draws and waits; returns the signal that ended it, if one did.
-fn watch(running: &mut Running, signals: &Signals, mut view: Option<&mut LiveView>) -> Option<i32> {
+fn watch(
+    running: &mut Running,
+    signals: &Signals,
+    mut view: Option<&mut LiveView>,
+) -> anyhow::Result<Option<i32>> {
     while !running.is_finished() {
         if let Some(signal) = signals.received() {
-            return Some(signal);
+            return Ok(Some(signal));
         }
         match view.as_deref_mut() {
-            // Keys of a raw terminal: Ctrl-C arrives as a key there, and q and Esc end it too.
-            Some(view) => {
-                if view.draw_and_wait(running.view(), LOOK) {
-                    return Some(SIGINT);
-                }
-            }
+            // A raw terminal gives Ctrl-C as a key.
+            Some(view) => match view.draw_and_wait(running.view(), LOOK)? {
+                Wish::GoOn => {}
+                Wish::End => return Ok(None),
+                Wish::Interrupt => return Ok(Some(SIGINT)),
+            },
             None => std::thread::sleep(LOOK),
         }
     }
-    signals.received()
+    Ok(signals.received())
 }
 
 /// Says how it went, and how it ended.
 fn conclude(summary: Summary, signal: Option<i32>) -> anyhow::Result<Ending> {
-    eprintln!("{}", told(&summary));
+    say(&told(&summary));
     if let Some(thread) = summary.panicked {
         anyhow::bail!("a bug in gelpad ended its {thread} thread; all keys are up");
     }
@@ -175,12 +203,24 @@ fn conclude(summary: Summary, signal: Option<i32>) -> anyhow::Result<Ending> {
     })
 }
 
+/// A line for the player; a closed stderr is no reason to stop.
+fn say(text: &str) {
+    use std::io::Write as _;
+
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 fn told(summary: &Summary) -> String {
-    let mut text = format!("{} frames, {} presses", summary.frames, summary.presses);
+    let mut text = format!(
+        "{}, {}",
+        counted(summary.frames, "frame"),
+        counted(summary.presses, "press")
+    );
     if summary.lost_frames > 0 {
         text.push_str(&format!(
-            ", {} frames lost ({} of them garbled)",
-            summary.lost_frames, summary.skipped
+            ", {} lost ({} of them garbled)",
+            counted(summary.lost_frames, "frame"),
+            summary.skipped
         ));
     }
     let times = |histogram: &Histogram<u64>| {
@@ -202,32 +242,44 @@ fn told(summary: &Summary) -> String {
     text
 }
 
-/// Ctrl-C and SIGTERM as flags.
+fn counted(count: u64, what: &str) -> String {
+    match (count, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "press") => format!("{count} presses"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+/// What ends a game from outside. A second one of any kind ends the program at once, in case an output hangs.
+const ENDINGS: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
+
+/// Signals as flags.
 struct Signals {
-    interrupt: Arc<AtomicBool>,
-    terminate: Arc<AtomicBool>,
+    received: [Arc<AtomicBool>; ENDINGS.len()],
 }
 
 impl Signals {
     fn listen() -> anyhow::Result<Self> {
-        let flag = |signal| -> std::io::Result<Arc<AtomicBool>> {
-            let flag = Arc::new(AtomicBool::new(false));
-            signal_hook::flag::register(signal, Arc::clone(&flag))?;
-            Ok(flag)
-        };
-        Ok(Self {
-            interrupt: flag(SIGINT).context("Ctrl-C cannot be caught")?,
-            terminate: flag(SIGTERM).context("SIGTERM cannot be caught")?,
-        })
+        let any = Arc::new(AtomicBool::new(false));
+        let received = ENDINGS.map(|_| Arc::new(AtomicBool::new(false)));
+        for (signal, flag) in ENDINGS.into_iter().zip(&received) {
+            signal_hook::flag::register_conditional_shutdown(
+                signal,
+                128 + signal,
+                Arc::clone(&any),
+            )
+            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&any)))
+            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(flag)))
+            .with_context(|| format!("signal {signal} cannot be caught"))?;
+        }
+        Ok(Self { received })
     }
 
     fn received(&self) -> Option<i32> {
-        if self.interrupt.load(Ordering::Relaxed) {
-            Some(SIGINT)
-        } else if self.terminate.load(Ordering::Relaxed) {
-            Some(SIGTERM)
-        } else {
-            None
-        }
+        let index = self
+            .received
+            .iter()
+            .position(|flag| flag.load(Ordering::Relaxed))?;
+        Some(ENDINGS[index])
     }
 }

@@ -47,9 +47,6 @@ fn step(
     stdout: &mut impl Write,
 ) -> anyhow::Result<()> {
     let t_ns = frame.t_ns;
-    while let Some(due_ns) = engine.next_due().filter(|due| *due <= t_ns) {
-        engine.input(&Input::Tick { due_ns }, events);
-    }
     engine.input(&Input::Frame(frame), events);
     if print == PrintArg::Touches {
         let line = TouchLine {

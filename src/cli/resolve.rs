@@ -1,5 +1,6 @@
 //! From names to things: pads and profiles by shipped name or by path, and what a pad needs to play.
 
+use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,6 +10,9 @@ use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
 use crate::types::{Method, nearest};
+
+/// No pad, profile or script is larger, bytes.
+const LARGEST_TEXT: u64 = 1 << 20;
 
 /// Name and text of a pad or profile.
 pub(super) struct Text {
@@ -23,7 +27,16 @@ fn is_path(argument: &str) -> bool {
 
 /// Reads a text file.
 pub(super) fn read(path: &Path) -> anyhow::Result<String> {
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(LARGEST_TEXT + 1).read_to_end(&mut bytes))
+        .with_context(|| path.display().to_string())?;
+    if bytes.len() as u64 > LARGEST_TEXT {
+        bail!(
+            "{}: over a megabyte: this is no pad, profile or script",
+            path.display()
+        );
+    }
     match String::from_utf8(bytes) {
         Ok(text) => Ok(text),
         Err(_) => bail!("{}: this is no text file", path.display()),

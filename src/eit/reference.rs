@@ -24,6 +24,8 @@ const LEAST_NOISE: f64 = 1e-5;
 const LONGEST_STEP_S: f64 = 0.2;
 /// Frames that pass after a touch before the pad counts as untouched again: the gel springs back.
 const SETTLE_FRAMES: u32 = 3;
+/// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
+const LOOSE_SPREAD: f64 = 20.0;
 
 /// The untouched pad's voltages.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,8 @@ pub struct Reference {
     noise: f64,
     /// Sum over the first frames of the squares of the volts, a channel.
     squares: Vec<f64>,
+    /// Channels that are left out.
+    muted: Vec<bool>,
     frames: usize,
     quiet_frames: u32,
     last_ns: u64,
@@ -63,6 +67,7 @@ impl Reference {
             },
             noise: LEAST_NOISE * LEAST_NOISE,
             squares: vec![0.0; channels],
+            muted: vec![false; channels],
             frames: 0,
             quiet_frames: SETTLE_FRAMES,
             last_ns: 0,
@@ -104,7 +109,7 @@ impl Reference {
         }
         self.last_ns = t_ns;
         if self.is_ready() {
-            self.noise = self.first_noise();
+            self.judge_first_frames();
             self.covariance.level = self.noise / self.frames as f64;
         }
     }
@@ -152,38 +157,58 @@ impl Reference {
         self.quiet_frames = 0;
     }
 
-    /// Relative changes (v - v0) / v0; a channel that reads nothing changes by nothing.
+    /// Channels that the first frames showed to be dead or loose: they change by nothing.
+    #[must_use]
+    pub fn muted_channels(&self) -> Vec<usize> {
+        (0..self.muted.len())
+            .filter(|channel| self.muted[*channel])
+            .collect()
+    }
+
+    /// Relative changes (v - v0) / v0; a muted channel changes by nothing.
     ///
     /// # Panics
     /// If the slices differ in length.
     pub fn changes(&self, volts: &[f32], changes: &mut [f32]) {
         assert_eq!(volts.len(), self.volts.len());
         assert_eq!(changes.len(), self.volts.len());
-        for ((change, volt), reference) in changes.iter_mut().zip(volts).zip(&self.volts) {
-            *change = if *reference == 0.0 {
+        for (channel, change) in changes.iter_mut().enumerate() {
+            let reference = self.volts[channel];
+            *change = if self.muted[channel] || reference == 0.0 {
                 0.0
             } else {
-                ((f64::from(*volt) - reference) / reference) as f32
+                ((f64::from(volts[channel]) - reference) / reference) as f32
             };
         }
     }
 
-    /// Relative variance of a reading, from the spread of the first frames: the median over the channels, which a
-    /// loose electrode does not move.
-    fn first_noise(&self) -> f64 {
+    /// Learns from the spread of the first frames how noisy a reading is (the median over the channels), and which
+    /// channels are no readings at all.
+    fn judge_first_frames(&mut self) {
         let count = self.frames as f64;
-        let mut variances: Vec<f64> = self
+        let variances: Vec<f64> = self
             .volts
             .iter()
             .zip(&self.squares)
-            .filter(|(mean, _)| **mean != 0.0)
             .map(|(mean, square)| {
+                if *mean == 0.0 {
+                    return f64::INFINITY;
+                }
                 (square - count * mean * mean).max(0.0) / (count - 1.0) / (mean * mean)
             })
             .collect();
-        variances.sort_by(f64::total_cmp);
-        let median = variances.get(variances.len() / 2).copied().unwrap_or(0.0);
-        median.max(LEAST_NOISE * LEAST_NOISE)
+        let mut sorted = variances.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let least = LEAST_NOISE * LEAST_NOISE;
+        self.noise = if median.is_finite() {
+            median.max(least)
+        } else {
+            least
+        };
+        for (muted, variance) in self.muted.iter_mut().zip(variances) {
+            *muted = variance > LOOSE_SPREAD * LOOSE_SPREAD * self.noise;
+        }
     }
 }
 
@@ -249,6 +274,21 @@ mod tests {
         for volt in reference.volts() {
             assert!((volt - 1.0).abs() < 2e-3, "{volt}");
         }
+    }
+
+    #[test]
+    fn a_loose_channel_is_left_out() {
+        let mut reference = Reference::new(CHANNELS);
+        for frame in 0..REFERENCE_FRAMES as u64 {
+            let mut volts = reading(frame, 0.0);
+            volts[2] = if frame % 2 == 0 { 1.0 } else { -0.4 };
+            reference.begin(frame * FRAME_NS, &volts);
+        }
+        assert_eq!(reference.muted_channels(), [2]);
+        let mut changes = [9.0; CHANNELS];
+        reference.changes(&[2.0; CHANNELS], &mut changes);
+        assert_eq!(changes[2], 0.0);
+        assert!(changes[3] > 0.9);
     }
 
     #[test]

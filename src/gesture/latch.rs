@@ -19,7 +19,6 @@ pub(super) struct Latched {
     lengths: Latch,
     /// When the output goes down; lengths count from here.
     pressed_ns: Nanos,
-    lifted: bool,
     state: State,
 }
 
@@ -37,15 +36,10 @@ impl Latched {
         Self {
             lengths,
             pressed_ns,
-            lifted: false,
             state: State::Undecided {
                 long_at: down_ns + lengths.long_after_ns,
             },
         }
-    }
-
-    pub(super) fn is_lifted(&self) -> bool {
-        self.lifted
     }
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
@@ -57,7 +51,6 @@ impl Latched {
 
     /// The touch lifts; ticks up to this time have been given.
     pub(super) fn lift(&mut self, t_ns: Nanos) {
-        self.lifted = true;
         if let State::Undecided { .. } = self.state {
             self.state = State::Ending {
                 at: t_ns.max(self.pressed_ns + self.lengths.short_ns),

@@ -148,16 +148,15 @@ impl Gestures {
         });
     }
 
-    /// A fresh touch ends the latch that an earlier, lifted one has left: a new jump needs a new press.
+    /// A fresh touch ends what an earlier one holds by the same binding, lifted or not: a new jump needs a new press.
     fn cut_short(&mut self, t_ns: Nanos, binding: usize, events: &mut Vec<Event>) {
         let outputs = &mut self.outputs;
         self.holds.retain(|hold| {
-            let left_over = hold.binding == binding
-                && matches!(hold.kind, HoldKind::Classified(latch) if latch.is_lifted());
-            if left_over {
+            let earlier = hold.binding == binding;
+            if earlier {
                 outputs.let_go(hold.output, t_ns, events);
             }
-            !left_over
+            !earlier
         });
     }
 

@@ -5,7 +5,8 @@
 //! output   __/~~~~\_/~~~\__/~~~~\__     min_hold stretches the first press,
 //!            |hold|     |gap|           min_gap delays the third
 //! ```
-//! No press is ever dropped: one that is over before its delayed beginning still gets its minimum hold.
+//! A press that is over before its delayed beginning still gets its minimum hold; further ones within the same delay
+//! are one with it.
 
 use crate::profile::Profile;
 use crate::types::{Action, Event, Nanos, Output};

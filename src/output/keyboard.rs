@@ -48,6 +48,10 @@ impl Device for Keyboard {
         "keyboard"
     }
 
+    fn takes(&self, output: Output) -> bool {
+        matches!(output, Output::Key(_))
+    }
+
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
         let (output, direction) = match event.action {
             Action::Press(output) => (output, Direction::Press),

@@ -38,6 +38,9 @@ pub trait Device: Send {
     /// A word for it, for the player.
     fn name(&self) -> &'static str;
 
+    /// Whether it has such a key or button.
+    fn takes(&self, output: Output) -> bool;
+
     /// Carries out one event.
     ///
     /// # Errors
@@ -81,12 +84,15 @@ impl Held {
     /// See [`Device::send`].
     pub fn send(&mut self, event: &Event) -> Result<(), OutputError> {
         self.last = *event;
-        match event.action {
-            Action::Press(output) => self.down.push(output),
-            Action::Release(output) => self.down.retain(|down| *down != output),
-            Action::Axis(..) => {}
+        // A press counts as soon as it is tried, a release only once it is done: whatever may be down is released again.
+        if let Action::Press(output) = event.action {
+            self.down.push(output);
         }
-        self.device.send(event)
+        self.device.send(event)?;
+        if let Action::Release(output) = event.action {
+            self.down.retain(|down| *down != output);
+        }
+        Ok(())
     }
 
     /// See [`Device::flush`].
@@ -105,13 +111,15 @@ impl Drop for Held {
                 t_ns: self.last.t_ns,
                 action: Action::Release(output),
             };
-            if let Err(error) = self.device.send(&event) {
-                tracing::error!("{output} may still be down: {error}");
+            match self.device.send(&event) {
+                Ok(()) => {}
+                // Nobody reads the trace: there is no key that could stick.
+                Err(OutputError::Closed) => return,
+                Err(error) => tracing::error!("{output} may still be down: {error}"),
             }
         }
-        if let Err(error) = self.device.flush() {
-            tracing::error!("{error}");
-        }
+        // What could not be flushed was told when it was sent.
+        let _ = self.device.flush();
     }
 }
 
@@ -126,6 +134,10 @@ mod tests {
     impl Device for Notes {
         fn name(&self) -> &'static str {
             "notes"
+        }
+
+        fn takes(&self, _: Output) -> bool {
+            true
         }
 
         fn send(&mut self, event: &Event) -> Result<(), OutputError> {

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::{Device, OutputError};
-use crate::types::Event;
+use crate::types::{Event, Output};
 
 /// Writes event lines.
 pub struct Trace<W: Write> {
@@ -20,6 +20,10 @@ impl<W: Write> Trace<W> {
 impl<W: Write + Send> Device for Trace<W> {
     fn name(&self) -> &'static str {
         "trace"
+    }
+
+    fn takes(&self, _: Output) -> bool {
+        true
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {

@@ -14,7 +14,20 @@ use crate::types::{Fault, Faulty, Method};
 /// The version of the format that this reads.
 const SCHEMA: i64 = 1;
 /// Fewer electrodes than this give no measurement.
-const ELECTRODES: std::ops::RangeInclusive<i64> = 4..=256;
+const ELECTRODES: std::ops::RangeInclusive<i64> = 4..=64;
+/// Sides and diameters of pads, mm.
+const SIZES_MM: std::ops::RangeInclusive<f64> = 5.0..=2000.0;
+/// A pad is at most this many times as long as wide: beyond, electrodes far off read nothing.
+const MOST_SLENDER: f64 = 10.0;
+/// Lines of a lattice, each way.
+const LINES: std::ops::RangeInclusive<i64> = 2..=200;
+/// A channel is at least this wide beside the total length of all: thinner ones would need a mesh of over 200,000 nodes
+/// (nine for each square of a channel's width).
+const LEAST_WIDTH_SHARE: f64 = 9.0 / 200_000.0;
+/// Narrower electrodes than this cannot be meshed, mm.
+const LEAST_ELECTRODE_MM: f64 = 0.2;
+/// More readings than this are no frame of a pad.
+const MOST_CHANNELS: usize = 5000;
 /// At least this share of an electrode must lie on conductor.
 const LEAST_CONTACT: f64 = 0.5;
 
@@ -167,7 +180,26 @@ fn outline(spec: &Spanned<OutlineSpec>) -> Result<Outline, Fault> {
         radius_mm,
     } = spec.get_ref();
     let need = |value: &Option<Spanned<f64>>, key: &str| match value {
-        Some(value) => positive(value, key),
+        Some(value) => {
+            let number = positive(value, key)?;
+            let size = if key == "radius_mm" {
+                2.0 * number
+            } else {
+                number
+            };
+            if !SIZES_MM.contains(&size) {
+                return Err(Fault::new(
+                    value.span(),
+                    format!(
+                        "a pad measures {} to {} mm across",
+                        SIZES_MM.start(),
+                        SIZES_MM.end()
+                    ),
+                    "out of range",
+                ));
+            }
+            Ok(number)
+        }
         None => Err(Fault::new(
             spec.span(),
             format!("the outline needs `{key}`"),
@@ -185,9 +217,17 @@ fn outline(spec: &Spanned<OutlineSpec>) -> Result<Outline, Fault> {
     match shape {
         ShapeSpec::Rectangle => {
             refuse(radius_mm, "radius_mm", "rectangle")?;
+            let (width, height) = (need(width_mm, "width_mm")?, need(height_mm, "height_mm")?);
+            if width.max(height) > MOST_SLENDER * width.min(height) {
+                return Err(Fault::new(
+                    spec.span(),
+                    format!("a pad is at most {MOST_SLENDER} times as long as wide"),
+                    "too slender",
+                ));
+            }
             Ok(Outline::Rectangle {
-                width_mm: need(width_mm, "width_mm")?,
-                height_mm: need(height_mm, "height_mm")?,
+                width_mm: width,
+                height_mm: height,
             })
         }
         ShapeSpec::Circle => {
@@ -209,21 +249,26 @@ fn conductor(spec: Option<&LatticeSpec>, outline: &Outline) -> Result<Conductor,
         .margin_mm
         .as_ref()
         .map_or(0.0, |margin| *margin.get_ref());
-    if !(margin_mm.is_finite() && margin_mm >= 0.0) {
+    let size = outline.size_mm();
+    let room = size[0].min(size[1]) / 2.0 - channel_mm;
+    if !(margin_mm >= 0.0 && margin_mm < room) {
         let span = spec.margin_mm.as_ref().map_or(0..0, Spanned::span);
         return Err(Fault::new(
             span,
-            "the lattice's margin cannot be negative",
-            "here",
+            format!("the lattice's margin is 0 to {room} mm on this pad"),
+            "out of range",
         ));
     }
-    let size = outline.size_mm();
     for (lines, length) in [(&spec.x_lines, size[0]), (&spec.y_lines, size[1])] {
         let count = *lines.get_ref();
-        if !(2..=1000).contains(&count) {
+        if !LINES.contains(&count) {
             return Err(Fault::new(
                 lines.span(),
-                format!("a lattice needs 2 to 1000 lines each way, not {count}"),
+                format!(
+                    "a lattice has {} to {} lines each way, not {count}",
+                    LINES.start(),
+                    LINES.end()
+                ),
                 "here",
             ));
         }
@@ -244,6 +289,17 @@ fn conductor(spec: Option<&LatticeSpec>, outline: &Outline) -> Result<Conductor,
         *spec.x_lines.get_ref() as usize,
         *spec.y_lines.get_ref() as usize,
     ];
+    let total_mm = lines[0] as f64 * size[1] + lines[1] as f64 * size[0];
+    if channel_mm < LEAST_WIDTH_SHARE * total_mm {
+        return Err(Fault::new(
+            spec.width_mm.span(),
+            format!(
+                "channels of {channel_mm} mm on {total_mm:.0} mm of lines are too thin to be solved: at least {:.2} mm",
+                LEAST_WIDTH_SHARE * total_mm
+            ),
+            "too thin",
+        ));
+    }
     Ok(Conductor::Lattice(Lattice::even(
         size, channel_mm, lines, margin_mm,
     )))
@@ -267,12 +323,32 @@ fn electrodes(
         ));
     }
     let width_mm = positive(&spec.width_mm, "the electrode width")?;
+    if width_mm < LEAST_ELECTRODE_MM {
+        return Err(Fault::new(
+            spec.width_mm.span(),
+            format!("electrodes are at least {LEAST_ELECTRODE_MM} mm wide"),
+            "too narrow",
+        ));
+    }
     let centres = centres(spec, outline, count as usize)?;
     let electrodes: Vec<Electrode> = centres
         .iter()
         .map(|(centre, _)| Electrode::around(*centre, width_mm))
         .collect();
     let perimeter = outline.perimeter_mm();
+    let step = |i: usize| {
+        let next = (i + 1) % electrodes.len();
+        (electrodes[next].start_mm - electrodes[i].start_mm).rem_euclid(perimeter)
+    };
+    let round: f64 = (0..electrodes.len()).map(step).sum();
+    if round > 1.5 * perimeter {
+        let span = spec.at_mm.as_ref().map_or(spec.count.span(), Spanned::span);
+        return Err(Fault::new(
+            span,
+            "electrodes are listed counter-clockwise, once round the pad",
+            "another order",
+        ));
+    }
     for (i, electrode) in electrodes.iter().enumerate() {
         let span = &centres[i].1;
         let next = (i + 1) % electrodes.len();
@@ -325,6 +401,13 @@ fn centres(
     count: usize,
 ) -> Result<Vec<(f64, Range<usize>)>, Fault> {
     if let Some(list) = &spec.at_mm {
+        if let Some(first) = spec.first_mm.as_ref().or(spec.first_deg.as_ref()) {
+            return Err(Fault::new(
+                first.span(),
+                "`at_mm` gives every place and goes without a first one",
+                "take this out",
+            ));
+        }
         if list.get_ref().len() != count {
             return Err(Fault::new(
                 list.span(),
@@ -382,7 +465,12 @@ fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Result<Protocol,
     let written = spec.get_ref();
     let half = written.readings == ReadingsSpec::Half;
     let made = if let Some(list) = &written.channels {
-        if written.stimulation.is_some() || written.drives.is_some() || written.measures.is_some() {
+        let others = written.stimulation.is_some()
+            || written.measurement.is_some()
+            || written.drives.is_some()
+            || written.measures.is_some()
+            || half;
+        if others {
             return Err(Fault::new(
                 spec.span(),
                 "`channels` lists every reading and goes without other patterns",
@@ -414,7 +502,19 @@ fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Result<Protocol,
         )?;
         Protocol::crossed(electrodes, &drives, &measures, half)
     };
-    made.map_err(|error| Fault::new(spec.span(), error.to_string(), "in this table"))
+    let protocol =
+        made.map_err(|error| Fault::new(spec.span(), error.to_string(), "in this table"))?;
+    if protocol.channels.len() > MOST_CHANNELS {
+        return Err(Fault::new(
+            spec.span(),
+            format!(
+                "{} readings: a frame has at most {MOST_CHANNELS}",
+                protocol.channels.len()
+            ),
+            "in this table",
+        ));
+    }
+    Ok(protocol)
 }
 
 /// The pairs of a named pattern, or of an explicit list.
@@ -433,7 +533,10 @@ fn pattern(
                     format!("`{}` is no {key} pattern", name.get_ref()),
                     "not known",
                 )
-                .help("write adjacent, opposite, or skip-K with K electrodes between the two (skip-2)")
+                .help(format!(
+                    "write adjacent, opposite, or skip-K with K electrodes between the two (skip-2), K at most {}",
+                    electrodes - 2
+                ))
             })?;
             Ok(Protocol::stepped(electrodes, step))
         }
@@ -452,7 +555,7 @@ fn step_of(name: &str, electrodes: usize) -> Option<usize> {
         "opposite" => Some(electrodes / 2),
         _ => {
             let skip: usize = name.strip_prefix("skip-")?.parse().ok()?;
-            (skip + 1 < electrodes).then_some(skip + 1)
+            skip.checked_add(1).filter(|step| *step < electrodes)
         }
     }
 }
@@ -517,7 +620,7 @@ mod tests {
             (
                 "count = 16",
                 "count = 3",
-                "a pad has 4 to 256 electrodes, not 3",
+                "a pad has 4 to 64 electrodes, not 3",
                 "3",
             ),
             (
@@ -557,6 +660,50 @@ mod tests {
                 ((*message).to_owned(), (*place).to_owned()),
                 "{to}"
             );
+        }
+    }
+
+    #[test]
+    fn pads_that_cannot_be_solved_are_refused_before_they_are_meshed() {
+        let cases: &[(&str, &str, &str)] = &[
+            (
+                "height_mm = 100.0",
+                "height_mm = 1e9",
+                "a pad measures 5 to 2000 mm across",
+            ),
+            (
+                "height_mm = 100.0",
+                "height_mm = 9.0",
+                "a pad is at most 10 times as long as wide",
+            ),
+            (
+                "width_mm = 2.0",
+                "width_mm = 0.01",
+                "channels of 0.01 mm on 2200 mm of lines are too thin to be solved: at least 0.10 mm",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 0.05",
+                "electrodes are at least 0.2 mm wide",
+            ),
+            (
+                "margin_mm = 0.0",
+                "margin_mm = 60.0",
+                "the lattice's margin is 0 to 48 mm on this pad",
+            ),
+            (
+                "count = 16",
+                "count = 4\nat_mm = [[10, 0], [60, 0], [11, 0], [100, 50]]",
+                "electrodes are listed counter-clockwise, once round the pad",
+            ),
+            (
+                "\"adjacent\"",
+                "\"skip-18446744073709551615\"",
+                "`skip-18446744073709551615` is no stimulation pattern",
+            ),
+        ];
+        for (from, to, said) in cases {
+            assert_eq!(&refusal(from, to).0, said, "{to}");
         }
     }
 

@@ -23,6 +23,9 @@ const NES_FRAMES_PER_S: f64 = 60.0988;
 const SHORT_FRAMES: f64 = 5.0;
 /// The highest jump of Super Mario Bros, in frames.
 const LONG_FRAMES: f64 = 32.0;
+/// What keys and buttons are called.
+const NAMES: &str = "keys are named like a, 7, f5, space, enter, escape, up, left-shift, right-ctrl, keypad-4, comma, page-up; \
+                     buttons like pad:a, pad:start, pad:left-shoulder, pad:up";
 /// No time in a profile is longer.
 const LONGEST_MS: f64 = 60_000.0;
 
@@ -119,6 +122,12 @@ impl Check {
             .iter()
             .filter_map(|binding| self.binding(binding, &regions, latch, &mut outputs))
             .collect();
+        if spec.binding.is_empty() {
+            self.faults.push(
+                Fault::new(spec.schema.span(), "the profile binds nothing: no touch would do anything", "in this file")
+                    .help("add a [[region]] and a [[binding]]; `gelpad profile show --toml` prints one to copy"),
+            );
+        }
         Profile {
             name: spec.name.clone(),
             about: spec.about.clone(),
@@ -168,6 +177,8 @@ impl Check {
                 self.refuse(&region.w, "w", "circle");
                 self.refuse(&region.h, "h", "circle");
                 let r = self.extent(spec, &region.r, "r");
+                self.stays_on_pad(&region.r, (x + r).max(1.0 - (x - r)), "left or right");
+                self.stays_on_pad(&region.r, (y + r).max(1.0 - (y - r)), "top or bottom");
                 Shape::Circle { x, y, r }
             }
         }
@@ -300,7 +311,11 @@ impl Check {
             Ok(output) => Some(output),
             Err(unknown) => {
                 let fault = Fault::new(spec.output.span(), unknown.to_string(), "not known");
-                self.faults.push(with_suggestion(fault, unknown.suggestion));
+                let fault = match unknown.suggestion {
+                    Some(name) => fault.help(format!("did you mean `{name}`?")),
+                    None => fault.help(NAMES),
+                };
+                self.faults.push(fault);
                 None
             }
         };

@@ -27,10 +27,16 @@ impl FramesCsv {
             path: path.to_owned(),
             error,
         })?;
-        let input: Box<dyn Read + Send> = Box::new(BufReader::new(file));
+        let input: Box<dyn Read + Send> = Box::new(ShortLines {
+            input: BufReader::new(file),
+            since_newline: 0,
+        });
         let mut csv = Self {
             path: path.to_owned(),
-            rows: csv::ReaderBuilder::new().flexible(true).from_reader(input),
+            rows: csv::ReaderBuilder::new()
+                .flexible(true)
+                .quoting(false)
+                .from_reader(input),
             row: csv::StringRecord::new(),
             channels,
             last_ns: 0,
@@ -128,6 +134,29 @@ impl Source for FramesCsv {
     }
 }
 
+/// A reader that refuses a line of over a megabyte: something else than text must not fill the memory.
+struct ShortLines<R> {
+    input: R,
+    since_newline: usize,
+}
+
+impl<R: Read> Read for ShortLines<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        const LONGEST_LINE: usize = 1 << 20;
+        let count = self.input.read(buffer)?;
+        match buffer[..count].iter().rposition(|byte| *byte == b'\n') {
+            Some(newline) => self.since_newline = count - newline - 1,
+            None => self.since_newline += count,
+        }
+        if self.since_newline > LONGEST_LINE {
+            return Err(std::io::Error::other(
+                "a line of over a megabyte: this is no table of frames",
+            ));
+        }
+        Ok(count)
+    }
+}
+
 /// A word of the file, cut and quoted: random bytes must not flood a terminal.
 fn shown(word: &str) -> String {
     let mut short: String = word.chars().take(20).collect();
@@ -141,6 +170,7 @@ fn csv_error(path: &Path, error: &csv::Error) -> SourceError {
     let line = error.position().map_or(1, csv::Position::line);
     let problem = match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "this is no text file".to_owned(),
+        csv::ErrorKind::Io(error) => error.to_string(),
         _ => error.to_string(),
     };
     SourceError::Line {

@@ -66,6 +66,20 @@ pub enum SourceError {
         /// What is wrong there.
         problem: String,
     },
+    /// A finger of a script misses the pad.
+    #[error("finger {id} at ({x}, {y}) mm is off the pad, which is {width} x {height} mm")]
+    OffPad {
+        /// Its number.
+        id: u64,
+        /// Where.
+        x: f64,
+        /// Where.
+        y: f64,
+        /// The pad's width, mm.
+        width: f64,
+        /// The pad's height, mm.
+        height: f64,
+    },
     /// The simulated pad cannot be solved.
     #[error("the simulated pad: {0}")]
     Simulation(#[from] ForwardError),

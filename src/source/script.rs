@@ -88,6 +88,11 @@ impl Script {
                 .line(&words, &mut down, &mut end_ns)
                 .map_err(|fault| Faulty::new(name, text, vec![fault]))?;
         }
+        if script.steps.is_empty() {
+            let fault = Fault::new(0..0, "the script is empty: no finger goes down", "here")
+                .help("a line is a time and what a finger does, as in `t:1000 down 1 80 30`");
+            return Err(Faulty::new(name, text, vec![fault]));
+        }
         script.end_ns = end_ns.unwrap_or_else(|| script.last_ns() + TAIL_NS);
         Ok(script)
     }
@@ -320,7 +325,11 @@ mod tests {
                 "t:10 down 1 80 50 -1",
                 "s:1:19: a finger's radius and rise are above zero",
             ),
-            ("t:10 end\nt:20 end", "s:2:1: nothing may follow `end`"),
+            ("", "s:1:1: the script is empty: no finger goes down"),
+            (
+                "t:5 down 1 1 1\nt:10 end\nt:20 end",
+                "s:3:1: nothing may follow `end`",
+            ),
             ("t:10 down 1 80 50 7 1 9", "s:1:23: this word is too many"),
         ];
         for (text, said) in cases {

@@ -71,8 +71,25 @@ impl SimulatedSource {
     /// Solves the pad for every state of a script, ahead of time: playing then takes none.
     ///
     /// # Errors
-    /// A pad that cannot be solved.
+    /// A finger off the pad; a pad that cannot be solved.
     pub fn new(pad: &Pad, script: &Script, noise: Noise) -> Result<Self, SourceError> {
+        for step in script.steps() {
+            let (id, [x, y]) = match step.kind {
+                StepKind::Down(finger) => (finger.id, finger.centre_mm),
+                StepKind::Move { id, centre_mm } => (id, centre_mm),
+                StepKind::Up { .. } => continue,
+            };
+            if !pad.outline.contains([x, y]) {
+                let [width, height] = pad.outline.size_mm();
+                return Err(SourceError::OffPad {
+                    id,
+                    x,
+                    y,
+                    width,
+                    height,
+                });
+            }
+        }
         let simulated = SimulatedPad::new(pad)?;
         let mut known: BTreeMap<Vec<[u64; 4]>, usize> = BTreeMap::new();
         let mut states = Vec::new();

@@ -10,8 +10,11 @@ use crate::types::{Contact, Frame, Image, Touch};
 const DOWN_OVER_NOISE: f32 = 2.2;
 /// On a pad without noise it needs this relative rise of conductivity: below it is what the model cannot tell.
 const LEAST_DOWN: f32 = 0.015;
-/// A touch stays down while its peak is above this share of what a new one needs: it does not stutter.
+/// A touch stays down while its peak is above this share of what a new one needs: it does not stutter. The reference's
+/// doubt, which grows while a press is held, raises what a new one needs but never lifts one that is down.
 const STAY_SHARE: f32 = 0.7;
+/// Doubt counts up to this factor.
+const MOST_DOUBT: f32 = 3.0;
 /// A weaker peak continues a touch that is down within this distance.
 const STAY_WITHIN_MM: f64 = 10.0;
 /// Share by which the estimate of the noise moves with each untouched frame.
@@ -81,22 +84,38 @@ impl Detector {
             return;
         }
         self.reference.advance(frame.t_ns);
-        let noise_peak = self.noise_peak * self.reference.doubt() as f32;
-        let down = Threshold(LEAST_DOWN.max(DOWN_OVER_NOISE * noise_peak));
-        let stay = Threshold(STAY_SHARE * down.0);
+        let sure = LEAST_DOWN.max(DOWN_OVER_NOISE * self.noise_peak);
+        let doubt = (self.reference.doubt() as f32).min(MOST_DOUBT);
+        let stay = Threshold(STAY_SHARE * sure);
         let highest = self.look(&frame.volts, stay);
-        self.contacts.clear();
-        for blob in &self.blobs {
-            if blob.peak >= down.0 || continues_a_touch(self.tracker.down(), &blob.contact) {
-                self.contacts.push(blob.contact);
-            }
-        }
+        self.choose_contacts(Threshold(doubt * sure));
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
-        if highest < stay.0 {
+        if self.tracker.down().is_empty() && highest < doubt * stay.0 {
             self.reference.follow(&frame.volts);
             self.noise_peak += NOISE_FOLLOW * (highest - self.noise_peak);
         } else {
             self.reference.hold();
+        }
+    }
+
+    /// Keeps the blobs that continue a touch, each touch once, and of the others those strong enough to be a new one.
+    fn choose_contacts(&mut self, down: Threshold) {
+        let touches = self.tracker.down();
+        let mut claimed = vec![false; touches.len()];
+        self.contacts.clear();
+        for blob in &self.blobs {
+            let near = (0..touches.len())
+                .filter(|index| !claimed[*index])
+                .map(|index| (distance_mm(&touches[index].contact, &blob.contact), index))
+                .filter(|(distance, _)| *distance < STAY_WITHIN_MM)
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, index)) = near {
+                claimed[index] = true;
+            }
+            let is_new = blob.peak >= down.0 && !blob.may_be_ringing;
+            if near.is_some() || is_new {
+                self.contacts.push(blob.contact);
+            }
         }
     }
 
@@ -132,6 +151,12 @@ impl Detector {
             .blobs(&self.image, threshold, &mut self.blobs)
     }
 
+    /// Channels that the first frames showed to be dead or loose, and that are left out since.
+    #[must_use]
+    pub fn muted_channels(&self) -> Vec<usize> {
+        self.reference.muted_channels()
+    }
+
     /// Lifts every touch: the source is gone.
     pub fn lift_all(&mut self, changed: &mut Vec<Touch>) {
         self.tracker.lift_all(changed);
@@ -147,10 +172,88 @@ impl Detector {
     }
 }
 
-/// Hysteresis: whether a weak contact lies where a touch is down already.
-fn continues_a_touch(down: &[Touch], contact: &Contact) -> bool {
-    down.iter().any(|touch| {
-        let [dx, dy] = [0, 1].map(|i| touch.contact.centre_mm[i] - contact.centre_mm[i]);
-        dx * dx + dy * dy < STAY_WITHIN_MM * STAY_WITHIN_MM
-    })
+fn distance_mm(a: &Contact, b: &Contact) -> f64 {
+    let [dx, dy] = [0, 1].map(|i| a.centre_mm[i] - b.centre_mm[i]);
+    libm::sqrt(dx * dx + dy * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
+    use crate::source::{Finger, Noise, SimulatedPad};
+    use crate::types::{Method, Phase};
+
+    const FRAME_NS: u64 = 10_000_000;
+
+    struct Bench {
+        pad: SimulatedPad,
+        detector: Detector,
+        noise: Noise,
+        frame: u64,
+    }
+
+    impl Bench {
+        fn new(snr_db: f64, seed: u64) -> Self {
+            let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+            let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+            let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
+            Self {
+                pad: SimulatedPad::new(&pad).expect("solvable"),
+                detector: Detector::new(Arc::new(matrix)),
+                noise: Noise::new(snr_db, seed),
+                frame: 0,
+            }
+        }
+
+        /// Plays frames of one state; returns how often touches went down and up.
+        fn play(&mut self, fingers: &[Finger], frames: u64) -> (usize, usize) {
+            let volts = self.pad.volts(fingers).expect("solved");
+            let mut changed = Vec::new();
+            for _ in 0..frames {
+                let volts = self.noise.read(&volts);
+                let t_ns = self.frame * FRAME_NS;
+                self.detector.frame(&Frame { t_ns, volts }, &mut changed);
+                self.frame += 1;
+            }
+            let count = |phase| changed.iter().filter(|touch| touch.phase == phase).count();
+            (count(Phase::Down), count(Phase::Up))
+        }
+    }
+
+    fn finger(id: u64, centre_mm: [f64; 2], radius_mm: f64, rise: f64) -> Finger {
+        Finger {
+            id,
+            centre_mm,
+            radius_mm,
+            rise,
+        }
+    }
+
+    #[test]
+    fn a_press_held_for_a_minute_right_after_the_start_stays_one_press() {
+        for seed in [1, 7] {
+            let mut bench = Bench::new(60.0, seed);
+            assert_eq!(bench.play(&[], 20), (0, 0));
+            let press = finger(1, [80.0, 50.0], 7.0, 1.2);
+            assert_eq!(bench.play(&[press], 6000), (1, 0), "seed {seed}");
+            assert_eq!(
+                bench.play(&[], 500),
+                (0, 1),
+                "seed {seed}: and leaves no ghost"
+            );
+        }
+    }
+
+    #[test]
+    fn a_hard_press_does_not_lift_a_light_one() {
+        let mut bench = Bench::new(60.0, 1);
+        bench.play(&[], 50);
+        let light = finger(1, [13.0, 57.0], 6.0, 0.3);
+        let hard = finger(2, [80.0, 50.0], 9.0, 3.0);
+        assert_eq!(bench.play(&[light], 50), (1, 0));
+        assert_eq!(bench.play(&[light, hard], 50), (1, 0));
+        assert_eq!(bench.play(&[light], 50), (0, 1));
+        assert_eq!(bench.play(&[], 50), (0, 1));
+    }
 }

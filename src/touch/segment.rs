@@ -11,7 +11,7 @@ use crate::types::{Contact, Image, PixelGrid, PointMm};
 
 /// Standard deviation of the smoothing, mm: about a fingertip's, and half of a lattice's pitch.
 const SMOOTHING_MM: f64 = 3.5;
-/// A second contact is at least this share of the strongest: ringing of a strong one stays below.
+/// A peak below this share of the strongest may be that one's ringing.
 const LEAST_SHARE: f32 = 0.15;
 /// A peak counts if the saddle to every higher peak is below this share of it.
 const SADDLE_SHARE: f32 = 0.85;
@@ -46,6 +46,8 @@ pub struct Blob {
     pub contact: Contact,
     /// Peak of the smoothed image, relative rise of conductivity.
     pub peak: f32,
+    /// Whether it is so much weaker than the strongest that it may be that one's ringing.
+    pub may_be_ringing: bool,
 }
 
 /// A local maximum of the smoothed image.
@@ -102,14 +104,14 @@ impl Segmenter {
         if highest < threshold.0 {
             return highest;
         }
-        let least = threshold.0.max(LEAST_SHARE * highest);
-        let mut peaks = self.climb(least * FOOTPRINT_SHARE);
-        peaks.retain(|peak| peak.value >= least);
+        let mut peaks = self.climb(threshold.0 * FOOTPRINT_SHARE);
+        peaks.retain(|peak| peak.value >= threshold.0);
         self.merge(&mut peaks);
         for peak in &peaks {
             blobs.push(Blob {
                 contact: self.measure(image, *peak, threshold),
                 peak: peak.value,
+                may_be_ringing: peak.value < LEAST_SHARE * highest,
             });
         }
         highest
@@ -297,7 +299,8 @@ mod tests {
     fn found(image: &Image) -> Vec<Contact> {
         let mut blobs = Vec::new();
         Segmenter::new(GRID, &vec![1.0; GRID.len()]).blobs(image, Threshold(0.1), &mut blobs);
-        blobs.into_iter().map(|blob| blob.contact).collect()
+        let sure = blobs.into_iter().filter(|blob| !blob.may_be_ringing);
+        sure.map(|blob| blob.contact).collect()
     }
 
     proptest! {

@@ -8,8 +8,10 @@ use crate::types::{Contact, Nanos, Phase, Touch, TouchId};
 
 /// A touch may jump this far between two frames, mm, ...
 const REACH_MM: f64 = 12.0;
-/// ... and this much further for each millisecond between them: a fast swipe covers a metre a second.
+/// ... and this much further for each millisecond between them: a fast swipe covers a metre a second. Slow boards add no
+/// more than ten milliseconds' worth: else a lift here and a press there would be one touch that jumped.
 const REACH_MM_PER_MS: f64 = 1.0;
+const LONGEST_MS: f64 = 10.0;
 
 /// Follows contacts.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +35,10 @@ impl Tracker {
     pub fn follow(&mut self, t_ns: Nanos, contacts: &[Contact], changed: &mut Vec<Touch>) {
         let elapsed_ms = t_ns.saturating_sub(self.last_ns) as f64 * 1e-6;
         self.last_ns = t_ns;
-        self.assign(contacts, REACH_MM + REACH_MM_PER_MS * elapsed_ms.min(100.0));
+        self.assign(
+            contacts,
+            REACH_MM + REACH_MM_PER_MS * elapsed_ms.min(LONGEST_MS),
+        );
         let first_changed = changed.len();
         for touch in self.touches.drain(..) {
             changed.push(Touch {

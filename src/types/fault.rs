@@ -64,7 +64,15 @@ impl Faulty {
     #[must_use]
     pub fn from_toml(name: &str, text: &str, error: &toml::de::Error) -> Self {
         let span = error.span().unwrap_or(0..0);
-        let fault = Fault::new(span, error.message().trim().replace('\n', ", "), "here");
+        let said = error.message().trim().replace('\n', ", ");
+        let said = said
+            .replace("expected f64", "expected a number, without quotes")
+            .replace("expected i64", "expected a whole number, without quotes");
+        let fault = if said.starts_with("missing field") {
+            Fault::new(span, said, "missing in what begins here")
+        } else {
+            Fault::new(span, said, "here")
+        };
         Self::new(name, text, vec![fault])
     }
 

@@ -192,12 +192,13 @@ impl UnknownName {
     }
 }
 
-/// The known word that takes the fewest edits, if it takes fewer than half of the letters.
+/// The known word that takes the fewest edits, capitals aside, if these are fewer than half of the letters.
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    let lower = text.to_lowercase();
     known
-        .map(|name| (edits(text, name), name))
+        .map(|name| (edits(&lower, name), name))
         .min_by_key(|(edits, _)| *edits)
-        .filter(|(edits, name)| edits * 2 <= name.chars().count().max(2))
+        .filter(|(edits, name)| 2 * edits < name.chars().count().min(lower.chars().count()).max(1))
         .map(|(_, name)| name.to_owned())
 }
 
@@ -239,5 +240,7 @@ mod tests {
         assert_eq!(suggestion("spcae"), Some("space".to_owned()));
         assert_eq!(suggestion("left-shfit"), Some("left-shift".to_owned()));
         assert_eq!(suggestion("qqqqqqq"), None);
+        assert_eq!(suggestion("F"), Some("f".to_owned()));
+        assert_eq!(suggestion(";"), None);
     }
 }

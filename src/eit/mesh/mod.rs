@@ -58,7 +58,7 @@ impl MeshSize {
             .fold(f64::INFINITY, f64::min);
         let span_mm = pad.outline.size_mm().into_iter().fold(0.0, f64::max);
         let (coarse_mm, fine_mm) = match &pad.conductor {
-            crate::pad::Conductor::Solid => (span_mm / 70.0, feature_mm / 8.0),
+            crate::pad::Conductor::Solid => (span_mm / 130.0, feature_mm / 6.0),
             crate::pad::Conductor::Lattice(lattice) => (
                 lattice.width_mm / 3.0,
                 lattice.width_mm.min(feature_mm) / 6.0,
@@ -145,7 +145,7 @@ impl Mesh {
         };
         for edge in mesh.boundary_edges() {
             let [a, b] = edge.map(|node| mesh.nodes_mm[node]);
-            let Some(along) = along_outline(&pad.outline, middle(a, b)) else {
+            let Some(along) = along_outline(&pad.outline, [a, b]) else {
                 continue;
             };
             let owner = pad
@@ -202,22 +202,18 @@ fn mean_over(corners: [PointMm; 3], f: &impl Fn(PointMm) -> f64, depth: usize) -
         / 4.0
 }
 
-/// The distance along the outline of a point on a chord of it.
-fn along_outline(outline: &Outline, [x, y]: PointMm) -> Option<f64> {
+/// The distance along the outline of the middle of an edge of the mesh, if it is an edge of the outline.
+fn along_outline(outline: &Outline, [a, b]: [PointMm; 2]) -> Option<f64> {
+    let [x, y] = middle(a, b);
     match *outline {
         Outline::Rectangle { .. } => outline.along([x, y]),
         Outline::Circle { radius_mm } => {
-            // The middle of a chord lies inside the circle by its sagitta: push it out.
+            // Both ends lie on the circle; the middle lies inside it by the chord's sagitta and is pushed out.
+            outline.along(a)?;
+            outline.along(b)?;
             let (dx, dy) = (x - radius_mm, y - radius_mm);
-            let r = libm::hypot(dx, dy);
-            let on = r > 0.98 * radius_mm;
-            on.then(|| {
-                outline.along([
-                    radius_mm + dx / r * radius_mm,
-                    radius_mm + dy / r * radius_mm,
-                ])
-            })
-            .flatten()
+            let stretch = radius_mm / libm::hypot(dx, dy);
+            outline.along([radius_mm + dx * stretch, radius_mm + dy * stretch])
         }
     }
 }

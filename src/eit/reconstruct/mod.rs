@@ -23,6 +23,8 @@ use l1::{L1Model, L1State, Quality};
 
 /// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
 pub const PIXEL_MM: f64 = 2.5;
+/// Larger pads get larger pixels: at most this many along a side.
+const MOST_PIXELS: f64 = 80.0;
 
 /// The hyperparameter of the paper, in the scaling of this module.
 pub const LAMBDA: f64 = 0.01;
@@ -103,11 +105,12 @@ fn dead_channel(volts: &[f64]) -> Option<usize> {
 /// The grid of reconstruction pixels over a pad's box.
 #[must_use]
 pub fn pixel_grid(pad: &Pad) -> PixelGrid {
-    let cells = |length: f64| libm::ceil(length / PIXEL_MM - 1e-9).max(1.0) as usize;
     let [width, height] = pad.outline.size_mm();
+    let pixel_mm = PIXEL_MM.max(width.max(height) / MOST_PIXELS);
+    let cells = |length: f64| libm::ceil(length / pixel_mm - 1e-9).max(1.0) as usize;
     PixelGrid {
         origin_mm: [0.0, 0.0],
-        pixel_mm: PIXEL_MM,
+        pixel_mm,
         columns: cells(width),
         rows: cells(height),
     }

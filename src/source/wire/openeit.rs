@@ -65,7 +65,10 @@ impl OpenEit {
         };
         if tag.trim() != TAG {
             return if tag.contains(TAG) || values.matches(',').count() > 1 {
-                garbled(format!("a line of values tagged {:?}", tag.trim()))
+                garbled(format!(
+                    "a line of values tagged {:?}",
+                    tag.trim().chars().take(20).collect::<String>()
+                ))
             } else {
                 None
             };
@@ -88,14 +91,17 @@ impl OpenEit {
                     .parse::<f32>()
                     .ok()
                     .filter(|value| value.is_finite())
-                    .ok_or_else(|| format!("{:?} is no value", word.trim()))
+                    .ok_or_else(|| {
+                        let short: String = word.trim().chars().take(20).collect();
+                        format!("{short:?} is no value")
+                    })
             })
             .collect::<Result<_, _>>()?;
         if volts.len() == self.channels {
             Ok(volts)
         } else {
             Err(format!(
-                "{} values where the pad has {}",
+                "{} values where the pad has {}: is it another pad (--pad)?",
                 volts.len(),
                 self.channels
             ))
@@ -171,7 +177,7 @@ mod tests {
         assert_eq!(
             reasons(&decoded),
             [
-                "2 values where the pad has 3",
+                "2 values where the pad has 3: is it another pad (--pad)?",
                 "\"2.x\" is no value",
                 "a line that is cut: no comma at its end",
                 "a line of values tagged \"des\"",

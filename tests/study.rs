@@ -1,0 +1,216 @@
+//! `gelpad study`: its figures against REFERENCE's, and its folders: resumed, sharded, merged, byte for byte.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use gelpad::pad::{DEFAULT_PAD, shipped_pad};
+use gelpad::study::phantoms::{Phantoms, Settings, phantoms};
+
+/// Mean |dV| (mV/A) and mean |dV/V| (%) at 5 S/m over the three phantoms, by an independent 2-D model on bilinear
+/// quadrilaterals, from the solid layer to channels of 1 mm.
+const INDEPENDENT: [(&str, f64, f64); 6] = [
+    ("solid", 0.633, 3.23),
+    ("5 mm", 0.933, 2.95),
+    ("4 mm", 1.19, 2.89),
+    ("3 mm", 1.62, 2.83),
+    ("2 mm", 2.48, 2.76),
+    ("1 mm", 4.99, 2.68),
+];
+
+fn study(arguments: &[&str], out: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
+    command
+        .arg("study")
+        .args(arguments)
+        .arg("--out")
+        .arg(out)
+        .stdin(Stdio::null());
+    command
+}
+
+fn done(command: &mut Command) {
+    let Output { status, stderr, .. } = command.output().expect("started");
+    assert!(status.success(), "{}", String::from_utf8_lossy(&stderr));
+}
+
+/// Every file of a folder by its name.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path
+                    .strip_prefix(folder)
+                    .expect("inside")
+                    .display()
+                    .to_string();
+                files.insert(name, fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    files
+}
+
+fn assert_same(ours: &Path, theirs: &Path) {
+    let (ours, theirs) = (files(ours), files(theirs));
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&ours), names(&theirs));
+    for (name, bytes) in &ours {
+        assert!(bytes == &theirs[name], "{name} differs");
+    }
+}
+
+#[test]
+fn the_width_study_agrees_resumes_and_merges() {
+    let root = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| root.path().join(name);
+    let width = ["width", "--quick"];
+    done(&mut study(&width, &at("whole")));
+
+    // The figures of the cases, within 5 %.
+    let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    let mut table = csv::Reader::from_path(at("whole").join("phantoms.csv")).expect("a table");
+    for row in table.records() {
+        let row = row.expect("a row");
+        if &row[2] == "5" {
+            let sum = sums.entry(row[0].to_owned()).or_default();
+            sum[0] += row[3].parse::<f64>().expect("a number") * 1e3 / 3.0;
+            sum[1] += row[4].parse::<f64>().expect("a number") * 1e2 / 3.0;
+        }
+    }
+    for (variant, absolute, relative) in INDEPENDENT {
+        let [ours_absolute, ours_relative] = sums[variant];
+        println!(
+            "{variant}: {ours_absolute:.3} mV/A for {absolute}, {ours_relative:.2} % for {relative}"
+        );
+        assert!((ours_absolute / absolute - 1.0).abs() < 0.05, "{variant}");
+        assert!((ours_relative / relative - 1.0).abs() < 0.05, "{variant}");
+    }
+
+    // Killed in the middle, it goes on and ends with the same files.
+    let mut child = study(&width, &at("killed"))
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("started");
+    let cases = at("killed").join("cases");
+    for _ in 0..600 {
+        if fs::read_dir(&cases).is_ok_and(|mut entries| entries.next().is_some()) {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    child.kill().expect("our own child");
+    child.wait().expect("ended");
+    assert!(
+        !at("killed").join("report.html").exists(),
+        "it was killed before its end"
+    );
+    done(&mut study(&width, &at("killed")));
+    assert_same(&at("whole"), &at("killed"));
+
+    // Two shards, joined.
+    for shard in ["1/2", "2/2"] {
+        let folder = at(&shard.replace('/', "-"));
+        done(&mut study(&["width", "--quick", "--shard", shard], &folder));
+        assert!(
+            !folder.join("report.html").exists(),
+            "a shard has no report"
+        );
+    }
+    let parts = ["1-2", "2-2"].map(|name| at(name).display().to_string());
+    done(&mut study(&["merge", &parts[0], &parts[1]], &at("merged")));
+    assert_same(&at("whole"), &at("merged"));
+}
+
+#[test]
+fn impossible_parameters_are_refused_before_anything_is_solved() {
+    let root = tempfile::tempdir().expect("a folder");
+    let cases = [
+        ("lattice.width=1..20:1", "channels of 10 mm overlap"),
+        (
+            "outline.width=60..100:20",
+            "the touch at (70, 50) mm reaches off the pad",
+        ),
+        (
+            "lattice.colour=1..2:1",
+            "has no number `lattice.colour` to vary",
+        ),
+    ];
+    for (vary, said) in cases {
+        let out = root.path().join("never");
+        let Output { status, stderr, .. } = study(&["width", "--vary", vary], &out)
+            .output()
+            .expect("started");
+        let stderr = String::from_utf8_lossy(&stderr);
+        assert_eq!(status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains(said), "{vary}: {stderr}");
+        assert!(!out.exists(), "nothing was begun");
+    }
+}
+
+#[test]
+fn a_sweep_ranks_its_variants() {
+    let root = tempfile::tempdir().expect("a folder");
+    let out = root.path().join("sweep");
+    done(&mut study(
+        &[
+            "width",
+            "--quick",
+            "--vary",
+            "lattice.width=2..3:1",
+            "--rank",
+            "change",
+        ],
+        &out,
+    ));
+    let report = fs::read_to_string(out.join("report.md")).expect("a report");
+    let ranked: Vec<&str> = report
+        .lines()
+        .filter_map(|line| line.strip_prefix("| "))
+        .filter_map(|line| line.split(' ').next())
+        .filter(|word| word.parse::<f64>().is_ok())
+        .collect();
+    assert_eq!(ranked, ["2", "3"], "narrow channels change more");
+    assert!(
+        report.contains("--vary lattice.width=2..3:1 --rank change --quick"),
+        "the exact command"
+    );
+}
+
+#[test]
+fn phantoms_stand_at_their_places_and_the_annulus_is_a_ring() {
+    for seed in [1, 2, 3] {
+        let study = Phantoms::new(Settings {
+            version: "test".to_owned(),
+            pad: DEFAULT_PAD.to_owned(),
+            pad_toml: shipped_pad(DEFAULT_PAD).expect("shipped").toml.to_owned(),
+            seed,
+        })
+        .expect("possible");
+        for phantom in phantoms() {
+            let outcome = study.solve(&phantom).expect("solved");
+            let (place_mm, overlap, euler) = outcome.figures("L1, 200 iterations").expect("a way");
+            println!(
+                "seed {seed}, {}: {place_mm:.2} mm, IoU {overlap:.2}, Euler {euler}",
+                phantom.name
+            );
+            if phantom.name.ends_with("point") || phantom.name.ends_with("points") {
+                for way in ["Tikhonov", "L1, 200 iterations", "L1, optimum"] {
+                    let (place_mm, _, _) = outcome.figures(way).expect("a way");
+                    assert!(place_mm <= 2.0, "{} by {way}: {place_mm} mm", phantom.name);
+                }
+            }
+            if phantom.name == "annulus" {
+                assert_eq!(euler, 0);
+                assert!(overlap >= 0.6);
+            }
+        }
+    }
+}
