@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README: the live view of the level in a terminal on a display of its own.
-# Needs the Debian packages xvfb, xterm, fonts-dejavu-core and imagemagick; writes docs/live.png.
+# Makes the pictures of the README and the guide: the live view of the level in a terminal on a display of its own, and
+# the figure of the phantoms.
+# Needs the Debian packages xvfb, xterm, fonts-dejavu-core and imagemagick; writes docs/live.png and docs/phantoms.png.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet
@@ -15,4 +16,8 @@ xterm -geometry 120x35+0+0 -fa 'DejaVu Sans Mono' -fs 11 -bg black -fg gray90 -b
 sleep 6.9
 import -window root docs/live.png
 wait %2 || true
-echo "docs/live.png"
+study=$(mktemp -d)
+target/release/gelpad study phantoms --out "$study" >/dev/null
+cp "$study/phantoms.png" docs/phantoms.png
+rm -r "$study"
+echo "docs/live.png docs/phantoms.png"

@@ -135,7 +135,7 @@ fn impossible_parameters_are_refused_before_anything_is_solved() {
     let cases = [
         ("lattice.width=1..20:1", "channels of 10 mm overlap"),
         (
-            "outline.width=60..100:20",
+            "outline.width=60..60:1",
             "the touch at (70, 50) mm reaches off the pad",
         ),
         (

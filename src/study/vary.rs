@@ -105,7 +105,7 @@ impl Vary {
             true => value(number as i64),
             false => value(number),
         };
-        let named = format!("{name} with {} = {number}", self.path);
+        let named = format!("{name} ({} = {number})", self.path);
         Pad::from_toml(&named, &document.to_string()).map_err(|faulty| refuse(faulty.to_string()))
     }
 }

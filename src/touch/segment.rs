@@ -36,7 +36,14 @@ pub struct Segmenter {
     inverse_weight: Vec<f32>,
     smooth: Vec<f32>,
     scratch: Vec<f32>,
+    /// Index of the peak that each pixel belongs to.
     peak_of: Vec<usize>,
+    /// Pixels above the floor, highest first.
+    order: Vec<usize>,
+    /// Local maxima, highest first.
+    peaks: Vec<Peak>,
+    /// Two peaks, the higher first, and the height at which their hills meet; highest first.
+    saddles: Vec<((usize, usize), f32)>,
 }
 
 /// A contact and how high the smoothed image rises in it.
@@ -55,6 +62,8 @@ pub struct Blob {
 struct Peak {
     pixel: usize,
     value: f32,
+    /// The higher peak of which it is a part, if it is.
+    joined: Option<usize>,
 }
 
 const NO_PEAK: usize = usize::MAX;
@@ -75,6 +84,9 @@ impl Segmenter {
             smooth: vec![0.0; grid.len()],
             scratch: vec![0.0; grid.len()],
             peak_of: vec![NO_PEAK; grid.len()],
+            order: Vec::new(),
+            peaks: Vec::new(),
+            saddles: Vec::new(),
         };
         segmenter.smooth.copy_from_slice(coverage);
         segmenter.blur();
@@ -104,90 +116,113 @@ impl Segmenter {
         if highest < threshold.0 {
             return highest;
         }
-        let mut peaks = self.climb(threshold.0 * FOOTPRINT_SHARE);
-        peaks.retain(|peak| peak.value >= threshold.0);
-        self.merge(&mut peaks);
-        for peak in &peaks {
-            blobs.push(Blob {
-                contact: self.measure(image, *peak, threshold),
-                peak: peak.value,
-                may_be_ringing: peak.value < LEAST_SHARE * highest,
-            });
+        self.climb(threshold.0 * FOOTPRINT_SHARE);
+        self.merge(threshold.0);
+        for index in 0..self.peaks.len() {
+            let peak = self.peaks[index];
+            if peak.joined.is_none() && peak.value >= threshold.0 {
+                blobs.push(Blob {
+                    contact: self.measure(image, index, threshold),
+                    peak: peak.value,
+                    may_be_ringing: peak.value < LEAST_SHARE * highest,
+                });
+            }
         }
         highest
     }
 
-    /// Gives every pixel above `floor` to the local maximum that steepest ascent leads to, and returns the
-    /// maxima, highest first.
-    fn climb(&mut self, floor: f32) -> Vec<Peak> {
-        let mut order: Vec<usize> = (0..self.grid.len())
-            .filter(|pixel| self.smooth[*pixel] > floor)
-            .collect();
-        order.sort_by(|a, b| self.smooth[*b].total_cmp(&self.smooth[*a]).then(a.cmp(b)));
+    /// Gives every pixel above `floor` to the local maximum that steepest ascent leads to, highest pixels first. The pixel
+    /// at which two hills first meet is the saddle between them.
+    fn climb(&mut self, floor: f32) {
+        self.order.clear();
+        self.order
+            .extend((0..self.grid.len()).filter(|pixel| self.smooth[*pixel] > floor));
+        let smooth = &self.smooth;
+        self.order
+            .sort_unstable_by(|a, b| smooth[*b].total_cmp(&smooth[*a]).then(a.cmp(b)));
         self.peak_of.fill(NO_PEAK);
-        let mut peaks = Vec::new();
-        for pixel in order {
-            let value = self.smooth[pixel];
-            let above = neighbours(&self.grid, pixel)
-                .filter(|near| self.peak_of[*near] != NO_PEAK && self.smooth[*near] >= value)
-                .max_by(|a, b| self.smooth[*a].total_cmp(&self.smooth[*b]).then(b.cmp(a)));
-            self.peak_of[pixel] = match above {
-                Some(above) => self.peak_of[above],
-                None => {
-                    peaks.push(Peak { pixel, value });
-                    pixel
+        self.peaks.clear();
+        self.saddles.clear();
+        for pixel in &self.order {
+            let value = self.smooth[*pixel];
+            let mut best: Option<(f32, usize)> = None;
+            for near in neighbours(&self.grid, *pixel) {
+                let owner = self.peak_of[near];
+                let higher = best.is_none_or(|(most, _)| self.smooth[near] > most);
+                if owner != NO_PEAK && higher {
+                    best = Some((self.smooth[near], owner));
                 }
+            }
+            let Some((_, owner)) = best else {
+                self.peak_of[*pixel] = self.peaks.len();
+                self.peaks.push(Peak {
+                    pixel: *pixel,
+                    value,
+                    joined: None,
+                });
+                continue;
             };
-        }
-        peaks
-    }
-
-    /// Joins each peak (highest first) to a higher one if the saddle between them is nearly as high as it.
-    fn merge(&mut self, peaks: &mut Vec<Peak>) {
-        let mut index = peaks.len();
-        while index > 1 {
-            index -= 1;
-            let peak = peaks[index];
-            let joined = peaks[..index]
-                .iter()
-                .map(|higher| (self.saddle(peak.pixel, higher.pixel), higher.pixel))
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(saddle, _)| *saddle > SADDLE_SHARE * peak.value);
-            if let Some((_, higher)) = joined {
-                for owner in &mut self.peak_of {
-                    if *owner == peak.pixel {
-                        *owner = higher;
+            self.peak_of[*pixel] = owner;
+            for near in neighbours(&self.grid, *pixel) {
+                let other = self.peak_of[near];
+                if other != NO_PEAK && other != owner {
+                    let pair = (owner.min(other), owner.max(other));
+                    if !self.saddles.iter().any(|(known, _)| *known == pair) {
+                        self.saddles.push((pair, value));
                     }
                 }
-                peaks.remove(index);
             }
         }
     }
 
-    /// The highest value at which the hills of two peaks meet; zero if they do not.
-    fn saddle(&self, a: usize, b: usize) -> f32 {
-        let mut saddle = 0.0f32;
-        for pixel in 0..self.grid.len() {
-            if self.peak_of[pixel] != a {
+    /// Joins each peak, lowest first, to a higher one if the saddle between them is nearly as high as it.
+    fn merge(&mut self, least: f32) {
+        for index in (1..self.peaks.len()).rev() {
+            let value = self.peaks[index].value;
+            if value < least {
                 continue;
             }
-            for near in neighbours(&self.grid, pixel) {
-                if self.peak_of[near] == b {
-                    saddle = saddle.max(self.smooth[pixel].min(self.smooth[near]));
-                }
+            // Saddles stand highest first: the first to a higher peak is the way over.
+            let way = self.saddles.iter().find_map(|((higher, lower), saddle)| {
+                let (higher, lower) = (self.root(*higher), self.root(*lower));
+                let other = match (higher == index, lower == index) {
+                    (true, false) => lower,
+                    (false, true) => higher,
+                    _ => return None,
+                };
+                (other < index && *saddle > SADDLE_SHARE * value).then_some(other)
+            });
+            if let Some(higher) = way {
+                self.peaks[index].joined = Some(higher);
             }
         }
-        saddle
+        for pixel in &self.order {
+            self.peak_of[*pixel] = self.root(self.peak_of[*pixel]);
+        }
+    }
+
+    /// The peak to which a peak belongs: itself, or a higher one.
+    fn root(&self, mut peak: usize) -> usize {
+        while let Some(higher) = self.peaks[peak].joined {
+            peak = higher;
+        }
+        peak
     }
 
     /// Centre, area and force of the pixels around a peak.
-    fn measure(&self, image: &Image, peak: Peak, threshold: Threshold) -> Contact {
+    fn measure(&self, image: &Image, index: usize, threshold: Threshold) -> Contact {
+        let peak = self.peaks[index];
         let edge = FOOTPRINT_SHARE * peak.value;
         let pixel_area = self.grid.pixel_mm * self.grid.pixel_mm;
         let (mut sum, mut sum_x, mut sum_y, mut area_mm2) = (0.0, 0.0, 0.0, 0.0);
-        for pixel in 0..self.grid.len() {
+        let mut volume = 0.0;
+        for pixel in self.order.iter().copied() {
+            if self.peak_of[pixel] != index {
+                continue;
+            }
+            volume += f64::from(image.values[pixel] * self.coverage[pixel]) * pixel_area;
             let smooth = self.smooth[pixel];
-            if self.peak_of[pixel] != peak.pixel || smooth < edge {
+            if smooth < edge {
                 continue;
             }
             let [x, y]: PointMm = self.grid.centre_mm(pixel);
@@ -198,12 +233,6 @@ impl Segmenter {
             sum_x += weight * x;
             sum_y += weight * y;
             area_mm2 += pixel_area;
-        }
-        let mut volume = 0.0;
-        for (pixel, owner) in self.peak_of.iter().enumerate() {
-            if *owner == peak.pixel {
-                volume += f64::from(image.values[pixel] * self.coverage[pixel]) * pixel_area;
-            }
         }
         let centre_mm = if sum > 0.0 {
             [sum_x / sum, sum_y / sum]
@@ -225,14 +254,13 @@ impl Segmenter {
         let reach = self.kernel.len() - 1;
         for row in 0..rows {
             let source = &self.smooth[row * columns..(row + 1) * columns];
-            for column in 0..columns {
-                let from = column.saturating_sub(reach);
-                let to = (column + reach).min(columns - 1);
-                let mut sum = 0.0;
-                for (near, value) in (from..=to).zip(&source[from..=to]) {
-                    sum += self.kernel[near.abs_diff(column)] * value;
+            let target = &mut self.scratch[row * columns..(row + 1) * columns];
+            target.fill(0.0);
+            for (shift, factor) in self.kernel.iter().enumerate().take(columns) {
+                add_scaled(&mut target[shift..], &source[..columns - shift], *factor);
+                if shift > 0 {
+                    add_scaled(&mut target[..columns - shift], &source[shift..], *factor);
                 }
-                self.scratch[row * columns + column] = sum;
             }
         }
         for row in 0..rows {
@@ -241,11 +269,15 @@ impl Segmenter {
             for near in row.saturating_sub(reach)..=(row + reach).min(rows - 1) {
                 let factor = self.kernel[near.abs_diff(row)];
                 let source = &self.scratch[near * columns..(near + 1) * columns];
-                for (sum, value) in target.iter_mut().zip(source) {
-                    *sum += factor * value;
-                }
+                add_scaled(target, source, factor);
             }
         }
+    }
+}
+
+fn add_scaled(target: &mut [f32], source: &[f32], factor: f32) {
+    for (sum, value) in target.iter_mut().zip(source) {
+        *sum += factor * value;
     }
 }
 

@@ -9,29 +9,50 @@ use faer::Mat;
 /// Running sums of a dot product.
 const LANES: usize = 16;
 
-/// A matrix by rows, each padded with zeros to a multiple of [`LANES`].
+/// A matrix by rows, each padded with zeros to whole chunks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RowMatrix {
     columns: usize,
-    stride: usize,
-    values: Vec<f32>,
+    chunks_a_row: usize,
+    chunks: Vec<[f32; LANES]>,
+}
+
+/// A vector padded with zeros to whole chunks, as a matrix' rows are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Padded {
+    chunks: Vec<[f32; LANES]>,
+}
+
+impl Padded {
+    /// Takes over a vector.
+    pub(super) fn set(&mut self, vector: &[f32]) {
+        self.chunks.clear();
+        let (whole, rest) = vector.as_chunks::<LANES>();
+        self.chunks.extend_from_slice(whole);
+        if !rest.is_empty() {
+            let mut last = [0.0; LANES];
+            last[..rest.len()].copy_from_slice(rest);
+            self.chunks.push(last);
+        }
+    }
 }
 
 impl RowMatrix {
     /// The transpose of an f64 matrix, rounded to f32.
     pub(super) fn transposed(matrix: &Mat<f64>) -> Self {
         let columns = matrix.nrows();
-        let stride = columns.next_multiple_of(LANES);
-        let mut values = vec![0.0; stride * matrix.ncols()];
-        for (row, target) in values.chunks_exact_mut(stride).enumerate() {
-            for (value, source) in target.iter_mut().zip(matrix.col(row).iter()) {
+        let chunks_a_row = columns.div_ceil(LANES);
+        let mut chunks = vec![[0.0; LANES]; chunks_a_row * matrix.ncols()];
+        for (row, target) in chunks.chunks_exact_mut(chunks_a_row).enumerate() {
+            let values = target.as_flattened_mut();
+            for (value, source) in values.iter_mut().zip(matrix.col(row).iter()) {
                 *value = *source as f32;
             }
         }
         Self {
             columns,
-            stride,
-            values,
+            chunks_a_row,
+            chunks,
         }
     }
 
@@ -39,34 +60,32 @@ impl RowMatrix {
         self.columns
     }
 
-    /// One row times a vector.
+    /// Every row times a vector, first to last.
     ///
     /// # Panics
-    /// If the vector's length is not the number of columns.
-    pub(super) fn row_dot(&self, row: usize, vector: &[f32]) -> f32 {
-        assert_eq!(vector.len(), self.columns, "one value a channel");
-        let row = &self.values[row * self.stride..(row + 1) * self.stride];
-        let mut sums = [0.0f32; LANES];
-        let (chunks, rest) = vector.as_chunks::<LANES>();
-        let (rows, _) = row.as_chunks::<LANES>();
-        for (values, factors) in chunks.iter().zip(rows) {
-            for lane in 0..LANES {
-                sums[lane] += values[lane] * factors[lane];
-            }
-        }
-        let tail = &row[chunks.len() * LANES..];
-        for (lane, (value, factor)) in rest.iter().zip(tail).enumerate() {
-            sums[lane] += value * factor;
-        }
-        let mut width = LANES / 2;
-        while width > 0 {
-            for lane in 0..width {
-                sums[lane] += sums[lane + width];
-            }
-            width /= 2;
-        }
-        sums[0]
+    /// If the vector has another number of chunks than a row.
+    pub(super) fn times<'a>(&'a self, vector: &'a Padded) -> impl Iterator<Item = f32> + 'a {
+        assert_eq!(
+            vector.chunks.len(),
+            self.chunks_a_row,
+            "one value a channel"
+        );
+        self.chunks
+            .chunks_exact(self.chunks_a_row)
+            .map(|row| dot(row, &vector.chunks))
     }
+}
+
+fn dot(row: &[[f32; LANES]], vector: &[[f32; LANES]]) -> f32 {
+    let mut sums = [0.0f32; LANES];
+    for (factors, values) in row.iter().zip(vector) {
+        for lane in 0..LANES {
+            sums[lane] += factors[lane] * values[lane];
+        }
+    }
+    let eight: [f32; 8] = std::array::from_fn(|i| sums[i] + sums[i + 8]);
+    let four: [f32; 4] = std::array::from_fn(|i| eight[i] + eight[i + 4]);
+    (four[0] + four[2]) + (four[1] + four[3])
 }
 
 #[cfg(test)]
@@ -74,13 +93,19 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn product(matrix: &Mat<f64>, vector: &[f32]) -> Vec<f32> {
+        let mut padded = Padded::default();
+        padded.set(vector);
+        RowMatrix::transposed(matrix).times(&padded).collect()
+    }
+
     proptest! {
         #[test]
         fn a_row_is_the_sum_of_its_products(values in proptest::collection::vec(-1.0..1.0f64, 1..70)) {
             let matrix = Mat::from_fn(values.len(), 2, |i, j| if j == 1 { values[i] } else { 9.0 });
             let vector: Vec<f32> = values.iter().rev().map(|v| *v as f32).collect();
             let exact: f64 = values.iter().zip(&vector).map(|(a, b)| a * f64::from(*b)).sum();
-            let got = f64::from(RowMatrix::transposed(&matrix).row_dot(1, &vector));
+            let got = f64::from(product(&matrix, &vector)[1]);
             prop_assert!((got - exact).abs() < 1e-4, "{got} against {exact}");
         }
     }
@@ -90,7 +115,7 @@ mod tests {
         // Values whose f32 sum depends on the order; the bits were written down once.
         let matrix = Mat::from_fn(37, 1, |i, _| 1.0 / (i as f64 + 1.0));
         let vector: Vec<f32> = (0..37).map(|i| i as f32 * 0.037 - 0.5).collect();
-        let bits = RowMatrix::transposed(&matrix).row_dot(0, &vector).to_bits();
+        let bits = product(&matrix, &vector)[0].to_bits();
         assert_eq!(bits, 0xbf63_22ee, "{bits:#x}");
     }
 }

@@ -18,7 +18,7 @@ use super::jacobian::{PixelJacobian, pixel_jacobian};
 use super::{Mesh, MeshSize};
 use crate::pad::{Pad, TouchSign};
 use crate::types::{Image, Method, PixelGrid};
-use kernel::RowMatrix;
+use kernel::{Padded, RowMatrix};
 use l1::{L1Model, L1State, Quality};
 
 /// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
@@ -193,6 +193,7 @@ impl Reconstruction {
 #[derive(Clone, Debug)]
 pub struct Imager {
     reconstruction: Arc<Reconstruction>,
+    padded: Padded,
     l1: L1State,
     signed: Vec<f64>,
     quality: Option<Quality>,
@@ -204,6 +205,7 @@ impl Imager {
     pub fn new(reconstruction: Arc<Reconstruction>) -> Self {
         Self {
             reconstruction,
+            padded: Padded::default(),
             l1: L1State::default(),
             signed: Vec::new(),
             quality: None,
@@ -249,8 +251,10 @@ impl Imager {
         assert_eq!(image.grid, *grid, "the image lies on the matrix' grid");
         match solver {
             Solver::OneStep(matrix) => {
-                for (row, pixel) in active.iter().enumerate() {
-                    image.values[*pixel] = sign * matrix.row_dot(row, changes);
+                assert_eq!(changes.len(), matrix.columns(), "one change a channel");
+                self.padded.set(changes);
+                for (pixel, value) in active.iter().zip(matrix.times(&self.padded)) {
+                    image.values[*pixel] = sign * value;
                 }
             }
             Solver::L1(model) => {
