@@ -12,7 +12,7 @@ use crate::types::{Contact, Image, PixelGrid, PointMm};
 /// Standard deviation of the smoothing, mm: about a fingertip's, and half of a lattice's pitch.
 const SMOOTHING_MM: f64 = 3.5;
 /// A peak below this share of the strongest may be that one's ringing.
-const LEAST_SHARE: f32 = 0.15;
+const LEAST_SHARE: f32 = 0.18;
 /// A peak counts if the saddle to every higher peak is below this share of it.
 const SADDLE_SHARE: f32 = 0.85;
 /// The footprint is where the smoothed image exceeds this share of its contact's peak.
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn ringing_below_a_seventh_of_the_peak_is_no_contact() {
+    fn ringing_below_a_sixth_of_the_peak_is_no_contact() {
         let contacts = found(&hills(&[([30.0, 30.0], 1.0), ([70.0, 70.0], 0.12)]));
         assert_eq!(contacts.len(), 1);
     }
