@@ -3,6 +3,7 @@
 //! Criterion gives medians; the p99 of a frame is printed beside them, since a player feels the worst frames.
 
 use std::hint::black_box;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -11,8 +12,8 @@ use gelpad::eit::{REFERENCE_FRAMES, Reconstruction};
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use gelpad::source::{Finger, Noise, SimulatedPad};
-use gelpad::types::{Frame, Method, NANOS_PER_MS};
+use gelpad::source::{FramesCsv, Reading, Source};
+use gelpad::types::{Frame, Method};
 
 fn pad() -> Pad {
     let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
@@ -24,39 +25,15 @@ fn profile() -> Arc<Profile> {
     Arc::new(Profile::from_toml(shipped.name, shipped.toml).expect("sound"))
 }
 
-fn finger(id: u64, x: f64, y: f64) -> Finger {
-    Finger {
-        id,
-        centre_mm: [x, y],
-        radius_mm: 7.0,
-        rise: 1.2,
-    }
-}
-
-/// Noisy frames: untouched ones for the reference, then two fingers that come and go.
+/// The 3000 frames of the session that the tests use: holds, taps, drift, 60 dB of noise.
 fn frames(pad: &Pad) -> Vec<Frame> {
-    let simulated = SimulatedPad::new(pad).expect("solvable");
-    let states = [
-        simulated.volts(&[]).expect("solved"),
-        simulated.volts(&[finger(1, 37.0, 55.0)]).expect("solved"),
-        simulated
-            .volts(&[finger(1, 37.0, 55.0), finger(2, 80.0, 40.0)])
-            .expect("solved"),
-    ];
-    let mut noise = Noise::new(60.0, 1);
-    (0..2000u64)
-        .map(|index| {
-            let state = if index < REFERENCE_FRAMES as u64 {
-                0
-            } else {
-                (index / 8 % 3) as usize
-            };
-            Frame {
-                t_ns: index * 10 * NANOS_PER_MS,
-                volts: noise.read(&states[state]),
-            }
-        })
-        .collect()
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/lattice-presses/session.csv");
+    let mut session = FramesCsv::open(&path, pad.channels()).expect("the session");
+    let mut frames = Vec::new();
+    while let Reading::Frame(frame) = session.read().expect("a frame") {
+        frames.push(frame);
+    }
+    frames
 }
 
 #[allow(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
@@ -88,8 +65,8 @@ fn frame_to_events(criterion: &mut Criterion) {
         let matrix = Arc::new(Reconstruction::of_pad(&pad, *method).expect("a matrix"));
         let fresh = Engine::new(&pad, matrix, profile());
         let name = format!("frame to events, {}", method.name());
-        // 2000 frames in one go: the time a frame is a two-thousandth.
-        criterion.bench_function(&format!("{name} (x 2000)"), |bencher| {
+        // The whole session in one go: the time a frame is a three-thousandth.
+        criterion.bench_function(&format!("{name} (x 3000)"), |bencher| {
             bencher.iter_batched(
                 || (fresh.clone(), Vec::with_capacity(4096)),
                 |(mut engine, mut events)| {

@@ -1,0 +1,319 @@
+//! A pad as written: the TOML, and its checks.
+//!
+//! Two stages: serde reads the text into the structs below (spans kept), then [`read`] turns them into a
+//! [`Pad`] or says, at the place, why that pad cannot be built or measured.
+
+mod geometry;
+mod protocol;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Pad, TouchSign};
+use crate::types::{Fault, Faulty, Method};
+
+/// The version of the format that this reads.
+const SCHEMA: i64 = 1;
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PadSpec {
+    schema: Spanned<i64>,
+    name: String,
+    #[serde(default)]
+    about: String,
+    #[serde(default)]
+    touch_sign: SignSpec,
+    method: Option<Method>,
+    outline: Spanned<OutlineSpec>,
+    layer: LayerSpec,
+    lattice: Option<LatticeSpec>,
+    electrodes: ElectrodesSpec,
+    protocol: Spanned<ProtocolSpec>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SignSpec {
+    #[default]
+    Rise,
+    Fall,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ShapeSpec {
+    Rectangle,
+    Circle,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OutlineSpec {
+    shape: ShapeSpec,
+    width_mm: Option<Spanned<f64>>,
+    height_mm: Option<Spanned<f64>>,
+    radius_mm: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayerSpec {
+    thickness_mm: Spanned<f64>,
+    background_s_per_m: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LatticeSpec {
+    width_mm: Spanned<f64>,
+    x_lines: Spanned<i64>,
+    y_lines: Spanned<i64>,
+    margin_mm: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ElectrodesSpec {
+    count: Spanned<i64>,
+    width_mm: Spanned<f64>,
+    first_mm: Option<Spanned<f64>>,
+    first_deg: Option<Spanned<f64>>,
+    at_mm: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
+    contact_impedance_ohm_m2: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProtocolSpec {
+    stimulation: Option<Spanned<String>>,
+    measurement: Option<Spanned<String>>,
+    #[serde(default)]
+    readings: ReadingsSpec,
+    drives: Option<Vec<[usize; 2]>>,
+    measures: Option<Vec<[usize; 2]>>,
+    channels: Option<Vec<[usize; 4]>>,
+}
+
+#[derive(Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum ReadingsSpec {
+    #[default]
+    Full,
+    Half,
+}
+
+/// Reads and checks a pad. See [`Pad::from_toml`].
+pub(super) fn read(name: &str, text: &str) -> Result<Pad, Faulty> {
+    let spec: PadSpec = toml::from_str(text).map_err(|e| Faulty::from_toml(name, text, &e))?;
+    build(&spec).map_err(|fault| Faulty::new(name, text, vec![fault]))
+}
+
+fn build(spec: &PadSpec) -> Result<Pad, Fault> {
+    if *spec.schema.get_ref() != SCHEMA {
+        return Err(Fault::new(
+            spec.schema.span(),
+            format!("schema {} is not known", spec.schema.get_ref()),
+            "here",
+        )
+        .help(format!("this gelpad reads schema = {SCHEMA}")));
+    }
+    let outline = geometry::outline(&spec.outline)?;
+    let conductor = geometry::conductor(spec.lattice.as_ref(), &outline)?;
+    let electrodes = geometry::electrodes(&spec.electrodes, &outline, &conductor)?;
+    let protocol = protocol::protocol(&spec.protocol, electrodes.len())?;
+    Ok(Pad {
+        name: spec.name.clone(),
+        about: spec.about.clone(),
+        outline,
+        conductor,
+        thickness_mm: positive(&spec.layer.thickness_mm, "the layer's thickness")?,
+        background_s_per_m: positive(&spec.layer.background_s_per_m, "the conductivity")?,
+        electrodes,
+        contact_impedance_ohm_m2: positive(
+            &spec.electrodes.contact_impedance_ohm_m2,
+            "the contact impedance",
+        )?,
+        protocol,
+        touch_sign: match spec.touch_sign {
+            SignSpec::Rise => TouchSign::Rise,
+            SignSpec::Fall => TouchSign::Fall,
+        },
+        method: spec.method,
+    })
+}
+
+fn positive(value: &Spanned<f64>, what: &str) -> Result<f64, Fault> {
+    let number = *value.get_ref();
+    if number.is_finite() && number > 0.0 {
+        Ok(number)
+    } else {
+        Err(Fault::new(
+            value.span(),
+            format!("{what} must be a number above zero"),
+            "not above zero",
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pad::{DEFAULT_PAD, Pair, shipped_pad};
+
+    /// The default pad's text with one passage replaced.
+    fn edited(from: &str, to: &str) -> Result<Pad, Faulty> {
+        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
+        assert!(text.contains(from), "the pad's text holds `{from}`");
+        Pad::from_toml("pad.toml", &text.replacen(from, to, 1))
+    }
+
+    fn refusal(from: &str, to: &str) -> (String, String) {
+        let faulty = edited(from, to).expect_err("refused");
+        let fault = &faulty.faults[0];
+        (
+            fault.message.clone(),
+            faulty.text[fault.span.clone()].to_owned(),
+        )
+    }
+
+    #[test]
+    fn the_papers_pad_has_four_electrodes_a_side() {
+        let pad = edited("schema = 1", "schema = 1").expect("sound");
+        let centres: Vec<_> = pad
+            .electrodes
+            .iter()
+            .map(|electrode| electrode.centre_mm(&pad.outline))
+            .collect();
+        assert_eq!(centres[0], [12.5, 0.0]);
+        assert_eq!(centres[4], [100.0, 12.5]);
+        assert_eq!(centres[8], [87.5, 100.0]);
+        assert_eq!(centres[15], [0.0, 12.5]);
+        assert_eq!(pad.channels(), 208);
+    }
+
+    #[test]
+    fn impossible_pads_are_refused_at_the_word() {
+        let cases: &[(&str, &str, &str, &str)] = &[
+            (
+                "width_mm = 2.0\nx",
+                "width_mm = 10.0\nx",
+                "channels of 10 mm overlap: 11 lines on 100 mm are 9.00 mm apart",
+                "10.0",
+            ),
+            (
+                "margin_mm = 0.0",
+                "margin_mm = 3.0",
+                "electrode 1 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor",
+                "16",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 25.5",
+                "electrodes 0 and 1 overlap by 0.50 mm",
+                "25.5",
+            ),
+            (
+                "count = 16",
+                "count = 3",
+                "a pad has 4 to 64 electrodes, not 3",
+                "3",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 3.0\nfirst_mm = 1.0",
+                "electrode 0 would bend round the corner at (0, 0) mm: off the outline",
+                "16",
+            ),
+            (
+                "thickness_mm = 2.0",
+                "thickness_mm = -2.0",
+                "the layer's thickness must be a number above zero",
+                "-2.0",
+            ),
+            (
+                "stimulation = \"adjacent\"",
+                "stimulation = \"adjacant\"",
+                "`adjacant` is no stimulation pattern",
+                "\"adjacant\"",
+            ),
+            (
+                "count = 16",
+                "count = 4\nat_mm = [[10, 0], [100, 10], [50, 50], [0, 10]]",
+                "the electrode at (50, 50) mm is off the outline",
+                "[50, 50]",
+            ),
+            (
+                "height_mm",
+                "heigth_mm",
+                "unknown field `heigth_mm`, expected one of `shape`, `width_mm`, `height_mm`, `radius_mm`",
+                "heigth_mm",
+            ),
+        ];
+        for (from, to, message, place) in cases {
+            assert_eq!(
+                refusal(from, to),
+                ((*message).to_owned(), (*place).to_owned()),
+                "{to}"
+            );
+        }
+    }
+
+    #[test]
+    fn pads_that_cannot_be_solved_are_refused_before_they_are_meshed() {
+        let cases: &[(&str, &str, &str)] = &[
+            (
+                "height_mm = 100.0",
+                "height_mm = 1e9",
+                "a pad measures 5 to 2000 mm across",
+            ),
+            (
+                "height_mm = 100.0",
+                "height_mm = 9.0",
+                "a pad is at most 10 times as long as wide",
+            ),
+            (
+                "width_mm = 2.0",
+                "width_mm = 0.01",
+                "channels of 0.01 mm on 2200 mm of lines are too thin to be solved: at least 0.10 mm",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 0.05",
+                "electrodes are at least 0.2 mm wide",
+            ),
+            (
+                "margin_mm = 0.0",
+                "margin_mm = 60.0",
+                "the lattice's margin is 0 to 48 mm on this pad",
+            ),
+            (
+                "count = 16",
+                "count = 4\nat_mm = [[10, 0], [60, 0], [11, 0], [100, 50]]",
+                "electrodes are listed counter-clockwise, once round the pad",
+            ),
+            (
+                "\"adjacent\"",
+                "\"skip-18446744073709551615\"",
+                "`skip-18446744073709551615` is no stimulation pattern",
+            ),
+        ];
+        for (from, to, said) in cases {
+            assert_eq!(&refusal(from, to).0, said, "{to}");
+        }
+    }
+
+    #[test]
+    fn patterns_by_name_and_by_list() {
+        let half = edited("readings = \"full\"", "readings = \"half\"").expect("104");
+        assert_eq!(half.channels(), 104);
+        let skip =
+            edited("stimulation = \"adjacent\"", "stimulation = \"skip-2\"").expect("skip-2");
+        assert_eq!(skip.protocol.channels[0].drive, Pair(0, 3));
+        let listed = edited(
+            "stimulation = \"adjacent\"\nmeasurement = \"adjacent\"",
+            "channels = [[0, 1, 4, 5], [1, 2, 6, 7]]",
+        )
+        .expect("listed");
+        assert_eq!(listed.channels(), 2);
+    }
+}
