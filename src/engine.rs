@@ -121,6 +121,12 @@ impl Engine {
         self.detector.muted_channels()
     }
 
+    /// How often the reference was taken anew, because a finger had lain on the pad while it was taken.
+    #[must_use]
+    pub fn references_retaken(&self) -> u64 {
+        self.detector.retaken()
+    }
+
     /// Frames that were lost before the engine.
     #[must_use]
     pub fn lost_frames(&self) -> u64 {

@@ -172,6 +172,7 @@ pub fn start(
             pace,
             silent: false,
             muted_told: false,
+            retaken_told: 0,
             last_frame: None,
             second: None,
         }
@@ -379,6 +380,8 @@ struct EngineThread {
     silent: bool,
     /// Whether loose channels have been told.
     muted_told: bool,
+    /// References that were taken anew and told.
+    retaken_told: u64,
     /// Time and arrival of the last frame: how the source's time runs against the clock's.
     last_frame: Option<(Nanos, Instant)>,
     /// When the current second of the frame rate began, and the frames until then.
@@ -437,6 +440,11 @@ impl EngineThread {
         self.latency.saturating_record(took);
         self.rate(at);
         self.publish();
+        let retaken = self.engine.references_retaken();
+        if retaken > self.retaken_told {
+            self.retaken_told = retaken;
+            tracing::warn!("the pad was touched while its reference was taken: taken anew");
+        }
         if !self.muted_told && self.view.frames > REFERENCE_FRAMES as u64 {
             self.muted_told = true;
             let muted = self.engine.muted_channels();

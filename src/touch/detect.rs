@@ -17,6 +17,9 @@ const STAY_SHARE: f32 = 0.7;
 const MOST_DOUBT: f32 = 3.0;
 /// A weaker peak continues a touch that is down within this distance.
 const STAY_WITHIN_MM: f64 = 10.0;
+/// A jump of the mean change against a touch's direction by more than this share, and by more than this many of its
+/// deviations, while nothing is touched: a finger that lay on the pad from the start has left it.
+const REBOUND: (f64, f64) = (0.002, 10.0);
 /// Share by which the estimate of the noise moves with each untouched frame.
 const NOISE_FOLLOW: f32 = 0.01;
 
@@ -34,6 +37,8 @@ pub struct Detector {
     first_frames: Vec<Vec<f32>>,
     /// Mean highest value of an untouched, smoothed image.
     noise_peak: f32,
+    /// How often the reference was taken anew.
+    retaken: u64,
 }
 
 /// What one frame gave.
@@ -59,6 +64,7 @@ impl Detector {
             contacts: Vec::new(),
             first_frames: Vec::new(),
             noise_peak: 0.0,
+            retaken: 0,
             imager: Imager::new(reconstruction),
         }
     }
@@ -88,6 +94,13 @@ impl Detector {
         let doubt = (self.reference.doubt() as f32).min(MOST_DOUBT);
         let stay = Threshold(STAY_SHARE * sure);
         let highest = self.look(&frame.volts, stay);
+        if self.tracker.down().is_empty() && self.has_rebounded() {
+            self.retaken += 1;
+            self.reference = Reference::new(frame.volts.len());
+            self.image = Image::blank(self.image.grid);
+            self.begin(frame);
+            return;
+        }
         self.choose_contacts(Threshold(doubt * sure));
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
         if self.tracker.down().is_empty() && highest < doubt * stay.0 {
@@ -96,6 +109,24 @@ impl Detector {
         } else {
             self.reference.hold();
         }
+    }
+
+    /// Whether the pad suddenly reads as if it were touched less than not at all: the reference was taken under a finger
+    /// that has lifted.
+    fn has_rebounded(&self) -> bool {
+        let count = self.changes.len() as f64;
+        let mean = self
+            .changes
+            .iter()
+            .map(|change| f64::from(*change))
+            .sum::<f64>()
+            / count;
+        // Where a touch conducts better, it lowers the voltages.
+        let against = mean * f64::from(self.imager.reconstruction().touch_factor());
+        against
+            > REBOUND
+                .0
+                .max(REBOUND.1 * self.reference.change_noise() / libm::sqrt(count))
     }
 
     /// Keeps the blobs that continue a touch, each touch once, and of the others those strong enough to be a new one.
@@ -155,6 +186,12 @@ impl Detector {
     #[must_use]
     pub fn muted_channels(&self) -> Vec<usize> {
         self.reference.muted_channels()
+    }
+
+    /// How often the reference was taken anew, because a finger had lain on the pad while it was taken.
+    #[must_use]
+    pub fn retaken(&self) -> u64 {
+        self.retaken
     }
 
     /// Lifts every touch: the source is gone.
@@ -242,6 +279,20 @@ mod tests {
                 (0, 1),
                 "seed {seed}: and leaves no ghost"
             );
+        }
+    }
+
+    #[test]
+    fn a_finger_that_lay_there_at_the_start_leaves_no_ghost() {
+        for seed in [1, 2, 3] {
+            let mut bench = Bench::new(60.0, seed);
+            let early = finger(1, [80.0, 30.0], 7.0, 1.2);
+            bench.play(&[early], 30);
+            assert_eq!(bench.play(&[], 300), (0, 0), "seed {seed}");
+            assert_eq!(bench.detector.retaken(), 1);
+            let press = finger(2, [20.0, 50.0], 7.0, 1.2);
+            assert_eq!(bench.play(&[press], 20), (1, 0));
+            assert_eq!(bench.play(&[], 300), (0, 1));
         }
     }
 

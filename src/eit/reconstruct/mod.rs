@@ -182,6 +182,12 @@ impl Reconstruction {
         }
     }
 
+    /// +1 where a touch conducts better, -1 where it conducts worse.
+    #[must_use]
+    pub fn touch_factor(&self) -> f32 {
+        self.sign
+    }
+
     /// Number of pixels that hold conductor.
     #[must_use]
     pub fn unknowns(&self) -> usize {
