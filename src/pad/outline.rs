@@ -97,17 +97,18 @@ impl Outline {
             } => {
                 let on_x = (-ON_EDGE_MM..=w + ON_EDGE_MM).contains(&x);
                 let on_y = (-ON_EDGE_MM..=h + ON_EDGE_MM).contains(&y);
-                if near(y, 0.0) && on_x {
-                    Some(x)
-                } else if near(x, w) && on_y {
-                    Some(w + y)
-                } else if near(y, h) && on_x {
-                    Some(2.0 * w + h - x)
-                } else if near(x, 0.0) && on_y {
-                    Some(2.0 * (w + h) - y)
-                } else {
-                    None
-                }
+                // How far off each side the point is, and where along the edge it would be there: near a corner
+                // two sides are in reach, and the nearer one is meant.
+                [
+                    (y.abs(), on_x, x),
+                    ((x - w).abs(), on_y, w + y),
+                    ((y - h).abs(), on_x, 2.0 * w + h - x),
+                    (x.abs(), on_y, 2.0 * (w + h) - y),
+                ]
+                .into_iter()
+                .filter(|(off, within, _)| *within && *off <= ON_EDGE_MM)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, _, along)| along)
             }
             Self::Circle { radius_mm: r } => {
                 let (dx, dy) = (x - r, y - r);
@@ -133,6 +134,16 @@ impl Outline {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn near_a_corner_the_nearer_side_is_meant() {
+        let outline = Outline::Rectangle {
+            width_mm: 80.0,
+            height_mm: 30.0,
+        };
+        assert_eq!(outline.along([0.0, 29.995]), Some(190.005));
+        assert_eq!(outline.along([0.005, 30.0]), Some(189.995));
+    }
 
     proptest! {
         #[test]
