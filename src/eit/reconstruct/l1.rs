@@ -292,7 +292,7 @@ impl L1State {
         (objective, (objective - dual).max(0.0))
     }
 
-    /// Takes the pixels outside that the gradient pulls hardest into the working set, and drops idle ones.
+    /// Takes the pixels outside that the gradient pulls hardest into the working set.
     fn join(&mut self, model: &L1Model, lambda: f64) {
         let mut pulled: Vec<(f64, usize)> = self
             .gradient
