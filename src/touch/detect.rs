@@ -195,7 +195,8 @@ impl Detector {
             return;
         }
         self.explained_ns = frame.t_ns;
-        let found = locator.locate(noise, true);
+        let steady = noise * (1.0 - 1.0 / (self.reference.doubt() * self.reference.doubt()));
+        let found = locator.locate(noise, steady);
         locator.explain(&mut self.explained);
         self.make_image();
         self.contacts.clear();

@@ -9,6 +9,7 @@
 
 mod fit;
 mod metric;
+mod recent;
 mod search;
 
 use std::sync::Arc;
@@ -20,12 +21,15 @@ use crate::pad::Outline;
 use crate::types::{Contact, PointMm};
 use fit::{Bounds, Fit};
 use metric::{Metric, Whitened, energy};
+use recent::Recent;
 use search::Templates;
 
 /// A new touch explains at least this much, squared deviations: noise alone reaches half of it once in hours.
 const DOWN_GAIN: f64 = 45.0;
+/// A touch too faint for one frame is sought in the mean of so many.
+const MEAN_FRAMES: usize = 4;
 /// A touch stays while it explains this much.
-const STAY_GAIN: f64 = 14.0;
+const STAY_GAIN: f64 = 9.0;
 /// The model's error, as a share of the frame's amplitude: pads differ from their models. A new touch explains at least the
 /// energy that this error has.
 const MODEL_ERROR: f64 = 0.04;
@@ -119,6 +123,9 @@ pub struct Locator {
     fit: Fit,
     trial: Fit,
     best: Fit,
+    /// The frame's own fit, while that of a mean is tried.
+    present: Fit,
+    recent: Recent,
     /// The cost at which one more touch was last sought in vain: sought again only when it has grown.
     refused_cost: f64,
     response: Response,
@@ -148,6 +155,8 @@ impl Locator {
             fit: Fit::default(),
             trial: Fit::default(),
             best: Fit::default(),
+            present: Fit::default(),
+            recent: Recent::default(),
             refused_cost: 0.0,
             response: Response::default(),
             sum: Vec::new(),
@@ -158,6 +167,7 @@ impl Locator {
     pub fn take(&mut self, locating: &Locating) {
         self.metric = locating.metric.clone();
         self.templates = locating.templates.clone();
+        self.recent.clear();
         self.refused_cost = 0.0;
     }
 
@@ -176,6 +186,7 @@ impl Locator {
     /// Forgets the touches of the last frame.
     pub fn forget(&mut self) {
         self.fit.bumps.clear();
+        self.recent.clear();
         self.refused_cost = 0.0;
     }
 
@@ -186,12 +197,17 @@ impl Locator {
         self.explained(noise)
     }
 
-    /// Finds the touches of the frame that was taken; `may_add` lets new ones begin.
-    pub fn locate(&mut self, noise: f64, may_add: bool) -> Explained {
+    /// Finds the touches of the frame that was taken. Of the noise, `steady` is what does not change from frame to frame: the
+    /// reference's doubt.
+    pub fn locate(&mut self, noise: f64, steady: f64) -> Explained {
         self.bounds.usual_weight = noise;
         self.follow(noise);
-        if may_add {
-            self.seek(noise);
+        let touches = self.fit.bumps.len();
+        self.seek(noise);
+        if self.fit.bumps.len() == touches {
+            self.seek_faint(noise, steady);
+        } else {
+            self.recent.clear();
         }
         self.explained(noise)
     }
@@ -294,6 +310,45 @@ impl Locator {
             if self.settle(noise) {
                 self.prune(least_gain);
             }
+        }
+    }
+
+    /// Seeks touches that are too faint for one frame in the mean of the last few.
+    fn seek_faint(&mut self, noise: f64, steady: f64) {
+        if self.recent.take(self.fit.bumps.len(), &self.fit.residual) < MEAN_FRAMES {
+            return;
+        }
+        let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
+        let least_gain = DOWN_GAIN * noise + self.model_error();
+        let peak = self.templates.peak(self.recent.mean());
+        if peak.is_none_or(|peak| peak.gain < TEMPLATE_SHARE * least_gain) {
+            return;
+        }
+        // The frame as it would be with the mean's noise.
+        self.present.clone_from(&self.fit);
+        let now = self.frame.coordinates.clone();
+        for ((value, rest), mean) in self
+            .frame
+            .coordinates
+            .iter_mut()
+            .zip(&self.fit.residual)
+            .zip(self.recent.mean())
+        {
+            *value += mean - rest;
+        }
+        let bumps = std::mem::take(&mut self.fit.bumps);
+        self.bounds.usual_weight = noise;
+        self.try_fit(&bumps, 0);
+        std::mem::swap(&mut self.fit, &mut self.trial);
+        // What one noisy frame refused says nothing about the mean.
+        let refused_cost = std::mem::take(&mut self.refused_cost);
+        self.seek(noise);
+        self.refused_cost = refused_cost;
+        if self.fit.bumps.len() > bumps.len() {
+            self.recent.clear();
+        } else {
+            std::mem::swap(&mut self.fit, &mut self.present);
+            self.frame.coordinates = now;
         }
     }
 
