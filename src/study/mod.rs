@@ -1,6 +1,7 @@
 //! Studies: which pad to build, and what it can show. The paper's figures in two dimensions, and what a designer needs
 //! beyond them.
 
+pub mod accuracy;
 mod bound;
 pub mod figure;
 pub mod job;
@@ -11,7 +12,7 @@ mod report;
 mod vary;
 pub mod width;
 
-pub use bound::{Press, place_bound_mm};
+pub use bound::{Press, PressBound, Touched, place_bound_mm, pressed};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
 pub use vary::Vary;

@@ -1,0 +1,265 @@
+//! One, two and three touches on pads that the model does not know: what is found, and how far off, by SNR.
+
+use serde::Serialize;
+
+use super::Bench;
+use super::draws::Draws;
+use super::noise::{Instrument, NoiseKind, share};
+use super::score::{REACH_MM, Score};
+use super::specimen::Specimen;
+use super::stats::{Share, Spread};
+use crate::study::{Merit, Press, PressBound, StudyError, Touched, pressed};
+
+/// A force counts at most as this much off, as a share of the true one; so does its bound.
+const MOST_FORCE_ERROR: f64 = 1.0;
+/// Mean size of a Gaussian's error in units of its deviation: sqrt(2 / pi).
+const MEAN_OF_DEVIATION: f64 = 0.797_884_560_802_865_4;
+
+/// One state of a pad, read with every kind of noise.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn {
+    presses: Vec<Press>,
+    /// In the order of [`Bench::noises`].
+    seen: Vec<Seen>,
+}
+
+/// What one reading of it showed.
+#[derive(Clone, Debug)]
+struct Seen {
+    score: Score,
+    /// One for each touch; `None` if the voltages do not tell them.
+    bounds: Option<Vec<PressBound>>,
+    /// Of a single touch.
+    merit: Option<Merit>,
+}
+
+/// Draws so many states with a number of touches on one specimen.
+pub(super) fn solve(
+    bench: &Bench,
+    touches: usize,
+    draws: usize,
+    stream: u64,
+) -> Result<Vec<Drawn>, StudyError> {
+    let mut random = Draws::new(&bench.pad, bench.seed, stream);
+    let specimen = Specimen::drawn(&bench.pad, &mut random)?;
+    (0..draws)
+        .map(|_| {
+            let presses = random.presses(touches)?;
+            drawn(bench, &specimen, presses, random.seed())
+        })
+        .collect()
+}
+
+fn drawn(
+    bench: &Bench,
+    specimen: &Specimen,
+    presses: Vec<Press>,
+    seed: u64,
+) -> Result<Drawn, StudyError> {
+    let pad = &bench.pad;
+    let fields = match presses.len() {
+        0 => None,
+        _ => Some(specimen.touched(|point| pressed(&presses, pad.touch_sign, point))?),
+    };
+    let volts = match &fields {
+        None => specimen.rest.clone(),
+        Some(fields) => fields.voltages(&pad.protocol),
+    };
+    let mut seen = Vec::new();
+    for kind in NoiseKind::ALL {
+        let bounds = fields.as_ref().and_then(|fields| {
+            let touched = Touched {
+                model: &specimen.model,
+                fields,
+                background: &specimen.background,
+                presses: &presses,
+            };
+            touched.bounds(pad, &kind.deviations(&volts, &specimen.rest))
+        });
+        for snr_db in bench.snr_db.iter().copied() {
+            let instrument = Instrument { kind, snr_db, seed };
+            let readings = instrument.take(&specimen.rest, &volts);
+            let contacts = bench.sensing.contacts(&readings);
+            let merit = match presses.as_slice() {
+                [press] => Some(bench.sensing.merit(&readings, press)),
+                _ => None,
+            };
+            seen.push(Seen {
+                score: Score::of(&presses, &contacts, REACH_MM * bench.scale),
+                bounds: bounds.as_ref().map(|bounds| {
+                    let louder = |bound: &PressBound| bound.with_noise(share(snr_db));
+                    bounds.iter().map(louder).collect()
+                }),
+                merit,
+            });
+        }
+    }
+    Ok(Drawn { presses, seen })
+}
+
+/// What draws of one number of touches gave with one noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TouchFindings {
+    /// Touches in each draw; 0 is the untouched pad.
+    pub touches: usize,
+    /// What the noise goes with.
+    pub noise: NoiseKind,
+    /// How strong it is, dB.
+    pub snr_db: f64,
+    /// Draws in which as many touches were seen as there were.
+    pub counted_right: Share,
+    /// Touches that were drawn.
+    pub drawn: usize,
+    /// Touches that were not found.
+    pub missed: usize,
+    /// Touches that were seen where there was none.
+    pub false_touches: usize,
+    /// Distances of found touches from the truth, mm.
+    pub place_error_mm: Spread,
+    /// The mean error of place that no unbiased method goes below, for the same touches, mm.
+    pub place_bound_mm: Spread,
+    /// Errors of force of found touches, as a share of the true force.
+    pub force_error: Spread,
+    /// The mean error of force that no unbiased method goes below, for the same touches.
+    pub force_bound: Spread,
+}
+
+/// GREIT's figures of one touch with one noise: means over the draws.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ImageFindings {
+    /// What the noise goes with.
+    pub noise: NoiseKind,
+    /// How strong it is, dB.
+    pub snr_db: f64,
+    /// Draws.
+    pub n: usize,
+    /// The means.
+    #[serde(flatten)]
+    pub mean: Merit,
+}
+
+/// All draws of one number of touches, and what they gave with each noise.
+pub(super) fn findings(
+    bench: &Bench,
+    touches: usize,
+    drawn: &[&Drawn],
+    force: ForceScale,
+) -> Vec<TouchFindings> {
+    bench
+        .noises()
+        .enumerate()
+        .map(|(index, (noise, snr_db))| {
+            let seen: Vec<(&Drawn, &Seen)> =
+                drawn.iter().map(|draw| (*draw, &draw.seen[index])).collect();
+            let found: Vec<_> = seen
+                .iter()
+                .flat_map(|(draw, seen)| {
+                    draw.presses.iter().enumerate().filter_map(|(index, press)| {
+                        let found = seen.score.found[index]?;
+                        let bound = seen.bounds.as_ref().map(|bounds| bounds[index]);
+                        Some((press, found, bound))
+                    })
+                })
+                .collect();
+            // An error of place ends at the reach within which a touch counts as found: so does its bound.
+            let reach_mm = REACH_MM * bench.scale;
+            TouchFindings {
+                touches,
+                noise,
+                snr_db,
+                counted_right: Share::counted(&seen, |(_, seen)| seen.score.is_counted_right()),
+                drawn: touches * drawn.len(),
+                missed: seen.iter().map(|(_, seen)| seen.score.missed()).sum(),
+                false_touches: seen.iter().map(|(_, seen)| seen.score.false_touches).sum(),
+                place_error_mm: Spread::of(found.iter().map(|(_, found, _)| found.off_mm)),
+                place_bound_mm: Spread::of(found.iter().map(|(_, _, bound)| {
+                    bound.map_or(reach_mm, |bound| bound.mean_mm().min(reach_mm))
+                })),
+                force_error: Spread::of(
+                    found.iter().map(|(press, found, _)| force.error(press, found.force)),
+                ),
+                force_bound: Spread::of(found.iter().map(|(_, _, bound)| {
+                    bound.map_or(MOST_FORCE_ERROR, |bound| {
+                        (MEAN_OF_DEVIATION * bound.volume_share).min(MOST_FORCE_ERROR)
+                    })
+                })),
+            }
+        })
+        .collect()
+}
+
+/// GREIT's figures of draws of one touch, with each noise.
+pub(super) fn images(bench: &Bench, drawn: &[&Drawn]) -> Vec<ImageFindings> {
+    bench
+        .noises()
+        .enumerate()
+        .map(|(index, (noise, snr_db))| {
+            let merits: Vec<Merit> =
+                drawn.iter().filter_map(|draw| draw.seen[index].merit).collect();
+            let mean =
+                |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).mean;
+            ImageFindings {
+                noise,
+                snr_db,
+                n: merits.len(),
+                mean: Merit {
+                    amplitude_response: mean(|merit| merit.amplitude_response),
+                    place_error_mm: mean(|merit| merit.place_error_mm),
+                    resolution: mean(|merit| merit.resolution),
+                    shape_deformation: mean(|merit| merit.shape_deformation),
+                    ringing: mean(|merit| merit.ringing),
+                },
+            }
+        })
+        .collect()
+}
+
+/// What a force of 1 stands for. A force has no unit of its own: one scale for the whole pad is taken from its single
+/// touches at the best SNR, and errors are what is left.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ForceScale {
+    /// Volume of a press (rise x mm2) that reads as full force, by the median of single touches; `null` if none was
+    /// found.
+    pub full_force_mm2: f64,
+}
+
+impl ForceScale {
+    /// Of draws of one touch. Forces at full scale tell nothing of it.
+    pub(super) fn of(drawn: &[&Drawn]) -> Self {
+        let volumes = drawn.iter().filter_map(|draw| {
+            // The first noise is the best.
+            let found = draw.seen[0].score.found[0]?;
+            let tells = found.force > 0.0 && found.force < 1.0;
+            tells.then(|| draw.presses[0].volume_mm2() / found.force)
+        });
+        Self {
+            full_force_mm2: Spread::of(volumes).median,
+        }
+    }
+
+    /// How far a force is off, as a share of the true one, both cut at full force.
+    fn error(self, press: &Press, force: f64) -> f64 {
+        let truth = (press.volume_mm2() / self.full_force_mm2).min(1.0);
+        ((force - truth).abs() / truth).min(MOST_FORCE_ERROR)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_are_compared_as_shares_and_cut_at_full_force() {
+        let scale = ForceScale {
+            full_force_mm2: 100.0,
+        };
+        let press = |volume_mm2: f64| Press {
+            centre_mm: [0.0, 0.0],
+            radius_mm: (2.0 * volume_mm2 / std::f64::consts::PI).sqrt(),
+            rise: 1.0,
+        };
+        assert!((scale.error(&press(50.0), 0.4) - 0.2).abs() < 1e-12);
+        assert_eq!(scale.error(&press(250.0), 1.0), 0.0, "full force is full force");
+        assert_eq!(scale.error(&press(10.0), 0.9), 1.0, "at most all of it");
+    }
+}
