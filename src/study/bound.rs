@@ -259,7 +259,9 @@ mod tests {
         }
         assert!((bound([1.0, 3.0, 0.5]).rms_mm() - 2.0).abs() < 1e-12);
         let louder = bound([1.0, 3.0, 0.5]).with_noise(10.0);
-        assert!((louder.rms_mm() - 20.0).abs() < 1e-12 && (louder.volume_share - 1.0).abs() < 1e-12);
+        assert!(
+            (louder.rms_mm() - 20.0).abs() < 1e-12 && (louder.volume_share - 1.0).abs() < 1e-12
+        );
     }
 
     #[test]

@@ -96,9 +96,8 @@ impl Draws {
     pub(super) fn presses(&mut self, count: usize) -> Result<Vec<Press>, StudyError> {
         let apart_mm = APART_MM * self.scale;
         for _ in 0..MOST_TRIES {
-            let centres: Vec<PointMm> = (0..count)
-                .map(|_| self.place())
-                .collect::<Result<_, _>>()?;
+            let centres: Vec<PointMm> =
+                (0..count).map(|_| self.place()).collect::<Result<_, _>>()?;
             let is_near = |(a, from): (usize, &PointMm)| {
                 centres[..a]
                     .iter()
@@ -306,7 +305,10 @@ mod tests {
         assert!(near(laid(Lone::Disc).factor([50.0, 56.9]), 2.0));
         assert!(near(laid(Lone::Disc).factor([50.0, 57.1]), 1.0));
         // One deviation out: e^-1/2.
-        assert!(near(laid(Lone::Gaussian).factor([53.5, 50.0]), 1.606_530_66));
+        assert!(near(
+            laid(Lone::Gaussian).factor([53.5, 50.0]),
+            1.606_530_66
+        ));
         // Turned by a right angle, its long axis stands.
         assert!(near(laid(Lone::Ellipse).factor([50.0, 55.0]), 1.75));
         assert!(near(laid(Lone::Ellipse).factor([56.1, 50.0]), 1.0));

@@ -63,7 +63,9 @@ pub(super) fn solve(
     let kind = NoiseKind::Proportional;
     let bound_mm = touched
         .bounds(pad, &kind.deviations(&volts, &specimen.rest))
-        .map_or(f64::NAN, |bounds| bounds[0].with_noise(share(SNR_DB)).rms_mm());
+        .map_or(f64::NAN, |bounds| {
+            bounds[0].with_noise(share(SNR_DB)).rms_mm()
+        });
     let mut random = Draws::new(pad, bench.seed, stream);
     let scores: Vec<Score> = (0..draws)
         .map(|_| {
@@ -72,7 +74,9 @@ pub(super) fn solve(
                 snr_db: SNR_DB,
                 seed: random.seed(),
             };
-            let contacts = bench.sensing.contacts(&instrument.take(&specimen.rest, &volts));
+            let contacts = bench
+                .sensing
+                .contacts(&instrument.take(&specimen.rest, &volts));
             Score::of(&presses, &contacts, REACH_MM * bench.scale)
         })
         .collect();
@@ -91,5 +95,10 @@ pub(super) fn solve(
 
 /// The ratios over all places at which the touch was found and is told.
 pub(super) fn ratios(places: &[PlaceFindings]) -> Spread {
-    Spread::of(places.iter().map(|place| place.ratio).filter(|ratio| ratio.is_finite()))
+    Spread::of(
+        places
+            .iter()
+            .map(|place| place.ratio)
+            .filter(|ratio| ratio.is_finite()),
+    )
 }

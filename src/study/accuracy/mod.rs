@@ -195,7 +195,12 @@ impl Accuracy {
             Task::Touches(count) => Solved::Touches(touches::solve(bench, count, draws, stream)?),
             Task::Pairs { distance_mm } => {
                 let distance_mm = distance_mm as f64;
-                Solved::Pairs(discrimination::solve_pairs(bench, distance_mm, draws, stream)?)
+                Solved::Pairs(discrimination::solve_pairs(
+                    bench,
+                    distance_mm,
+                    draws,
+                    stream,
+                )?)
             }
             Task::Lone(shape) => {
                 Solved::Lone(discrimination::solve_lone(bench, shape, draws, stream)?)
@@ -210,16 +215,21 @@ impl Accuracy {
 fn cases(plan: &Plan, pad: &Pad) -> Vec<Case> {
     let [least, most, step] = plan.distances_mm;
     let touches = (0..=3).map(|count| (Task::Touches(count), plan.touches));
-    let pairs =
-        (least..=most).step_by(step).map(|distance_mm| (Task::Pairs { distance_mm }, plan.pairs));
-    let lone = Lone::ALL.into_iter().map(|shape| (Task::Lone(shape), plan.lone));
+    let pairs = (least..=most)
+        .step_by(step)
+        .map(|distance_mm| (Task::Pairs { distance_mm }, plan.pairs));
+    let lone = Lone::ALL
+        .into_iter()
+        .map(|shape| (Task::Lone(shape), plan.lone));
     let on_specimens = touches.chain(pairs).chain(lone).flat_map(|(task, draws)| {
         (0..draws)
             .step_by(DRAWS_A_SPECIMEN)
             .map(move |done| (task, DRAWS_A_SPECIMEN.min(draws - done)))
     });
     let (side, draws) = plan.places;
-    let at_places = draws::grid(pad, side).into_iter().map(|place| (Task::Place(place), draws));
+    let at_places = draws::grid(pad, side)
+        .into_iter()
+        .map(|place| (Task::Place(place), draws));
     on_specimens
         .chain(at_places)
         .enumerate()

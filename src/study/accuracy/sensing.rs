@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::noise::Readings;
-use crate::eit::{Imager, Linearised, LAMBDA, Reconstruction, Reference};
+use crate::eit::{Imager, LAMBDA, Linearised, Reconstruction, Reference};
 use crate::pad::{Pad, TouchSign};
 use crate::study::{Merit, Press, Raster, StudyError, pressed};
 use crate::touch::Detector;
@@ -26,7 +26,8 @@ pub(super) struct Sensing {
 impl Sensing {
     pub(super) fn of_pad(pad: &Pad, method: Method) -> Result<Self, StudyError> {
         let linear = Linearised::of_pad(pad)?;
-        let reconstruction = Reconstruction::from_linearised(&linear, method, LAMBDA, pad.touch_sign)?;
+        let reconstruction =
+            Reconstruction::from_linearised(&linear, method, LAMBDA, pad.touch_sign)?;
         let reconstruction = Arc::new(reconstruction);
         Ok(Self {
             fresh: detector(&reconstruction),

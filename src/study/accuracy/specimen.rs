@@ -120,9 +120,8 @@ mod tests {
     fn specimens_differ_by_a_few_percent_and_the_same_draw_gives_the_same_one() {
         let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-        let drawn = |stream| {
-            Specimen::drawn(&pad, &mut Draws::new(&pad, 1, stream)).expect("solvable")
-        };
+        let drawn =
+            |stream| Specimen::drawn(&pad, &mut Draws::new(&pad, 1, stream)).expect("solvable");
         let (one, other) = (drawn(1), drawn(2));
         assert_eq!(one.rest, drawn(1).rest);
         let off = |a: &[f64], b: &[f64]| {
@@ -131,7 +130,10 @@ mod tests {
         };
         let apart = off(&one.rest, &other.rest);
         assert!((0.005..0.15).contains(&apart), "{apart}");
-        let uneven = off(&one.background, &vec![pad.background_s_per_m; one.background.len()]);
+        let uneven = off(
+            &one.background,
+            &vec![pad.background_s_per_m; one.background.len()],
+        );
         assert!((0.005..0.12).contains(&uneven), "{uneven}");
     }
 }

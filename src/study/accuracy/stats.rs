@@ -90,7 +90,10 @@ mod tests {
     #[test]
     fn a_spread_by_hand() {
         let spread = Spread::of([4.0, 1.0, 3.0, 2.0]);
-        assert_eq!((spread.n, spread.mean, spread.median, spread.p95), (4, 2.5, 2.5, 4.0));
+        assert_eq!(
+            (spread.n, spread.mean, spread.median, spread.p95),
+            (4, 2.5, 2.5, 4.0)
+        );
         assert_eq!(spread.rms, 7.5f64.sqrt());
         // The 95th of a hundred, the 19th of twenty.
         assert_eq!(Spread::of((1..=100).map(f64::from)).p95, 95.0);

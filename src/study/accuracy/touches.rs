@@ -149,16 +149,21 @@ pub(super) fn findings(
         .noises()
         .enumerate()
         .map(|(index, (noise, snr_db))| {
-            let seen: Vec<(&Drawn, &Seen)> =
-                drawn.iter().map(|draw| (*draw, &draw.seen[index])).collect();
+            let seen: Vec<(&Drawn, &Seen)> = drawn
+                .iter()
+                .map(|draw| (*draw, &draw.seen[index]))
+                .collect();
             let found: Vec<_> = seen
                 .iter()
                 .flat_map(|(draw, seen)| {
-                    draw.presses.iter().enumerate().filter_map(|(index, press)| {
-                        let found = seen.score.found[index]?;
-                        let bound = seen.bounds.as_ref().map(|bounds| bounds[index]);
-                        Some((press, found, bound))
-                    })
+                    draw.presses
+                        .iter()
+                        .enumerate()
+                        .filter_map(|(index, press)| {
+                            let found = seen.score.found[index]?;
+                            let bound = seen.bounds.as_ref().map(|bounds| bounds[index]);
+                            Some((press, found, bound))
+                        })
                 })
                 .collect();
             // An error of place ends at the reach within which a touch counts as found: so does its bound.
@@ -176,7 +181,9 @@ pub(super) fn findings(
                     bound.map_or(reach_mm, |bound| bound.mean_mm().min(reach_mm))
                 })),
                 force_error: Spread::of(
-                    found.iter().map(|(press, found, _)| force.error(press, found.force)),
+                    found
+                        .iter()
+                        .map(|(press, found, _)| force.error(press, found.force)),
                 ),
                 force_bound: Spread::of(found.iter().map(|(_, _, bound)| {
                     bound.map_or(MOST_FORCE_ERROR, |bound| {
@@ -194,10 +201,11 @@ pub(super) fn images(bench: &Bench, drawn: &[&Drawn]) -> Vec<ImageFindings> {
         .noises()
         .enumerate()
         .map(|(index, (noise, snr_db))| {
-            let merits: Vec<Merit> =
-                drawn.iter().filter_map(|draw| draw.seen[index].merit).collect();
-            let mean =
-                |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).mean;
+            let merits: Vec<Merit> = drawn
+                .iter()
+                .filter_map(|draw| draw.seen[index].merit)
+                .collect();
+            let mean = |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).mean;
             ImageFindings {
                 noise,
                 snr_db,
@@ -259,7 +267,11 @@ mod tests {
             rise: 1.0,
         };
         assert!((scale.error(&press(50.0), 0.4) - 0.2).abs() < 1e-12);
-        assert_eq!(scale.error(&press(250.0), 1.0), 0.0, "full force is full force");
+        assert_eq!(
+            scale.error(&press(250.0), 1.0),
+            0.0,
+            "full force is full force"
+        );
         assert_eq!(scale.error(&press(10.0), 0.9), 1.0, "at most all of it");
     }
 }
