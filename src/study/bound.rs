@@ -136,19 +136,7 @@ impl Touched<'_> {
     #[must_use]
     pub fn bounds(&self, pad: &Pad, deviations: &[f64]) -> Option<Vec<PressBound>> {
         let unknowns = UNKNOWNS * self.presses.len();
-        let under = self.under(pad.touch_sign);
-        let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
-        let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
-        let mut derivative = Mat::<f64>::zeros(deviations.len(), unknowns);
-        for (index, (_, mean)) in under.iter().enumerate() {
-            for (channel, deviation) in deviations.iter().enumerate() {
-                // Whitened: divided by the noise of that reading.
-                let gain = jacobian[(channel, index)] / deviation;
-                for (unknown, part) in mean.iter().enumerate() {
-                    derivative[(channel, unknown)] += gain * part;
-                }
-            }
-        }
+        let derivative = self.derivative(pad, deviations);
         let information = derivative.transpose() * &derivative;
         let told = information.llt(Side::Lower).ok()?;
         let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
@@ -167,6 +155,23 @@ impl Touched<'_> {
         let bounds: Vec<PressBound> = bounds.collect();
         let sound = |bound: &PressBound| bound.rms_mm().is_finite() && bound.rms_mm() > 0.0;
         bounds.iter().all(sound).then_some(bounds)
+    }
+
+    /// Readings in units of their deviation, differentiated by every unknown: channels by unknowns.
+    fn derivative(&self, pad: &Pad, deviations: &[f64]) -> Mat<f64> {
+        let under = self.under(pad.touch_sign);
+        let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
+        let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
+        let mut derivative = Mat::zeros(deviations.len(), UNKNOWNS * self.presses.len());
+        for (index, (_, mean)) in under.iter().enumerate() {
+            for (channel, deviation) in deviations.iter().enumerate() {
+                let gain = jacobian[(channel, index)] / deviation;
+                for (unknown, part) in mean.iter().enumerate() {
+                    derivative[(channel, unknown)] += gain * part;
+                }
+            }
+        }
+        derivative
     }
 
     /// The triangles that change with the presses, and the derivative of their conductivity for every unknown.
@@ -264,35 +269,113 @@ mod tests {
         );
     }
 
-    #[test]
-    fn a_second_unknown_press_costs_more_the_nearer_it_is() {
-        let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
-        let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-        let mesh = Mesh::of_pad(&pad, MeshSize::reconstruction(&pad));
-        let model = ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable");
-        let background = vec![pad.background_s_per_m; model.mesh().triangles.len()];
-        let press = |x: f64| Press {
+    /// A pad with an uneven background, to be solved with presses.
+    struct Bench {
+        pad: Pad,
+        model: ForwardModel,
+        background: Vec<f64>,
+    }
+
+    impl Bench {
+        fn new(touch_sign: TouchSign) -> Self {
+            let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+            let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+            let mesh = Mesh::of_pad(&pad, MeshSize::reconstruction(&pad));
+            let model = ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable");
+            let mesh = model.mesh();
+            let background = (0..mesh.triangles.len())
+                .map(|triangle| 1.0 + 0.001 * mesh.centroid_mm(triangle)[0])
+                .collect();
+            Self {
+                pad: Pad { touch_sign, ..pad },
+                model,
+                background,
+            }
+        }
+
+        fn fields(&self, presses: &[Press]) -> Fields {
+            let mut conductivity = self
+                .model
+                .mesh()
+                .mean_over_triangles(|point| pressed(presses, self.pad.touch_sign, point));
+            for (sigma, background) in conductivity.iter_mut().zip(&self.background) {
+                *sigma *= background;
+            }
+            self.model.solve(&conductivity).expect("solved")
+        }
+
+        fn volts(&self, presses: &[Press]) -> Vec<f64> {
+            self.fields(presses).voltages(&self.pad.protocol)
+        }
+
+        fn with<T>(&self, presses: &[Press], then: impl FnOnce(Touched) -> T) -> T {
+            then(Touched {
+                model: &self.model,
+                fields: &self.fields(presses),
+                background: &self.background,
+                presses,
+            })
+        }
+    }
+
+    fn press(x: f64) -> Press {
+        Press {
             centre_mm: [x, 40.0],
             radius_mm: 7.0,
             rise: 1.0,
-        };
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_forward_model() {
+        for sign in [TouchSign::Rise, TouchSign::Fall] {
+            let bench = Bench::new(sign);
+            let presses = [press(30.0), press(40.0)];
+            let ones = vec![1.0; bench.pad.channels()];
+            let derivative = bench.with(&presses, |touched| touched.derivative(&bench.pad, &ones));
+            let steps = [0.05, 0.05, 0.05, 0.01];
+            for (unknown, step) in steps.into_iter().enumerate() {
+                let volts = |by: f64| {
+                    let [mut first, second] = presses;
+                    match unknown {
+                        0 | 1 => first.centre_mm[unknown] += by,
+                        2 => first.radius_mm += by,
+                        _ => first.rise += by,
+                    }
+                    bench.volts(&[first, second])
+                };
+                let (up, down) = (volts(step), volts(-step));
+                let slopes = up
+                    .iter()
+                    .zip(&down)
+                    .map(|(up, down)| (up - down) / (2.0 * step));
+                let (mut off, mut all) = (0.0, 0.0);
+                for (channel, slope) in slopes.enumerate() {
+                    off += (derivative[(channel, unknown)] - slope).powi(2);
+                    all += slope * slope;
+                }
+                // Four points a triangle stand for its mean on one side, hundreds on the other.
+                assert!(
+                    off < 0.02f64.powi(2) * all,
+                    "{sign:?}, {unknown}: {off} of {all}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_second_unknown_press_costs_more_the_nearer_it_is() {
+        let bench = Bench::new(TouchSign::Rise);
         let of = |presses: &[Press]| {
-            let conductivity = model
-                .mesh()
-                .mean_over_triangles(|point| pressed(presses, pad.touch_sign, point));
-            let fields = model.solve(&conductivity).expect("solved");
-            let deviations: Vec<f64> = fields
-                .voltages(&pad.protocol)
+            let deviations: Vec<f64> = bench
+                .volts(presses)
                 .iter()
                 .map(|volt| volt.abs() * 1e-3)
                 .collect();
-            let touched = Touched {
-                model: &model,
-                fields: &fields,
-                background: &background,
-                presses,
-            };
-            touched.bounds(&pad, &deviations).expect("told")[0].rms_mm()
+            bench
+                .with(presses, |touched| touched.bounds(&bench.pad, &deviations))
+                .expect("told")[0]
+                .rms_mm()
         };
         let (alone, far, near) = (
             of(&[press(30.0)]),

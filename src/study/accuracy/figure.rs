@@ -140,9 +140,13 @@ impl Findings {
         }));
         Chart {
             series,
-            notes: ["dots: mean", "bars: median to p95", "of the touches found"]
-                .map(str::to_owned)
-                .to_vec(),
+            notes: [
+                "dots: mean",
+                "bars: median to p95",
+                "(of the touches found)",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
             ..self.over_snr(&format!("Error of place, noise {what}"), "mm", Axis::Log)
         }
     }
@@ -168,22 +172,20 @@ impl Findings {
         let noise = NoiseKind::Proportional;
         let mut series = self.lines(noise, "", false, |found| {
             let force = found.force_error;
-            [force.mean, force.median.min(force.mean), force.p95]
+            [force.mean, force.median.min(force.mean), force.p95].map(|share| 100.0 * share)
         });
-        series.extend(self.lines(noise, ", bound", true, |found| [found.force_bound.mean; 3]));
+        series.extend(self.lines(noise, ", bound", true, |found| {
+            [100.0 * found.force_bound.mean; 3]
+        }));
         Chart {
             series,
-            notes: [
-                "dots: mean",
-                "bars: median to p95",
-                "as a share of the force",
-            ]
-            .map(str::to_owned)
-            .to_vec(),
+            notes: ["dots: mean", "bars: median to p95"]
+                .map(str::to_owned)
+                .to_vec(),
             ..self.over_snr(
                 "Error of force, noise in proportion to each reading",
-                "share of the force",
-                Axis::Percent,
+                "% of the force",
+                Axis::FromZero,
             )
         }
     }

@@ -60,11 +60,11 @@ const FULL: Plan = Plan {
 };
 /// A few seconds: whether all works, not how well.
 const QUICK: Plan = Plan {
-    touches: 25,
+    touches: 20,
     distances_mm: [8, 40, 16],
-    pairs: 12,
-    lone: 12,
-    places: (2, 25),
+    pairs: 10,
+    lone: 10,
+    places: (3, 15),
 };
 
 /// What is asked for.

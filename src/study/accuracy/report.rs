@@ -227,7 +227,7 @@ impl Findings {
 
     fn image_table(&self) -> Table {
         let rows = self.images.iter().map(|image| {
-            let merit = &image.mean;
+            let merit = &image.median;
             vec![
                 image.noise.name().to_owned(),
                 short(image.snr_db),
@@ -240,7 +240,7 @@ impl Findings {
             ]
         });
         Table {
-            title: "Images of one touch: GREIT's figures, means".to_owned(),
+            title: "Images of one touch: GREIT's figures, medians".to_owned(),
             head: head(&[
                 "noise",
                 "SNR, dB",
@@ -290,7 +290,7 @@ impl Findings {
             row
         });
         let images = self.images.iter().map(|image| {
-            let merit = &image.mean;
+            let merit = &image.median;
             let mut row = vec![
                 image.noise.name().to_owned(),
                 cell(image.snr_db),

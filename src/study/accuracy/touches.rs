@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
-use super::score::{REACH_MM, Score};
+use super::score::{Found, REACH_MM, Score};
 use super::specimen::Specimen;
 use super::stats::{Share, Spread};
 use crate::study::{Merit, Press, PressBound, StudyError, Touched, pressed};
@@ -116,15 +116,16 @@ pub struct TouchFindings {
     pub false_touches: usize,
     /// Distances of found touches from the truth, mm.
     pub place_error_mm: Spread,
-    /// The mean error of place that no unbiased method goes below, for the same touches, mm.
+    /// The mean error of place that no unbiased method goes below, over all touches that were drawn, mm.
     pub place_bound_mm: Spread,
     /// Errors of force of found touches, as a share of the true force.
     pub force_error: Spread,
-    /// The mean error of force that no unbiased method goes below, for the same touches.
+    /// The mean error of force that no unbiased method goes below, over all touches that were drawn.
     pub force_bound: Spread,
 }
 
-/// GREIT's figures of one touch with one noise: means over the draws.
+/// GREIT's figures of one touch with one noise: medians over the draws (where noise fills an image, its sums come near
+/// zero, and a mean of ratios tells nothing).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImageFindings {
     /// What the noise goes with.
@@ -133,9 +134,9 @@ pub struct ImageFindings {
     pub snr_db: f64,
     /// Draws.
     pub n: usize,
-    /// The means.
+    /// The medians.
     #[serde(flatten)]
-    pub mean: Merit,
+    pub median: Merit,
 }
 
 /// All draws of one number of touches, and what they gave with each noise.
@@ -153,21 +154,25 @@ pub(super) fn findings(
                 .iter()
                 .map(|draw| (*draw, &draw.seen[index]))
                 .collect();
-            let found: Vec<_> = seen
+            let found: Vec<(&Press, Found)> = seen
                 .iter()
-                .flat_map(|(draw, seen)| {
-                    draw.presses
-                        .iter()
-                        .enumerate()
-                        .filter_map(|(index, press)| {
-                            let found = seen.score.found[index]?;
-                            let bound = seen.bounds.as_ref().map(|bounds| bounds[index]);
-                            Some((press, found, bound))
-                        })
-                })
+                .flat_map(|(draw, seen)| draw.presses.iter().zip(&seen.score.found))
+                .filter_map(|(press, found)| Some((press, (*found)?)))
                 .collect();
-            // An error of place ends at the reach within which a touch counts as found: so does its bound.
+            // Of every touch that was drawn, found or not: what could be found. An error of place ends at the reach
+            // within which a touch counts as found, and so does its bound.
             let reach_mm = REACH_MM * bench.scale;
+            let bounds: Vec<(f64, f64)> = seen
+                .iter()
+                .flat_map(|(draw, seen)| match &seen.bounds {
+                    Some(bounds) => bounds
+                        .iter()
+                        .map(|bound| (bound.mean_mm(), MEAN_OF_DEVIATION * bound.volume_share))
+                        .collect(),
+                    None => vec![(f64::INFINITY, f64::INFINITY); draw.presses.len()],
+                })
+                .map(|(mm, share)| (mm.min(reach_mm), share.min(MOST_FORCE_ERROR)))
+                .collect();
             TouchFindings {
                 touches,
                 noise,
@@ -176,20 +181,14 @@ pub(super) fn findings(
                 drawn: touches * drawn.len(),
                 missed: seen.iter().map(|(_, seen)| seen.score.missed()).sum(),
                 false_touches: seen.iter().map(|(_, seen)| seen.score.false_touches).sum(),
-                place_error_mm: Spread::of(found.iter().map(|(_, found, _)| found.off_mm)),
-                place_bound_mm: Spread::of(found.iter().map(|(_, _, bound)| {
-                    bound.map_or(reach_mm, |bound| bound.mean_mm().min(reach_mm))
-                })),
+                place_error_mm: Spread::of(found.iter().map(|(_, found)| found.off_mm)),
+                place_bound_mm: Spread::of(bounds.iter().map(|(mm, _)| *mm)),
                 force_error: Spread::of(
                     found
                         .iter()
-                        .map(|(press, found, _)| force.error(press, found.force)),
+                        .map(|(press, found)| force.error(press, found.force)),
                 ),
-                force_bound: Spread::of(found.iter().map(|(_, _, bound)| {
-                    bound.map_or(MOST_FORCE_ERROR, |bound| {
-                        (MEAN_OF_DEVIATION * bound.volume_share).min(MOST_FORCE_ERROR)
-                    })
-                })),
+                force_bound: Spread::of(bounds.iter().map(|(_, share)| *share)),
             }
         })
         .collect()
@@ -205,17 +204,17 @@ pub(super) fn images(bench: &Bench, drawn: &[&Drawn]) -> Vec<ImageFindings> {
                 .iter()
                 .filter_map(|draw| draw.seen[index].merit)
                 .collect();
-            let mean = |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).mean;
+            let median = |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).median;
             ImageFindings {
                 noise,
                 snr_db,
                 n: merits.len(),
-                mean: Merit {
-                    amplitude_response: mean(|merit| merit.amplitude_response),
-                    place_error_mm: mean(|merit| merit.place_error_mm),
-                    resolution: mean(|merit| merit.resolution),
-                    shape_deformation: mean(|merit| merit.shape_deformation),
-                    ringing: mean(|merit| merit.ringing),
+                median: Merit {
+                    amplitude_response: median(|merit| merit.amplitude_response),
+                    place_error_mm: median(|merit| merit.place_error_mm),
+                    resolution: median(|merit| merit.resolution),
+                    shape_deformation: median(|merit| merit.shape_deformation),
+                    ringing: median(|merit| merit.ringing),
                 },
             }
         })
