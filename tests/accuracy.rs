@@ -75,7 +75,6 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
     let said = done(&["--quick", "--snr", "80,60", "--seed", "3"], &folder("a"));
     assert!(said.contains("told apart"), "a table for people: {said}");
     done(&["--quick", "--snr", "60,80", "--seed", "3"], &folder("b"));
-    done(&["--quick", "--snr", "60", "--seed", "4"], &folder("other"));
     done(&["--quick", "--snr", "60", "--seed", "3"], &folder("alone"));
 
     let (a, b) = (files(&folder("a")), files(&folder("b")));
@@ -97,11 +96,7 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
         assert!(b.get(name) == Some(bytes), "{name} differs");
     }
 
-    let (both, alone, other) = (
-        json(&folder("a")),
-        json(&folder("alone")),
-        json(&folder("other")),
-    );
+    let (both, alone) = (json(&folder("a")), json(&folder("alone")));
     for touches in 0..=3 {
         let [both, alone] = [&both, &alone].map(|found| {
             let mut one = at(found, touches, 60.0);
@@ -117,11 +112,6 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
         );
     }
     assert_eq!(both["discrimination"], alone["discrimination"]);
-    assert_ne!(
-        at(&alone, 1, 60.0),
-        at(&other, 1, 60.0),
-        "another seed draws others"
-    );
 
     // Single touches at 60 dB: an image's centroid errs by 1 to 2 mm, the bound is 0.10 to 0.16 mm (rms).
     let one = at(&both, 1, 60.0);

@@ -55,7 +55,7 @@ pub(super) enum Command {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  gelpad accuracy --out accuracy                                  some forty seconds on two cores
+  gelpad accuracy --out accuracy                                  about a minute on two cores
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
   gelpad accuracy --pad round-tank --quick --out tank             a few seconds: whether all works, not how well")]
 pub(super) struct AccuracyArgs {

@@ -282,14 +282,15 @@ mod tests {
     }
 
     #[test]
-    fn streams_differ_and_a_square_keeps_its_whole_grid() {
+    fn seeds_and_streams_differ_and_a_square_keeps_its_whole_grid() {
         let pad = pad(Outline::Rectangle {
             width_mm: 100.0,
             height_mm: 100.0,
         });
-        let first = |stream| Draws::new(&pad, 1, stream).seed();
-        assert_eq!(first(3), first(3));
-        assert_ne!(first(3), first(4));
+        let first = |seed, stream| Draws::new(&pad, seed, stream).seed();
+        assert_eq!(first(1, 3), first(1, 3));
+        assert_ne!(first(1, 3), first(1, 4));
+        assert_ne!(first(1, 3), first(2, 3));
         assert_eq!(grid(&pad, 7).len(), 49);
     }
 

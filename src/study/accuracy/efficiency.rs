@@ -9,7 +9,6 @@ use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{REACH_MM, Score};
-use super::specimen::Specimen;
 use super::stats::Spread;
 use crate::study::{Press, StudyError, Touched, pressed};
 use crate::types::PointMm;
@@ -46,7 +45,7 @@ pub(super) fn solve(
     stream: u64,
 ) -> Result<PlaceFindings, StudyError> {
     let pad = &bench.pad;
-    let specimen = Specimen::ideal(pad)?;
+    let specimen = &bench.ideal;
     let presses = [Press {
         centre_mm: place_mm,
         radius_mm: PRESS.0 * bench.scale,

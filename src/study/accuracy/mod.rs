@@ -26,6 +26,7 @@ pub use stats::{Share, Spread};
 pub use touches::{ForceScale, ImageFindings, TouchFindings};
 
 use sensing::Sensing;
+use specimen::Specimen;
 
 use super::StudyError;
 use crate::pad::Pad;
@@ -50,7 +51,7 @@ struct Plan {
     places: (usize, usize),
 }
 
-/// Some forty seconds on two cores.
+/// About a minute on two cores.
 const FULL: Plan = Plan {
     touches: 200,
     distances_mm: [8, 40, 2],
@@ -91,6 +92,8 @@ pub struct Settings {
 struct Bench {
     pad: Pad,
     sensing: Sensing,
+    /// The pad as the model takes it.
+    ideal: Specimen,
     seed: u64,
     /// Best first, each once.
     snr_db: Vec<f64>,
@@ -163,6 +166,7 @@ impl Accuracy {
         Ok(Self {
             bench: Bench {
                 sensing: Sensing::of_pad(&pad, settings.method)?,
+                ideal: Specimen::ideal(&pad)?,
                 seed: settings.seed,
                 scale: draws::scale(&pad),
                 snr_db,

@@ -9,8 +9,11 @@ use crate::types::PointMm;
 /// Colours of the outer ring and of the inner disc.
 const RING: RGBColor = RGBColor(154, 205, 239);
 const DISC: RGBColor = LINES[1];
-/// The largest ring takes this share of the distance to the next.
-const LARGEST: f64 = 0.46;
+/// The usual ring takes at most this share of the distance to the next place, the largest one that share.
+const CLEAR: f64 = 0.46;
+const REACH: f64 = 0.9;
+/// Usual: not larger than the ring at this share of all, by size.
+const MOST_OF_THEM: f64 = 0.8;
 /// Points with which curves are drawn.
 const POINTS: usize = 180;
 
@@ -69,23 +72,21 @@ impl PadMap {
         put(text((left, 22), &self.title, 19.0, -1));
         self.channels(view, put);
         self.edge(view, put);
-        let most_mm = self
-            .rings
-            .iter()
-            .flat_map(|ring| [ring.outer_mm, ring.inner_mm])
-            .filter(|radius| radius.is_finite())
-            .fold(0.0, f64::max);
-        let magnified = round_below(LARGEST * self.pitch_mm / most_mm.max(f64::MIN_POSITIVE));
+        let magnified = self.magnified();
         let pixels = |radius_mm: f64| (radius_mm * magnified * view.scale).round() as u32;
-        for ring in &self.rings {
-            for (radius_mm, colour) in [(ring.outer_mm, RING), (ring.inner_mm, DISC)] {
-                if radius_mm.is_finite() {
-                    put(Mark::Dot {
-                        at: view.at(ring.place_mm),
-                        radius: pixels(radius_mm).max(1),
-                        colour,
-                    });
-                }
+        // Large ones first, so that none hides a small one.
+        let mut rings = self.rings.clone();
+        rings.sort_by(|a, b| b.outer_mm.total_cmp(&a.outer_mm));
+        type Radius = fn(&Ring) -> f64;
+        let radii: [(Radius, RGBColor); 2] =
+            [(|ring| ring.outer_mm, RING), (|ring| ring.inner_mm, DISC)];
+        for (radius, colour) in radii {
+            for ring in rings.iter().filter(|ring| radius(ring).is_finite()) {
+                put(Mark::Dot {
+                    at: view.at(ring.place_mm),
+                    radius: pixels(radius(ring)).max(1),
+                    colour,
+                });
             }
         }
         let legend = left + (width * view.scale) as i32 + 30;
@@ -98,11 +99,25 @@ impl PadMap {
             });
             put(text((legend + 20, y), name, 14.0, -1));
         }
-        let magnified = format!("drawn {} times as large", short(magnified));
-        for (line, note) in [magnified].iter().chain(&self.notes).enumerate() {
+        let said = format!("drawn {} times as large", short(magnified));
+        for (line, note) in [said].iter().chain(&self.notes).enumerate() {
             let y = top + 68 + 18 * line as i32;
             put(text((legend, y), note, 13.0, -1));
         }
+    }
+
+    /// How many times as large rings are drawn: most of them stay clear of each other, and none reaches the next place.
+    fn magnified(&self) -> f64 {
+        let mut sizes: Vec<f64> = self
+            .rings
+            .iter()
+            .map(|ring| ring.outer_mm.max(ring.inner_mm))
+            .filter(|radius| radius.is_finite() && *radius > 0.0)
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        let Some(most) = sizes.last() else { return 1.0 };
+        let usual = sizes[(MOST_OF_THEM * (sizes.len() - 1) as f64) as usize];
+        round_below((CLEAR / usual).min(REACH / most) * self.pitch_mm)
     }
 
     fn channels(&self, view: View, put: &mut dyn FnMut(Mark)) {
