@@ -8,13 +8,15 @@ pub mod job;
 mod merit;
 mod phantom;
 pub mod phantoms;
+mod press;
 mod report;
 mod vary;
 pub mod width;
 
-pub use bound::{Press, PressBound, Touched, place_bound_mm, pressed};
+pub use bound::{PressBound, Touched, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
+pub use press::{Press, pressed};
 pub use vary::Vary;
 
 use std::path::{Path, PathBuf};

@@ -172,7 +172,8 @@ impl Draws {
 /// Whether a touch can have its middle there. Outlines are convex: looking along the axes and between them is enough.
 fn is_inside(outline: &Outline, scale: f64, [x, y]: PointMm) -> bool {
     const DIRECTIONS: usize = 8;
-    let margin_mm = MARGIN_MM * scale;
+    // A hair less, so that rounding does not lose places right on the margin.
+    let margin_mm = MARGIN_MM * scale - 1e-9;
     (0..DIRECTIONS).all(|direction| {
         let angle = std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64;
         outline.contains([
@@ -186,8 +187,7 @@ fn is_inside(outline: &Outline, scale: f64, [x, y]: PointMm) -> bool {
 pub(super) fn grid(pad: &Pad, side: usize) -> Vec<PointMm> {
     let size = pad.outline.size_mm();
     let scale = scale(pad);
-    // A hair further in than the margin, so that rounding does not lose the outer rows.
-    let margin_mm = MARGIN_MM * scale * (1.0 + 1e-9);
+    let margin_mm = MARGIN_MM * scale;
     let at = |axis: usize, step: usize| {
         let share = step as f64 / (side - 1) as f64;
         margin_mm + share * (size[axis] - 2.0 * margin_mm)

@@ -4,6 +4,7 @@
 //! `specimen`). The sensing is the one that plays, frames in and touches out (`sensing`). Every case has random numbers of
 //! its own, from the seed and its place in the list: the same seed gives the same files on any number of threads.
 
+mod csv;
 mod discrimination;
 mod draws;
 mod efficiency;

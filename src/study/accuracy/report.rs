@@ -1,4 +1,4 @@
-//! What the study tells: tables for people, every number as CSV and JSON.
+//! What the study tells people: tables, and what they mean.
 
 use std::fmt::Write as _;
 
@@ -26,50 +26,11 @@ fn hundredths(share: f64) -> String {
     }
 }
 
-/// A number as CSV has it: empty where there is none.
-fn cell(value: f64) -> String {
-    if value.is_finite() {
-        value.to_string()
-    } else {
-        String::new()
-    }
-}
-
-fn head(names: &[&str]) -> Vec<String> {
+pub(super) fn head(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-fn share_cells(share: &Share) -> [String; 4] {
-    [
-        share.hits.to_string(),
-        share.n.to_string(),
-        cell(share.low),
-        cell(share.high),
-    ]
-}
-
-fn spread_cells(spread: &Spread) -> [String; 5] {
-    [
-        spread.n.to_string(),
-        cell(spread.mean),
-        cell(spread.median),
-        cell(spread.p95),
-        cell(spread.rms),
-    ]
-}
-
 impl Findings {
-    /// All of it as JSON.
-    ///
-    /// # Errors
-    /// A defect of gelpad.
-    pub fn json(&self) -> Result<String, StudyError> {
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| StudyError::Internal(error.to_string()))?;
-        text.push('\n');
-        Ok(text)
-    }
-
     /// The tables for a terminal.
     #[must_use]
     pub fn summary(&self) -> String {
@@ -255,158 +216,6 @@ impl Findings {
             ]),
             rows: rows.collect(),
         }
-    }
-
-    fn csvs(&self) -> Vec<Table> {
-        let touches = self.touches.iter().map(|found| {
-            let mut row = vec![
-                found.touches.to_string(),
-                found.noise.name().to_owned(),
-                cell(found.snr_db),
-            ];
-            row.extend(share_cells(&found.counted_right));
-            row.extend([found.drawn, found.missed, found.false_touches].map(|n| n.to_string()));
-            row.extend(spread_cells(&found.place_error_mm));
-            row.extend(spread_cells(&found.place_bound_mm).into_iter().skip(1));
-            row.extend(spread_cells(&found.force_error).into_iter().skip(1));
-            row.extend(spread_cells(&found.force_bound).into_iter().skip(1));
-            row
-        });
-        let pairs = self.discrimination.pairs.iter().map(|pair| {
-            let mut row = vec![cell(pair.distance_mm)];
-            row.extend(share_cells(&pair.told_apart));
-            row.extend([pair.counted_two.hits, pair.counted_one.hits].map(|n| n.to_string()));
-            row.extend(spread_cells(&pair.place_bound_mm).into_iter().skip(1));
-            row
-        });
-        let lone = self.discrimination.lone.iter().map(|lone| {
-            let mut row = vec![lone.shape.name().to_owned()];
-            row.extend(share_cells(&lone.split));
-            row.push(lone.missed.hits.to_string());
-            row
-        });
-        let bound = self.bound.places.iter().map(|place| {
-            let mut row: Vec<String> = place.place_mm.map(cell).to_vec();
-            row.extend([place.draws, place.missed, place.false_touches].map(|n| n.to_string()));
-            row.extend([place.rmse_mm, place.bound_mm, place.ratio].map(cell));
-            row
-        });
-        let images = self.images.iter().map(|image| {
-            let merit = &image.median;
-            let mut row = vec![
-                image.noise.name().to_owned(),
-                cell(image.snr_db),
-                image.n.to_string(),
-            ];
-            row.extend(
-                [
-                    merit.amplitude_response,
-                    merit.place_error_mm,
-                    merit.resolution,
-                    merit.shape_deformation,
-                    merit.ringing,
-                ]
-                .map(cell),
-            );
-            row
-        });
-        let table = |title: &str, names: &[&str], rows: Vec<Vec<String>>| Table {
-            title: title.to_owned(),
-            head: head(names),
-            rows,
-        };
-        vec![
-            table(
-                "accuracy",
-                &[
-                    "touches",
-                    "noise",
-                    "snr_db",
-                    "counted_right",
-                    "draws",
-                    "counted_right_low",
-                    "counted_right_high",
-                    "drawn",
-                    "missed",
-                    "false_touches",
-                    "found",
-                    "place_error_mean_mm",
-                    "place_error_median_mm",
-                    "place_error_p95_mm",
-                    "place_error_rms_mm",
-                    "place_bound_mean_mm",
-                    "place_bound_median_mm",
-                    "place_bound_p95_mm",
-                    "place_bound_rms_mm",
-                    "force_error_mean",
-                    "force_error_median",
-                    "force_error_p95",
-                    "force_error_rms",
-                    "force_bound_mean",
-                    "force_bound_median",
-                    "force_bound_p95",
-                    "force_bound_rms",
-                ],
-                touches.collect(),
-            ),
-            table(
-                "discrimination",
-                &[
-                    "distance_mm",
-                    "told_apart",
-                    "draws",
-                    "told_apart_low",
-                    "told_apart_high",
-                    "counted_two",
-                    "counted_one",
-                    "place_bound_mean_mm",
-                    "place_bound_median_mm",
-                    "place_bound_p95_mm",
-                    "place_bound_rms_mm",
-                ],
-                pairs.collect(),
-            ),
-            table(
-                "shapes",
-                &[
-                    "shape",
-                    "split",
-                    "draws",
-                    "split_low",
-                    "split_high",
-                    "missed",
-                ],
-                lone.collect(),
-            ),
-            table(
-                "bound",
-                &[
-                    "x_mm",
-                    "y_mm",
-                    "draws",
-                    "missed",
-                    "false_touches",
-                    "rmse_mm",
-                    "bound_mm",
-                    "ratio",
-                ],
-                bound.collect(),
-            ),
-            table(
-                "images",
-                &[
-                    "noise",
-                    "snr_db",
-                    "draws",
-                    "amplitude_response",
-                    "place_error_mm",
-                    "resolution",
-                    "shape_deformation",
-                    "ringing",
-                ],
-                images.collect(),
-            ),
-        ]
     }
 
     fn paragraphs(&self) -> Vec<String> {

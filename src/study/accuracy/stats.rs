@@ -73,7 +73,8 @@ impl Share {
             n,
             share,
             low: (middle - half).max(0.0),
-            high: (middle + half).min(1.0),
+            // Exactly 1 where all hold, whatever rounding says.
+            high: if hits == n { 1.0 } else { middle + half },
         }
     }
 
@@ -107,6 +108,8 @@ mod tests {
         // By hand: 0 of 10 leaves up to z2 / (10 + z2) = 0.2775.
         let none = Share::of(0, 10);
         assert!(none.low == 0.0 && (none.high - 0.277_5).abs() < 1e-4);
+        let all = Share::of(10, 10);
+        assert!(all.high == 1.0 && (all.low - 0.722_5).abs() < 1e-4);
         let half = Share::of(50, 100);
         assert!((half.low + half.high - 1.0).abs() < 1e-12);
         assert!((half.low - 0.403_8).abs() < 1e-3, "{}", half.low);

@@ -1,5 +1,6 @@
 //! Figures: each drawn once, as SVG and as PNG.
 
+mod axis;
 mod chart;
 mod gallery;
 mod map;
@@ -8,7 +9,8 @@ mod panels;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
-pub use chart::{Axis, Chart, Look, Series};
+pub use axis::Axis;
+pub use chart::{Chart, Look, Series};
 pub use gallery::Gallery;
 pub use map::{PadMap, Ring};
 pub use panels::{Panel, Panels};
