@@ -14,9 +14,12 @@ use crate::study::{StudyError, Touched, pressed};
 
 /// Noise in proportion to each reading, dB.
 pub(super) const SNR_DB: f64 = 60.0;
-/// Two touches are told apart if exactly two are seen, both within this distance of the truth, mm: a quarter of a
-/// finger's width.
+/// Two touches are told apart if exactly two are seen, both within this distance of the truth, mm: well
+/// within a finger's radius.
 pub(super) const WITHIN_MM: f64 = 4.5;
+
+/// Share of pairs told apart at which a distance is sure.
+pub(super) const SURE: f64 = 0.95;
 
 /// What two presses at a distance showed.
 #[derive(Clone, Debug)]
@@ -128,6 +131,17 @@ impl PairFindings {
     }
 }
 
+/// The least distance from which on, up to the greatest that was drawn, pairs are told apart in at least [`SURE`] of the
+/// draws, mm.
+pub(super) fn sure_from_mm(pairs: &[PairFindings]) -> Option<f64> {
+    pairs
+        .iter()
+        .rev()
+        .take_while(|pair| pair.told_apart.share >= SURE)
+        .last()
+        .map(|pair| pair.distance_mm)
+}
+
 /// What lone shapes gave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoneFindings {
@@ -146,5 +160,28 @@ impl LoneFindings {
             split: Share::counted(seen, |count| *count > 1),
             missed: Share::counted(seen, |count| *count == 0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distance_is_sure_if_all_beyond_it_are() {
+        let pairs = |told: &[usize]| -> Vec<PairFindings> {
+            told.iter()
+                .enumerate()
+                .map(|(index, hits)| PairFindings {
+                    distance_mm: 10.0 + index as f64,
+                    told_apart: Share::of(*hits, 100),
+                    counted_two: Share::of(*hits, 100),
+                    counted_one: Share::of(100 - hits, 100),
+                    place_bound_mm: Spread::of([]),
+                })
+                .collect()
+        };
+        assert_eq!(sure_from_mm(&pairs(&[10, 96, 90, 95, 100])), Some(13.0));
+        assert_eq!(sure_from_mm(&pairs(&[99, 99, 94])), None);
     }
 }

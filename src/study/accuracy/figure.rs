@@ -1,10 +1,12 @@
 //! The picture: error of place and count by noise, two-point discrimination, and the pad from above.
 
-use super::{Accuracy, Findings, NoiseKind, Share, TouchFindings};
+use super::{Accuracy, Findings, NoiseKind, Share, Spread, TouchFindings};
 use crate::study::figure::{Axis, Chart, Look, PadMap, Panel, Panels, Ring, Series, short};
 
 /// Names of the lines.
 const TOUCHES: [&str; 3] = ["one touch", "two touches", "three touches"];
+/// Errors are shown where at least this share of the touches was found: of few, chance and the easy ones speak.
+const FOUND_SHARE: f64 = 0.5;
 /// One colour a number of touches, after black.
 const FIRST_COLOUR: usize = 1;
 
@@ -131,22 +133,15 @@ impl Findings {
             NoiseKind::Proportional => "in proportion to each reading",
             NoiseKind::FullScale => "the same on all channels (of full scale)",
         };
-        let mut series = self.lines(noise, "", false, |found| {
-            let place = found.place_error_mm;
-            [place.mean, place.median.min(place.mean), place.p95]
-        });
+        let mut series = self.lines(noise, "", false, |found| found.shown(&found.place_error_mm));
         series.extend(self.lines(noise, ", bound", true, |found| {
             [found.place_bound_mm.mean; 3]
         }));
         Chart {
             series,
-            notes: [
-                "dots: mean",
-                "bars: median to p95",
-                "(of the touches found)",
-            ]
-            .map(str::to_owned)
-            .to_vec(),
+            notes: ["dots: mean", "bars: median to p95", "where half are found"]
+                .map(str::to_owned)
+                .to_vec(),
             ..self.over_snr(&format!("Error of place, noise {what}"), "mm", Axis::Log)
         }
     }
@@ -171,15 +166,14 @@ impl Findings {
     fn force_chart(&self) -> Chart {
         let noise = NoiseKind::Proportional;
         let mut series = self.lines(noise, "", false, |found| {
-            let force = found.force_error;
-            [force.mean, force.median.min(force.mean), force.p95].map(|share| 100.0 * share)
+            found.shown(&found.force_error).map(|share| 100.0 * share)
         });
         series.extend(self.lines(noise, ", bound", true, |found| {
             [100.0 * found.force_bound.mean; 3]
         }));
         Chart {
             series,
-            notes: ["dots: mean", "bars: median to p95"]
+            notes: ["dots: mean", "bars: median to p95", "where half are found"]
                 .map(str::to_owned)
                 .to_vec(),
             ..self.over_snr(
@@ -201,6 +195,10 @@ impl Findings {
             },
         };
         let mut notes = vec![
+            match self.discrimination.sure_from_mm {
+                Some(distance) => format!("95 % from {} mm on", short(distance)),
+                None => "95 % at no distance".to_owned(),
+            },
             format!("both within {} mm", short(self.discrimination.within_mm)),
             "bars: 95 % interval".to_owned(),
             String::new(),
@@ -256,6 +254,16 @@ impl Findings {
             notes,
             ..Chart::default()
         }
+    }
+}
+
+impl TouchFindings {
+    /// An error of the touches found as a point: mean, and from the median to p95.
+    fn shown(&self, error: &Spread) -> [f64; 3] {
+        if (error.n as f64) < FOUND_SHARE * self.drawn as f64 {
+            return [f64::NAN; 3];
+        }
+        [error.mean, error.median.min(error.mean), error.p95]
     }
 }
 

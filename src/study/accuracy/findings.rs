@@ -51,6 +51,8 @@ pub struct Discrimination {
     pub rise: f64,
     /// Both must be seen within this distance of the truth, mm (scaled).
     pub within_mm: f64,
+    /// The least distance from which on 95 % are told apart, mm; `null` if there is none.
+    pub sure_from_mm: Option<f64>,
     /// By distance.
     pub pairs: Vec<PairFindings>,
     /// Single touches of other shapes.
@@ -100,6 +102,7 @@ impl Accuracy {
                 _ => None,
             })
             .collect();
+        let pairs = self.pairs(outcomes);
         Findings {
             version: self.settings.version.clone(),
             command: self.command(),
@@ -116,7 +119,8 @@ impl Accuracy {
                 radius_mm: draws::PAIR.0 * bench.scale,
                 rise: draws::PAIR.1,
                 within_mm: discrimination::WITHIN_MM * bench.scale,
-                pairs: self.pairs(outcomes),
+                sure_from_mm: discrimination::sure_from_mm(&pairs),
+                pairs,
                 lone: Lone::ALL.map(|shape| self.lone(outcomes, shape)).to_vec(),
             },
             bound: Efficiency {

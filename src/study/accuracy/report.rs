@@ -240,7 +240,8 @@ impl Findings {
              untouched pad (full-scale). Intervals are Wilson's, 95 %."
                 .to_owned(),
             "The bound is Cramer and Rao's, with place, size and strength of every touch unknown, on the true pad and with a perfect reference: \
-             the mean error of the best unbiased method, cut at 10 mm (at 100 % for force). Force is compared as a share of the true one, after \
+             the mean error of the best unbiased method, cut at 10 mm (at 100 % for force); a method that leans on what touches usually are \
+             can lie below it. Force is compared as a share of the true one, after \
              one scale for the whole pad from its single touches at the best SNR."
                 .to_owned(),
             "Two touches are told apart if exactly two are seen, both near the truth. Against the bound, the pad is exactly as the model takes \

@@ -14,8 +14,8 @@ const CLEAR: f64 = 0.46;
 const REACH: f64 = 0.9;
 /// Usual: not larger than the ring at this share of all, by size.
 const MOST_OF_THEM: f64 = 0.8;
-/// Points with which curves are drawn.
-const POINTS: usize = 180;
+/// Points with which the outline and an electrode are drawn.
+const POINTS: (usize, usize) = (180, 6);
 
 /// What is shown at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,24 +158,27 @@ impl PadMap {
     /// The outline, and the electrodes on it.
     fn edge(&self, view: View, put: &mut dyn FnMut(Mark)) {
         let outline = &self.pad.outline;
-        let mut stretch = |from_mm: f64, to_mm: f64, corners: &[f64], colour, width| {
-            let mut along: Vec<f64> = (0..=POINTS)
-                .map(|point| from_mm + (to_mm - from_mm) * point as f64 / POINTS as f64)
-                .chain(corners.iter().copied())
-                .collect();
-            along.sort_by(f64::total_cmp);
-            put(Mark::Line {
-                points: along
-                    .into_iter()
-                    .map(|s| view.at(outline.point_at(s)))
-                    .collect(),
-                colour,
-                width,
-            });
-        };
-        stretch(0.0, outline.perimeter_mm(), &outline.corners_mm(), GREY, 2);
+        let mut stretch =
+            |[from_mm, to_mm]: [f64; 2], points: usize, corners: &[f64], colour, width| {
+                let mut along: Vec<f64> = (0..=points)
+                    .map(|point| from_mm + (to_mm - from_mm) * point as f64 / points as f64)
+                    .chain(corners.iter().copied())
+                    .collect();
+                along.sort_by(f64::total_cmp);
+                put(Mark::Line {
+                    points: along
+                        .into_iter()
+                        .map(|s| view.at(outline.point_at(s)))
+                        .collect(),
+                    colour,
+                    width,
+                });
+            };
+        let whole = [0.0, outline.perimeter_mm()];
+        stretch(whole, POINTS.0, &outline.corners_mm(), GREY, 2);
         for electrode in &self.pad.electrodes {
-            stretch(electrode.start_mm, electrode.end_mm(), &[], LINES[0], 6);
+            let ends = [electrode.start_mm, electrode.end_mm()];
+            stretch(ends, POINTS.1, &[], LINES[0], 6);
         }
     }
 }
