@@ -66,7 +66,7 @@ pub(super) struct AccuracyArgs {
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
     /// Signal-to-noise ratios, dB
-    #[arg(long, value_name = "DB,...", value_delimiter = ',', value_parser = snr, default_values_t = crate::study::accuracy::SNR_DB)]
+    #[arg(long, value_name = "DB,...", value_delimiter = ',', value_parser = snr, default_value = "80,60,50,40")]
     pub snr: Vec<f64>,
     /// How images are made: tikhonov, noser, smooth or l1 [default: what the pad says, else noser]
     #[arg(long)]

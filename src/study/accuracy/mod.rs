@@ -33,8 +33,6 @@ use super::StudyError;
 use crate::pad::Pad;
 use crate::types::{Method, PointMm};
 
-/// SNRs unless others are asked for, dB.
-pub const SNR_DB: [f64; 4] = [80.0, 60.0, 50.0, 40.0];
 /// Draws on one specimen: enough to be worth its solving, few enough that figures see many specimens.
 const DRAWS_A_SPECIMEN: usize = 25;
 
