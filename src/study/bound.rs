@@ -72,47 +72,19 @@ pub struct Touched<'a> {
 }
 
 impl Touched<'_> {
-    /// The bound of each press with all presses unknown, for readings with these deviations (V/A); `None` if the readings
-    /// do not tell the presses at all.
+    /// How the readings change with every unknown: for one state and any noise.
     #[must_use]
-    pub fn bounds(&self, pad: &Pad, deviations: &[f64]) -> Option<Vec<PressBound>> {
-        let unknowns = UNKNOWNS * self.presses.len();
-        let derivative = self.derivative(pad, deviations);
-        let information = derivative.transpose() * &derivative;
-        let told = information.llt(Side::Lower).ok()?;
-        let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
-        let bounds = self.presses.iter().enumerate().map(|(index, press)| {
-            let of = |a: usize, b: usize| covariance[(UNKNOWNS * index + a, UNKNOWNS * index + b)];
-            let (radius, rise) = (press.radius_mm, press.rise);
-            // The volume goes with rise x radius^2.
-            let volume = of(3, 3) / (rise * rise)
-                + 4.0 * of(2, 2) / (radius * radius)
-                + 4.0 * of(2, 3) / (rise * radius);
-            PressBound {
-                place_mm2: [of(0, 0), of(1, 1), of(0, 1)],
-                volume_share: volume.max(0.0).sqrt(),
-            }
-        });
-        let bounds: Vec<PressBound> = bounds.collect();
-        let sound = |bound: &PressBound| bound.rms_mm().is_finite() && bound.rms_mm() > 0.0;
-        bounds.iter().all(sound).then_some(bounds)
-    }
-
-    /// Readings in units of their deviation, differentiated by every unknown: channels by unknowns.
-    fn derivative(&self, pad: &Pad, deviations: &[f64]) -> Mat<f64> {
+    pub fn slopes(&self, pad: &Pad) -> Slopes {
         let under = self.under(pad.touch_sign);
         let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
         let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
-        let mut derivative = Mat::zeros(deviations.len(), UNKNOWNS * self.presses.len());
-        for (index, (_, mean)) in under.iter().enumerate() {
-            for (channel, deviation) in deviations.iter().enumerate() {
-                let gain = jacobian[(channel, index)] / deviation;
-                for (unknown, part) in mean.iter().enumerate() {
-                    derivative[(channel, unknown)] += gain * part;
-                }
-            }
+        let unknowns = UNKNOWNS * self.presses.len();
+        let conductivity =
+            Mat::from_fn(under.len(), unknowns, |row, unknown| under[row].1[unknown]);
+        Slopes {
+            presses: self.presses.to_vec(),
+            derivative: jacobian * conductivity,
         }
-        derivative
     }
 
     /// The triangles that change with the presses, and the derivative of their conductivity for every unknown.
@@ -138,6 +110,49 @@ impl Touched<'_> {
                 })
             })
             .collect()
+    }
+}
+
+/// Readings differentiated by place, radius and rise of every press.
+#[derive(Clone, Debug)]
+pub struct Slopes {
+    presses: Vec<Press>,
+    /// Channels by unknowns, V/A a unit of the unknown.
+    derivative: Mat<f64>,
+}
+
+impl Slopes {
+    /// The bound of each press with all presses unknown, for readings with these deviations (V/A); `None` if the readings
+    /// do not tell the presses at all.
+    ///
+    /// # Panics
+    /// If there is not one deviation a channel.
+    #[must_use]
+    pub fn bounds(&self, deviations: &[f64]) -> Option<Vec<PressBound>> {
+        let (channels, unknowns) = self.derivative.shape();
+        assert_eq!(deviations.len(), channels);
+        // Whitened: divided by the noise of each reading.
+        let whitened = Mat::from_fn(channels, unknowns, |channel, unknown| {
+            self.derivative[(channel, unknown)] / deviations[channel]
+        });
+        let information = whitened.transpose() * &whitened;
+        let told = information.llt(Side::Lower).ok()?;
+        let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
+        let bounds = self.presses.iter().enumerate().map(|(index, press)| {
+            let of = |a: usize, b: usize| covariance[(UNKNOWNS * index + a, UNKNOWNS * index + b)];
+            let (radius, rise) = (press.radius_mm, press.rise);
+            // The volume goes with rise x radius^2.
+            let volume = of(3, 3) / (rise * rise)
+                + 4.0 * of(2, 2) / (radius * radius)
+                + 4.0 * of(2, 3) / (rise * radius);
+            PressBound {
+                place_mm2: [of(0, 0), of(1, 1), of(0, 1)],
+                volume_share: volume.max(0.0).sqrt(),
+            }
+        });
+        let bounds: Vec<PressBound> = bounds.collect();
+        let sound = |bound: &PressBound| bound.rms_mm().is_finite() && bound.rms_mm() > 0.0;
+        bounds.iter().all(sound).then_some(bounds)
     }
 }
 
@@ -170,7 +185,7 @@ pub fn place_bound_mm(
         background: &background,
         presses: &presses,
     };
-    match touched.bounds(pad, &deviations) {
+    match touched.slopes(pad).bounds(&deviations) {
         Some(bounds) => Ok(bounds[0].rms_mm()),
         None => Err(StudyError::Refused {
             reason: format!(
@@ -272,8 +287,7 @@ mod tests {
         for sign in [TouchSign::Rise, TouchSign::Fall] {
             let bench = Bench::new(sign);
             let presses = [press(30.0), press(40.0)];
-            let ones = vec![1.0; bench.pad.channels()];
-            let derivative = bench.with(&presses, |touched| touched.derivative(&bench.pad, &ones));
+            let exact = bench.with(&presses, |touched| touched.slopes(&bench.pad));
             let steps = [0.05, 0.05, 0.05, 0.01];
             for (unknown, step) in steps.into_iter().enumerate() {
                 let volts = |by: f64| {
@@ -292,7 +306,7 @@ mod tests {
                     .map(|(up, down)| (up - down) / (2.0 * step));
                 let (mut off, mut all) = (0.0, 0.0);
                 for (channel, slope) in slopes.enumerate() {
-                    off += (derivative[(channel, unknown)] - slope).powi(2);
+                    off += (exact.derivative[(channel, unknown)] - slope).powi(2);
                     all += slope * slope;
                 }
                 // Four points a triangle stand for its mean on one side, hundreds on the other.
@@ -314,7 +328,8 @@ mod tests {
                 .map(|volt| volt.abs() * 1e-3)
                 .collect();
             bench
-                .with(presses, |touched| touched.bounds(&bench.pad, &deviations))
+                .with(presses, |touched| touched.slopes(&bench.pad))
+                .bounds(&deviations)
                 .expect("told")[0]
                 .rms_mm()
         };

@@ -13,7 +13,7 @@ mod report;
 mod vary;
 pub mod width;
 
-pub use bound::{PressBound, Touched, place_bound_mm};
+pub use bound::{PressBound, Slopes, Touched, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
 pub use press::{Press, pressed};

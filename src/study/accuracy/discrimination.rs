@@ -53,7 +53,7 @@ pub(super) fn solve_pairs(
             };
             let deviations = NoiseKind::Proportional.deviations(&volts, &specimen.rest);
             let reach_mm = REACH_MM * bench.scale;
-            let bounds_mm = match touched.bounds(pad, &deviations) {
+            let bounds_mm = match touched.slopes(pad).bounds(&deviations) {
                 Some(bounds) => bounds
                     .iter()
                     .map(|bound| bound.with_noise(share(SNR_DB)).mean_mm().min(reach_mm))

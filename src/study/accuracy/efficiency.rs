@@ -61,7 +61,8 @@ pub(super) fn solve(
     };
     let kind = NoiseKind::Proportional;
     let bound_mm = touched
-        .bounds(pad, &kind.deviations(&volts, &specimen.rest))
+        .slopes(pad)
+        .bounds(&kind.deviations(&volts, &specimen.rest))
         .map_or(f64::NAN, |bounds| {
             bounds[0].with_noise(share(SNR_DB)).rms_mm()
         });

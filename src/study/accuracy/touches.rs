@@ -65,17 +65,21 @@ fn drawn(
         None => specimen.rest.clone(),
         Some(fields) => fields.voltages(&pad.protocol),
     };
+    let slopes = fields.as_ref().map(|fields| {
+        let touched = Touched {
+            model: &specimen.model,
+            fields,
+            background: &specimen.background,
+            presses: &presses,
+        };
+        touched.slopes(pad)
+    });
     let mut seen = Vec::new();
     for kind in NoiseKind::ALL {
-        let bounds = fields.as_ref().and_then(|fields| {
-            let touched = Touched {
-                model: &specimen.model,
-                fields,
-                background: &specimen.background,
-                presses: &presses,
-            };
-            touched.bounds(pad, &kind.deviations(&volts, &specimen.rest))
-        });
+        let deviations = kind.deviations(&volts, &specimen.rest);
+        let bounds = slopes
+            .as_ref()
+            .and_then(|slopes| slopes.bounds(&deviations));
         for snr_db in bench.snr_db.iter().copied() {
             let instrument = Instrument { kind, snr_db, seed };
             let readings = instrument.take(&specimen.rest, &volts);
