@@ -13,17 +13,20 @@ use crate::study::job;
 
 pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
-    let study = Accuracy::new(Settings {
+    let method = args.method.or(pad.method).unwrap_or_default();
+    // A folder that cannot be made is told before a minute of solving, not after.
+    fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    let sensing = resolve::sensing(&pad, method)?;
+    let settings = Settings {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         pad_argument: args.pad.clone(),
-        method: args.method.or(pad.method).unwrap_or_default(),
+        method,
         snr_db: args.snr.clone(),
         seed: args.seed,
         quick: args.quick,
         pad,
-    })?;
-    // A folder that cannot be made is told before a minute of solving, not after.
-    fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    };
+    let study = Accuracy::new(settings, sensing)?;
     let bar = progress::bar();
     let outcomes = job::side_by_side(
         study.cases(),

@@ -40,6 +40,8 @@ pub(super) fn solve_pairs(
     let pad = &bench.pad;
     let mut random = Draws::new(pad, bench.seed, stream);
     let specimen = Specimen::drawn(pad, &mut random)?;
+    let instrument = instrument(&specimen);
+    let rested = bench.sensing.rested(&instrument, random.seed())?;
     (0..draws)
         .map(|_| {
             let presses = random.pair(distance_mm)?;
@@ -60,8 +62,7 @@ pub(super) fn solve_pairs(
                     .collect(),
                 None => vec![reach_mm; presses.len()],
             };
-            let readings = instrument(random.seed()).take(&specimen.rest, &volts);
-            let contacts = bench.sensing.contacts(&readings);
+            let contacts = rested.contacts(&instrument.frame(&volts, random.seed()));
             let score = Score::of(&presses, &contacts, WITHIN_MM * bench.scale);
             Ok(PairDrawn {
                 seen: contacts.len(),
@@ -82,6 +83,8 @@ pub(super) fn solve_lone(
     let pad = &bench.pad;
     let mut random = Draws::new(pad, bench.seed, stream);
     let specimen = Specimen::drawn(pad, &mut random)?;
+    let instrument = instrument(&specimen);
+    let rested = bench.sensing.rested(&instrument, random.seed())?;
     (0..draws)
         .map(|_| {
             let laid = random.lone(shape)?;
@@ -90,17 +93,17 @@ pub(super) fn solve_lone(
                 TouchSign::Fall => 1.0 / laid.factor(point),
             })?;
             let volts = fields.voltages(&pad.protocol);
-            let readings = instrument(random.seed()).take(&specimen.rest, &volts);
-            Ok(bench.sensing.contacts(&readings).len())
+            let frame = instrument.frame(&volts, random.seed());
+            Ok(rested.contacts(&frame).len())
         })
         .collect()
 }
 
-fn instrument(seed: u64) -> Instrument {
+fn instrument(specimen: &Specimen) -> Instrument<'_> {
     Instrument {
         kind: NoiseKind::Proportional,
         snr_db: SNR_DB,
-        seed,
+        rest: &specimen.rest,
     }
 }
 

@@ -1,7 +1,7 @@
 //! How near the sensing comes to the Cramer-Rao bound where nothing but noise stands between: the pad is exactly as the
 //! model takes it, on the model's own mesh.
 //!
-//! The bound takes the untouched pad as known; the sensing has to take it from ten frames, which alone costs 5 %.
+//! The bound takes the untouched pad as known; the sensing has to learn it from two seconds of frames.
 
 use serde::Serialize;
 
@@ -67,16 +67,15 @@ pub(super) fn solve(
             bounds[0].with_noise(share(SNR_DB)).rms_mm()
         });
     let mut random = Draws::new(pad, bench.seed, stream);
+    let instrument = Instrument {
+        kind,
+        snr_db: SNR_DB,
+        rest: &specimen.rest,
+    };
+    let rested = bench.sensing.rested(&instrument, random.seed())?;
     let scores: Vec<Score> = (0..draws)
         .map(|_| {
-            let instrument = Instrument {
-                kind,
-                snr_db: SNR_DB,
-                seed: random.seed(),
-            };
-            let contacts = bench
-                .sensing
-                .contacts(&instrument.take(&specimen.rest, &volts));
+            let contacts = rested.contacts(&instrument.frame(&volts, random.seed()));
             Score::of(&presses, &contacts, REACH_MM * bench.scale)
         })
         .collect();

@@ -31,6 +31,7 @@ use specimen::Specimen;
 
 use super::StudyError;
 use crate::pad::Pad;
+use crate::touch::SensingBuilder;
 use crate::types::{Method, PointMm};
 
 /// Draws on one specimen: enough to be worth its solving, few enough that figures see many specimens.
@@ -147,11 +148,11 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Checks settings before anything random is drawn.
+    /// Checks settings before anything random is drawn. `sensing` is what plays on the pad with the settings' method.
     ///
     /// # Errors
     /// No SNR, or one that is no number; a pad that gives no image.
-    pub fn new(settings: Settings) -> Result<Self, StudyError> {
+    pub fn new(settings: Settings, sensing: SensingBuilder) -> Result<Self, StudyError> {
         let mut snr_db = settings.snr_db.clone();
         if snr_db.is_empty() || snr_db.iter().any(|db| !db.is_finite()) {
             return Err(StudyError::Refused {
@@ -164,7 +165,7 @@ impl Accuracy {
         let plan = if settings.quick { &QUICK } else { &FULL };
         Ok(Self {
             bench: Bench {
-                sensing: Sensing::of_pad(&pad, settings.method)?,
+                sensing: Sensing::of_pad(&pad, sensing)?,
                 ideal: Specimen::ideal(&pad)?,
                 seed: settings.seed,
                 scale: draws::scale(&pad),

@@ -5,8 +5,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-use crate::eit::REFERENCE_FRAMES;
-
 /// What the noise of a reading goes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -47,39 +45,39 @@ pub(super) fn share(snr_db: f64) -> f64 {
     libm::pow(10.0, -snr_db / 20.0)
 }
 
-/// The frames of one draw: the untouched pad, then the frame that is judged.
-#[derive(Clone, Debug)]
-pub(super) struct Readings {
-    pub untouched: Vec<Vec<f32>>,
-    pub judged: Vec<f32>,
-}
-
 /// Takes readings with noise. The seed alone fixes the noise: at another SNR the same noise comes scaled, so that a
 /// figure at one SNR does not hang on which others were asked for.
-pub(super) struct Instrument {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instrument<'a> {
     pub kind: NoiseKind,
     pub snr_db: f64,
-    pub seed: u64,
+    /// Readings of the untouched pad, V/A.
+    pub rest: &'a [f64],
 }
 
-impl Instrument {
-    pub(super) fn take(&self, rest: &[f64], touched: &[f64]) -> Readings {
-        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+impl Instrument<'_> {
+    /// So many frames of one state.
+    pub(super) fn frames(&self, volts: &[f64], seed: u64, count: usize) -> Vec<Vec<f32>> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
         let share = share(self.snr_db);
-        let mut read = |volts: &[f64]| -> Vec<f32> {
-            volts
-                .iter()
-                .zip(self.kind.deviations(volts, rest))
-                .map(|(volt, deviation)| {
-                    let n: f64 = StandardNormal.sample(&mut random);
-                    (volt + share * deviation * n) as f32
-                })
-                .collect()
-        };
-        Readings {
-            untouched: (0..REFERENCE_FRAMES).map(|_| read(rest)).collect(),
-            judged: read(touched),
-        }
+        let deviations = self.kind.deviations(volts, self.rest);
+        (0..count)
+            .map(|_| {
+                volts
+                    .iter()
+                    .zip(&deviations)
+                    .map(|(volt, deviation)| {
+                        let n: f64 = StandardNormal.sample(&mut random);
+                        (volt + share * deviation * n) as f32
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// One frame.
+    pub(super) fn frame(&self, volts: &[f64], seed: u64) -> Vec<f32> {
+        self.frames(volts, seed, 1).swap_remove(0)
     }
 }
 
@@ -91,8 +89,8 @@ mod tests {
     fn noise_has_its_size_and_only_scales_with_the_snr() {
         let rest: Vec<f64> = (1..=4000).map(|i| f64::from(i % 10 + 1)).collect();
         let take = |kind, snr_db| {
-            let seed = 5;
-            Instrument { kind, snr_db, seed }.take(&rest, &rest).judged
+            let rest = rest.as_slice();
+            Instrument { kind, snr_db, rest }.frame(rest, 5)
         };
         for (kind, size) in [(NoiseKind::Proportional, 1.0), (NoiseKind::FullScale, 10.0)] {
             // On the channels that read 1 the two differ by the full scale of 10.

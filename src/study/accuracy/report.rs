@@ -230,7 +230,7 @@ impl Findings {
         vec![
             format!(
                 "Each draw presses a simulated {} that the model does not know: another mesh, contact impedances that differ by up to \
-                 30 % either way, a background that is uneven by a few percent. Ten noisy frames of the untouched pad are the reference, one \
+                 30 % either way, a background that is uneven by a few percent. Two seconds of noisy frames of the untouched pad come first, one \
                  noisy frame is judged. Touches multiply the conductivity by 1 + rise (1 - (d / r)^2), r 5 to 9 mm, rise 0.5 to 2, middles at \
                  least 30 mm apart and 10 mm from the edge.{scaled}",
                 self.pad

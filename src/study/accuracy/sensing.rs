@@ -2,69 +2,101 @@
 
 use std::sync::Arc;
 
-use super::noise::Readings;
-use crate::eit::{Imager, LAMBDA, Linearised, Reconstruction, Reference};
-use crate::pad::{Pad, TouchSign};
+use super::noise::Instrument;
+use crate::eit::{Imager, REFERENCE_FRAMES, Reconstruction, Reference};
+use crate::pad::{Pad, Protocol, TouchSign};
 use crate::study::{Merit, Press, Raster, StudyError, pressed};
-use crate::touch::Detector;
-use crate::types::{Contact, Frame, Image, Method, NANOS_PER_MS, Nanos};
+use crate::touch::{Detector, SensingBuilder};
+use crate::types::{Contact, Frame, Image, NANOS_PER_MS, Nanos};
 
 /// A hundred frames a second, as in play.
 const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
+/// For so many frames the untouched pad is read first: two seconds, in which the detector takes its reference, learns the
+/// noise of each channel, and may ask for weights to match.
+pub(super) const REST_FRAMES: usize = 200;
 /// Images are smoothed with this deviation before they are judged, mm: as in the study of phantoms.
 const SMOOTHING_MM: f64 = 4.0;
 
-/// A pad's sensing, ready to be fed.
+/// A pad's sensing, before any frame.
 #[derive(Clone, Debug)]
 pub(super) struct Sensing {
-    reconstruction: Arc<Reconstruction>,
+    builder: SensingBuilder,
     fresh: Detector,
+    reconstruction: Arc<Reconstruction>,
+    size_mm: [f64; 2],
+    touch_sign: TouchSign,
+}
+
+/// A detector that has read the untouched pad, ready to be pressed.
+#[derive(Clone, Debug)]
+pub(super) struct Rested {
+    detector: Detector,
+    reference: Reference,
+    reconstruction: Arc<Reconstruction>,
     size_mm: [f64; 2],
     touch_sign: TouchSign,
 }
 
 impl Sensing {
-    pub(super) fn of_pad(pad: &Pad, method: Method) -> Result<Self, StudyError> {
-        let linear = Linearised::of_pad(pad)?;
-        let reconstruction =
-            Reconstruction::from_linearised(&linear, method, LAMBDA, pad.touch_sign)?;
-        let reconstruction = Arc::new(reconstruction);
+    pub(super) fn of_pad(pad: &Pad, builder: SensingBuilder) -> Result<Self, StudyError> {
+        let (fresh, reconstruction) = detector(&builder, &pad.protocol)?;
         Ok(Self {
-            fresh: detector(pad, &reconstruction)?,
+            builder,
+            fresh,
             reconstruction,
             size_mm: pad.outline.size_mm(),
             touch_sign: pad.touch_sign,
         })
     }
 
-    /// What is seen in the judged frame.
-    pub(super) fn contacts(&self, readings: &Readings) -> Vec<Contact> {
-        let mut detector = self.fresh.clone();
+    /// Reads the untouched pad. Weights for which the detector asks are there with the next frame.
+    pub(super) fn rested(&self, instrument: &Instrument, seed: u64) -> Result<Rested, StudyError> {
+        let mut rested = Rested {
+            detector: self.fresh.clone(),
+            reference: Reference::new(instrument.rest.len()),
+            reconstruction: Arc::clone(&self.reconstruction),
+            size_mm: self.size_mm,
+            touch_sign: self.touch_sign,
+        };
         let mut changed = Vec::new();
-        let frames = readings.untouched.iter().chain([&readings.judged]);
-        for (index, volts) in frames.enumerate() {
-            let frame = Frame {
-                t_ns: index as Nanos * FRAME_NS,
-                volts: volts.clone(),
-            };
-            detector.frame(&frame, &mut changed);
+        let frames = instrument.frames(instrument.rest, seed, REST_FRAMES);
+        for (index, volts) in frames.into_iter().enumerate() {
+            let t_ns = index as Nanos * FRAME_NS;
+            if index < REFERENCE_FRAMES {
+                rested.reference.begin(t_ns, &volts);
+            }
+            rested.detector.frame(&Frame { t_ns, volts }, &mut changed);
+            if let Some(wanted) = rested.detector.wanted() {
+                let sensing = Arc::new(self.builder.build(wanted)?);
+                rested.reconstruction = Arc::clone(&sensing.reconstruction);
+                rested.detector.take(sensing);
+            }
         }
+        Ok(rested)
+    }
+}
+
+impl Rested {
+    /// What is seen in the frame that follows.
+    pub(super) fn contacts(&self, volts: &[f32]) -> Vec<Contact> {
+        let mut detector = self.detector.clone();
+        let frame = Frame {
+            t_ns: REST_FRAMES as Nanos * FRAME_NS,
+            volts: volts.to_vec(),
+        };
+        detector.frame(&frame, &mut Vec::new());
         let touches = detector.state().down;
         touches.iter().map(|touch| touch.contact).collect()
     }
 
-    /// GREIT's figures of the judged frame's image for one press.
-    pub(super) fn merit(&self, readings: &Readings, press: &Press) -> Merit {
-        let mut reference = Reference::new(readings.judged.len());
-        for (index, volts) in readings.untouched.iter().enumerate() {
-            reference.begin(index as Nanos * FRAME_NS, volts);
-        }
-        let mut changes = vec![0.0; readings.judged.len()];
-        reference.changes(&readings.judged, &mut changes);
+    /// GREIT's figures of that frame's image for one press, against the reference of the first frames.
+    pub(super) fn merit(&self, volts: &[f32], press: &Press) -> Merit {
+        let mut changes = vec![0.0; volts.len()];
+        self.reference.changes(volts, &mut changes);
         let mut image = Image::blank(self.reconstruction.grid);
-        Imager::new(self.reconstruction.clone()).uncut(
+        Imager::new(Arc::clone(&self.reconstruction)).uncut(
             &changes,
-            reference.change_noise(),
+            self.reference.change_noise(),
             &mut image,
         );
         let raster = Raster::smoothed(
@@ -86,7 +118,13 @@ impl Sensing {
     }
 }
 
-/// A detector as play makes it, without a reference yet. The one place where the sensing under test is chosen.
-fn detector(_pad: &Pad, reconstruction: &Arc<Reconstruction>) -> Result<Detector, StudyError> {
-    Ok(Detector::new(reconstruction.clone()))
+/// A detector as play makes it, without a reference yet, and its matrix. The one place where the sensing under test is
+/// chosen.
+fn detector(
+    builder: &SensingBuilder,
+    protocol: &Protocol,
+) -> Result<(Detector, Arc<Reconstruction>), StudyError> {
+    let sensing = Arc::new(builder.first()?);
+    let reconstruction = Arc::clone(&sensing.reconstruction);
+    Ok((Detector::of_pad(sensing, protocol), reconstruction))
 }

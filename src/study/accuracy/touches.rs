@@ -6,6 +6,7 @@ use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{Found, REACH_MM, Score};
+use super::sensing::Rested;
 use super::specimen::Specimen;
 use super::stats::{Share, Spread};
 use crate::study::{Merit, Press, PressBound, StudyError, Touched, pressed};
@@ -42,10 +43,22 @@ pub(super) fn solve(
 ) -> Result<Vec<Drawn>, StudyError> {
     let mut random = Draws::new(&bench.pad, bench.seed, stream);
     let specimen = Specimen::drawn(&bench.pad, &mut random)?;
+    let seed = random.seed();
+    let readers = bench
+        .noises()
+        .map(|(kind, snr_db)| {
+            let instrument = Instrument {
+                kind,
+                snr_db,
+                rest: &specimen.rest,
+            };
+            Ok((instrument, bench.sensing.rested(&instrument, seed)?))
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
     (0..draws)
         .map(|_| {
             let presses = random.presses(touches)?;
-            drawn(bench, &specimen, presses, random.seed())
+            drawn(bench, &specimen, &readers, presses, random.seed())
         })
         .collect()
 }
@@ -53,6 +66,7 @@ pub(super) fn solve(
 fn drawn(
     bench: &Bench,
     specimen: &Specimen,
+    readers: &[(Instrument, Rested)],
     presses: Vec<Press>,
     seed: u64,
 ) -> Result<Drawn, StudyError> {
@@ -74,30 +88,28 @@ fn drawn(
         };
         touched.slopes(pad)
     });
-    let mut seen = Vec::new();
-    for kind in NoiseKind::ALL {
+    let bounds_at_0_db = NoiseKind::ALL.map(|kind| {
         let deviations = kind.deviations(&volts, &specimen.rest);
-        let bounds = slopes
+        slopes
             .as_ref()
-            .and_then(|slopes| slopes.bounds(&deviations));
-        for snr_db in bench.snr_db.iter().copied() {
-            let instrument = Instrument { kind, snr_db, seed };
-            let readings = instrument.take(&specimen.rest, &volts);
-            let contacts = bench.sensing.contacts(&readings);
-            let merit = match presses.as_slice() {
-                [press] => Some(bench.sensing.merit(&readings, press)),
+            .and_then(|slopes| slopes.bounds(&deviations))
+    });
+    let seen = readers.iter().map(|(instrument, rested)| {
+        let frame = instrument.frame(&volts, seed);
+        let bounds = &bounds_at_0_db[instrument.kind as usize];
+        let louder = |bound: &PressBound| bound.with_noise(share(instrument.snr_db));
+        Seen {
+            score: Score::of(&presses, &rested.contacts(&frame), REACH_MM * bench.scale),
+            bounds: bounds
+                .as_ref()
+                .map(|bounds| bounds.iter().map(louder).collect()),
+            merit: match presses.as_slice() {
+                [press] => Some(rested.merit(&frame, press)),
                 _ => None,
-            };
-            seen.push(Seen {
-                score: Score::of(&presses, &contacts, REACH_MM * bench.scale),
-                bounds: bounds.as_ref().map(|bounds| {
-                    let louder = |bound: &PressBound| bound.with_noise(share(snr_db));
-                    bounds.iter().map(louder).collect()
-                }),
-                merit,
-            });
+            },
         }
-    }
+    });
+    let seen = seen.collect();
     Ok(Drawn { presses, seen })
 }
 
