@@ -122,10 +122,9 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
     assert!(number(&one["place_error_mm"]["mean"]) < 2.0);
     let bound_mm = number(&one["place_bound_mm"]["median"]);
     assert!((0.05..0.25).contains(&bound_mm), "{bound_mm}");
-    // A tenth of the noise is a tenth of the bound, and further touches only cost.
+    // A tenth of the noise is a tenth of the bound.
     let at_80 = number(&at(&both, 1, 80.0)["place_bound_mm"]["median"]);
     assert!((bound_mm / at_80 - 10.0).abs() < 1e-6);
-    assert!(number(&at(&both, 3, 60.0)["place_bound_mm"]["median"]) > bound_mm);
     // Nothing beats the bound by more than chance.
     assert!(number(&both["bound"]["ratio"]["median"]) > 0.8);
     let pairs = both["discrimination"]["pairs"].as_array().expect("a list");
