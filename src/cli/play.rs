@@ -152,8 +152,7 @@ fn run(
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
-    let mut running =
-        runtime::start(engine, builder, source, device).context("no thread to play on")?;
+    let mut running = runtime::start(engine, builder, source, device).context("no thread to play on")?;
     let watched = watch(&mut running, &signals, view.as_mut());
     running.stop();
     let summary = running.join();

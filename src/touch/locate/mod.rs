@@ -13,6 +13,7 @@ mod search;
 
 use std::sync::Arc;
 
+
 use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, Response};
 use crate::pad::Outline;
@@ -181,21 +182,17 @@ impl Locator {
 
     /// The touches of the last frame, the first found first.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.fit
-            .bumps
-            .iter()
-            .zip(&self.fit.responses)
-            .map(|(bump, response)| {
-                let radius_mm = libm::exp(bump.log_radius);
-                let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
-                Contact {
-                    centre_mm: bump.centre_mm,
-                    // The footprint at half of the rise, as an image shows it.
-                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
-                    force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
-                    confidence: surplus.clamp(0.0, 1.0),
-                }
-            })
+        self.fit.bumps.iter().zip(&self.fit.responses).map(|(bump, response)| {
+            let radius_mm = libm::exp(bump.log_radius);
+            let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+            Contact {
+                centre_mm: bump.centre_mm,
+                // The footprint at half of the rise, as an image shows it.
+                area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
+                confidence: surplus.clamp(0.0, 1.0),
+            }
+        })
     }
 
     /// The touches of the last frame as the table knows them.
