@@ -66,7 +66,7 @@ fn session() {
     }
     for k in [2usize,5,10] { let thin: Vec<Frame> = fs.iter().step_by(k).cloned().collect(); run(&pad, &b, &thin, 10.0*k as f64, &format!("{} fps", 100/k), true); }
     let full = fs[0].volts.iter().fold(0f32, |m,v| m.max(v.abs())) as f64;
-    for e in [3usize, 5, 9, 13] {
+    for e in [2usize, 5, 9, 13] {
         let mut rnd = Noise::new(0.0, 100+e as u64); // v(1+n): n ~ N(0,1) on full scale
         let half: Vec<Frame> = fs.iter().map(|f| { let mut v=f.volts.clone(); if f.t_ns>15_000_000_000 { let z=rnd.read(&vec![full; 208]); for (c,ch) in pad.protocol.channels.iter().enumerate() { if [ch.drive.0,ch.drive.1,ch.measure.0,ch.measure.1].contains(&e) { v[c]=z[c]-full as f32; } } } Frame{t_ns:f.t_ns, volts:v} }).collect();
         run(&pad, &b, &half, 10.0, &format!("electrode {e}"), true);

@@ -33,7 +33,7 @@ pub struct Metric {
 enum Whitener {
     /// All channels alike: one over their deviation.
     Even(f32),
-    /// Rank by rank, upper triangular, by rows: L'.
+    /// Rank by rank, upper triangular, by columns: L'.
     Triangle(Vec<f32>),
 }
 
@@ -125,7 +125,7 @@ impl Metric {
             );
         }
         let triangle = (0..rank)
-            .flat_map(|row| (0..rank).map(move |column| (row, column)))
+            .flat_map(|column| (0..rank).map(move |row| (row, column)))
             .map(|(row, column)| lower[(column, row)] as f32)
             .collect();
         self.responses = Whitener::Triangle(triangle);
@@ -184,9 +184,13 @@ impl Metric {
                 }
             }
             Whitener::Triangle(triangle) => {
-                // Upper triangular: row k needs only what stands from k on, so it can be done in place.
-                for (row, entries) in triangle.chunks_exact(self.rank).enumerate() {
-                    coordinates[row] = dot(&entries[row..], &coordinates[row..]);
+                // Upper triangular: what stands at k goes to the rows up to k only, so it can be done in place.
+                for (column, entries) in triangle.chunks_exact(self.rank).enumerate() {
+                    let value = coordinates[column];
+                    coordinates[column] = 0.0;
+                    for (sum, entry) in coordinates[..=column].iter_mut().zip(entries) {
+                        *sum += value * entry;
+                    }
                 }
             }
         }

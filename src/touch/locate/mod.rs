@@ -291,6 +291,7 @@ impl Locator {
 
     /// Adds touches while another explains enough.
     fn seek(&mut self, noise: f64) {
+        let before = self.fit.bumps.len();
         let least_gain = DOWN_GAIN * noise + self.model_error();
         while self.fit.bumps.len() < MOST_TOUCHES {
             let rest = energy(&self.fit.residual);
@@ -307,7 +308,8 @@ impl Locator {
                 break;
             }
             self.refused_cost = 0.0;
-            if self.settle(noise) {
+            // Touches that begin together may first have been taken for one between them.
+            if self.settle(noise) || self.fit.bumps.len() > before + 1 {
                 self.prune(least_gain);
             }
         }
