@@ -24,6 +24,7 @@ fn run(pad:&Pad, b:&SensingBuilder, frames:&[Frame], frame_ms: f64, label:&str, 
         let w = d.wanted().map(|w| w.to_vec());
         if let Some(w) = w { wants += 1; d.take(Arc::new(b.build(&w).unwrap())); }
         let l = d.lost_electrodes(); if l != lost { if verbose { println!("  {} ms lost {l:?}", f.t_ns as f64*1e-6); } lost = l; }
+        if std::env::var("DBG").is_ok() && label=="20 fps" && (19250..19800).contains(&(f.t_ns/1_000_000)) { println!("  {} {:?}", f.t_ns/1_000_000, d.state().down.iter().map(|t| (t.id.0, t.contact.centre_mm.map(|v| v.round()), (t.contact.force*150.0).round())).collect::<Vec<_>>()); }
         for t in d.state().down {
             let ms = f.t_ns as f64*1e-6;
             let e = tracks.entry(t.id.0).or_insert(Track{first:ms,last:ms,n:0,sum:[0.0;2]});
@@ -64,6 +65,8 @@ fn session() {
         let drift: Vec<Frame> = fs.iter().map(|f| { let s=f.t_ns as f64*1e-9; Frame{t_ns:f.t_ns, volts: f.volts.iter().enumerate().map(|(c,v)| { let k = if gain {1.0} else { ((c*7919)%208) as f64/104.0-1.0 }; (*v as f64*(1.0+0.1/60.0*s*k)) as f32 }).collect()} }).collect();
         run(&pad, &b, &drift, 10.0, label, true);
     }
+    for k in [3usize,4,6,7,8] { let thin: Vec<Frame> = fs.iter().step_by(k).cloned().collect(); run(&pad, &b, &thin, 10.0*k as f64, &format!("{} fps", 100/k), true); }
+    for off in 1..5 { let thin: Vec<Frame> = fs.iter().skip(off).step_by(5).cloned().collect(); run(&pad, &b, &thin, 50.0, &format!("20+{off} fps"), true); }
     for k in [2usize,5,10] { let thin: Vec<Frame> = fs.iter().step_by(k).cloned().collect(); run(&pad, &b, &thin, 10.0*k as f64, &format!("{} fps", 100/k), true); }
     let full = fs[0].volts.iter().fold(0f32, |m,v| m.max(v.abs())) as f64;
     for e in [2usize, 5, 9, 13] {

@@ -24,7 +24,7 @@ const UNEXPLAINED: f64 = 4.0;
 /// Touches that are down wait this long for a frame that can be explained.
 const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
 /// A channel is free, and its reference followed, if the touches change it by less than this many of its deviations.
-const FREE_DEVIATIONS: f64 = 4.0;
+const FREE_DEVIATIONS: f64 = 1.0;
 /// Located touches that leave this many times what noise and the model's error explain may be a palm, as may so many
 /// touches at once.
 const POOR_REST: f64 = 4.0;

@@ -323,7 +323,10 @@ impl Locator {
         let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
         let least_gain = DOWN_GAIN * noise + self.model_error();
         let peak = self.templates.peak(self.recent.mean());
-        if peak.is_none_or(|peak| peak.gain < TEMPLATE_SHARE * least_gain) {
+        let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
+            return;
+        };
+        if !self.recent.is_news(peak.gain) {
             return;
         }
         // The frame as it would be with the mean's noise.
