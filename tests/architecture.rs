@@ -18,6 +18,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
+    ("calibrate", &["types", "pad", "eit", "touch"]),
     ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
@@ -28,8 +29,18 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
-            "runtime", "study",
+            "types",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "source",
+            "output",
+            "runtime",
+            "calibrate",
+            "study",
         ],
     ),
 ];

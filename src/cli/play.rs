@@ -64,6 +64,7 @@ fn can_show() -> bool {
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile)?;
+    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;

@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 
+use super::calibrate::read_correction;
 use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
+use crate::touch::Correction;
 use crate::types::{Method, nearest};
 
 /// No pad, profile or script is larger, bytes.
@@ -99,6 +101,11 @@ pub(super) fn profile(argument: &str) -> anyhow::Result<Arc<Profile>> {
 /// How images are made: the command line's word, else the profile's, else the pad's, else NOSER.
 pub(super) fn method(asked: Option<Method>, profile: &Profile, pad: &Pad) -> Method {
     asked.or(profile.method).or(pad.method).unwrap_or_default()
+}
+
+/// The calibration that the command line names, if it names one.
+pub(super) fn correction(file: Option<&Path>, pad: &Pad) -> anyhow::Result<Option<Correction>> {
+    file.map(|file| read_correction(file, pad)).transpose()
 }
 
 /// What makes a pad's images.

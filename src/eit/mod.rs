@@ -6,6 +6,7 @@
 mod forward;
 mod jacobian;
 pub mod mesh;
+pub mod order;
 pub mod reconstruct;
 mod reference;
 
