@@ -21,6 +21,9 @@ const FOLDS_OF_MANY: usize = 2;
 /// So many presses are many.
 const MANY: usize = 1000;
 
+/// Factors on length and noise that are tried where these were chosen on a part of the presses.
+const REFINEMENTS: [(f64, f64); 4] = [(1.0, 1.0), (0.7, 1.0), (1.0, 0.3), (0.7, 0.3)];
+
 /// A way to see presses.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
@@ -115,7 +118,10 @@ impl Regression {
             // The weights see places too.
             let few = seen.some(&subset(rest.len(), MOST_FOR_CHOICE));
             let weights = channel_weights(&few.changes, &few.places)?;
-            for ((kind, chosen), guesses) in KINDS.iter().zip(&chosen).zip(&mut guesses) {
+            for ((kind, chosen), guesses) in KINDS.iter().zip(&mut chosen).zip(&mut guesses) {
+                if fold == 0 && order.len() > MOST_FOR_CHOICE {
+                    refine(*kind, chosen, [&seen, &data.some(&out)], &weights)?;
+                }
                 let member = Member::fit(*kind, *chosen, &seen, &weights)?;
                 let found = member.predict(&unseen);
                 guesses.extend((0..out.len()).map(|press| [found[(press, 0)], found[(press, 1)]]));
@@ -211,6 +217,46 @@ fn choose(kind: Kind, data: &Data, weights: &[f64]) -> Result<Chosen, CalibrateE
         None
     };
     Ok(Chosen { plain, learned })
+}
+
+/// Settings chosen on a part of many presses come out too long and too noisy for all of them: tries shorter and less noisy
+/// ones on presses left out.
+fn refine(
+    kind: Kind,
+    chosen: &mut Chosen,
+    [seen, unseen]: [&Data; 2],
+    weights: &[f64],
+) -> Result<(), CalibrateError> {
+    let Kind::Process { recipe, .. } = kind else {
+        return Ok(());
+    };
+    let features = Features::fit(recipe, &seen.changes, weights);
+    let (mut points, mut new) = (features.of(&seen.changes), features.of(&unseen.changes));
+    if chosen.learned.is_some() {
+        let process = Process::fit(points.clone(), &seen.places, chosen.plain)?;
+        let stretch = stretch(&process.gradient_outer_product())?;
+        (points, new) = (points * &stretch, new * &stretch);
+    }
+    let start = chosen.learned.unwrap_or(chosen.plain);
+    let mut best: Option<(f64, Hyper)> = None;
+    for (by_length, by_noise) in REFINEMENTS {
+        let hyper = Hyper {
+            length: by_length * start.length,
+            noise: by_noise * start.noise,
+        };
+        let found = Process::fit(points.clone(), &seen.places, hyper)?.predict(&new);
+        let error = process::mean_norm(&(found - &unseen.places));
+        if best.is_none_or(|(least, _)| error < least) {
+            best = Some((error, hyper));
+        }
+    }
+    if let Some((_, hyper)) = best {
+        match &mut chosen.learned {
+            Some(learned) => *learned = hyper,
+            None => chosen.plain = hyper,
+        }
+    }
+    Ok(())
 }
 
 impl Member {
