@@ -20,6 +20,7 @@ use crate::calibrate::{
 use crate::pad::Pad;
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, Noise, Robot, Script, SimulatedSource, Source};
+use crate::touch::Detector;
 
 pub(super) use file::correction as read_correction;
 
@@ -87,7 +88,9 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
         );
     }
     let method = args.method.or(pad.method).unwrap_or_default();
-    let matrix = resolve::reconstruction(&pad, method)?;
+    // Learned is what `play` gets wrong, so its own detector locates the presses.
+    let sensing = resolve::sensing(&pad, method)?.first()?;
+    let detector = Detector::of_pad(Arc::new(sensing), &pad.protocol);
     let places = record::places(&pad, args.points);
     let mut source: Box<dyn Source> = match source {
         SourceArg::Simulated(None) => {
@@ -105,7 +108,7 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
     };
-    let list = record::record(&pad, Arc::clone(&matrix), source.as_mut(), &places)?;
+    let list = record::record(&pad, detector, source.as_mut(), &places)?;
     if list.len() < FEWEST_PRESSES {
         bail!(
             "{} presses were taken, but at least {FEWEST_PRESSES} are needed",

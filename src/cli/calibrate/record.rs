@@ -5,11 +5,9 @@
 
 use std::collections::VecDeque;
 use std::io::Write as _;
-use std::sync::Arc;
 
 use crate::calibrate::{Modelled, Press};
 use crate::cli::map::Map;
-use crate::eit::Reconstruction;
 use crate::pad::Pad;
 use crate::source::{Reading, Source};
 use crate::touch::Detector;
@@ -48,12 +46,12 @@ pub(super) fn places(pad: &Pad, count: usize) -> Vec<PointMm> {
 /// Records presses at places until all are pressed or the source ends.
 pub(super) fn record(
     pad: &Pad,
-    matrix: Arc<Reconstruction>,
+    detector: Detector,
     source: &mut dyn Source,
     places: &[PointMm],
 ) -> anyhow::Result<Vec<Press>> {
     let mut recorder = Recorder {
-        detector: Detector::new(matrix),
+        detector,
         rest: VecDeque::new(),
         taken: Taken::default(),
         seen: 0,
@@ -230,8 +228,11 @@ fn say(text: &str) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::calibrate::{Presses, correction};
+    use crate::eit::Reconstruction;
     use crate::pad::{SHIPPED_PADS, shipped_pad};
     use crate::source::{Noise, Robot};
     use crate::types::Method;
@@ -260,7 +261,8 @@ mod tests {
         let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
         let places = places(&pad, 40);
         let mut robot = Robot::new(&pad, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
-        let presses = record(&pad, Arc::new(matrix), &mut robot, &places).expect("recorded");
+        let presses =
+            record(&pad, Detector::new(Arc::new(matrix)), &mut robot, &places).expect("recorded");
         assert_eq!(presses.len(), places.len());
         let presses = Presses::new("recorded", presses).expect("spread");
         let fitted = correction(&presses, pad.outline.size_mm()).expect("learned");
