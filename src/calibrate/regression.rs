@@ -46,11 +46,11 @@ const fn seen(shape: Shape, unit: bool, weighted: bool, learned: bool) -> Kind {
 
 /// The members that are fitted; the blend decides what each is worth on a pad.
 const KINDS: [Kind; 8] = [
-    seen(Shape::Root(0.5), true, false, false),
     seen(Shape::Root(0.7), false, false, false),
     seen(Shape::Log, false, false, false),
     seen(Shape::Log, false, true, false),
     seen(Shape::Log, false, false, true),
+    seen(Shape::Root(0.7), false, false, true),
     seen(Shape::Root(0.7), true, false, true),
     Kind::Maps { power: 0.5 },
     Kind::Maps { power: 0.75 },

@@ -193,9 +193,9 @@ pub fn signature_kernel(a: &[f32], b: &[f32], length: f64) -> f64 {
     let (whole_a, rest_a) = a.as_chunks::<LANES>();
     let (whole_b, rest_b) = b.as_chunks::<LANES>();
     for (a, b) in whole_a.iter().zip(whole_b) {
-        for lane in 0..LANES {
-            let gap = a[lane] - b[lane];
-            lanes[lane] += gap * gap;
+        for (sum, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            let gap = a - b;
+            *sum += gap * gap;
         }
     }
     let mut sum = 0.0_f64;
