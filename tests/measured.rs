@@ -57,7 +57,7 @@ fn tank(touch_sign: TouchSign) -> Result<(Pad, Imager)> {
         touch_sign,
         ..Pad::from_toml(shipped.name, shipped.toml)?
     };
-    let matrix = Reconstruction::of_pad(&pad, Method::Noser)?;
+    let matrix = Reconstruction::of_pad(&pad, Method::Smooth)?;
     Ok((pad, Imager::new(Arc::new(matrix))))
 }
 

@@ -10,6 +10,8 @@ use super::SourceError;
 
 /// A larger file is no frame, bytes: a frame of 16 electrodes takes 12 kB.
 const LARGEST_FILE: u64 = 16 << 20;
+/// The header's line that lists the electrodes, from 1, whose potentials are of the pad: larger instruments list all theirs.
+const CHANNELS_LINE: &str = "MeasurementChannels:";
 /// Header line (from 0) of the frame rate.
 const RATE_LINE: usize = 9;
 
@@ -75,6 +77,15 @@ impl EitFrame {
             .ok()
             .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
             .ok_or_else(|| problem(RATE_LINE, "the frame rate is no number above 0".to_owned()))?;
+        // Without such a line, all are.
+        let channels: Option<Vec<usize>> = lines[..header]
+            .iter()
+            .find_map(|line| line.strip_prefix(CHANNELS_LINE))
+            .and_then(|list| {
+                list.split(',')
+                    .map(|word| word.trim().parse::<usize>().ok()?.checked_sub(1))
+                    .collect()
+            });
         let mut drives: Vec<EitDrive> = Vec::new();
         let body: Vec<(usize, &str)> = lines
             .iter()
@@ -105,7 +116,21 @@ impl EitFrame {
                         "expected a real and an imaginary part for each electrode".to_owned(),
                     )
                 })?;
-            let count = numbers.len() / 2;
+            let listed: Vec<usize> = match &channels {
+                Some(channels) => channels.clone(),
+                None => (0..numbers.len() / 2).collect(),
+            };
+            let part = |of: usize| -> Option<Vec<f64>> {
+                let value = |channel: &usize| numbers.get(2 * channel + of).copied();
+                listed.iter().map(value).collect()
+            };
+            let (Some(real), Some(imaginary)) = (part(0), part(1)) else {
+                return Err(problem(
+                    volts_line,
+                    "fewer potentials than the header lists channels".to_owned(),
+                ));
+            };
+            let count = real.len();
             if drives
                 .first()
                 .is_some_and(|first| first.real.len() != count)
@@ -123,8 +148,8 @@ impl EitFrame {
             }
             drives.push(EitDrive {
                 electrodes,
-                real: numbers.iter().step_by(2).copied().collect(),
-                imaginary: numbers.iter().skip(1).step_by(2).copied().collect(),
+                real,
+                imaginary,
             });
         }
         if drives.is_empty() {
