@@ -260,7 +260,13 @@ mod tests {
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
         let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
         let places = places(&pad, 40);
-        let mut robot = Robot::new(&pad, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
+        // The pad that is pressed has its electrodes askew, which its model does not know.
+        let mut askew = pad.clone();
+        for electrode in &mut askew.electrodes {
+            electrode.start_mm += 4.0;
+        }
+        let mut robot =
+            Robot::new(&askew, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
         let presses =
             record(&pad, Detector::new(Arc::new(matrix)), &mut robot, &places).expect("recorded");
         assert_eq!(presses.len(), places.len());
