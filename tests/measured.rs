@@ -232,10 +232,10 @@ fn sciospec_tank(folder: &Path) -> Result<()> {
         error * 100.0,
         frames.len() - EMPTY_FRAMES
     );
-    ensure!(seen >= 200, "seen in {seen} frames");
+    ensure!(seen >= 150, "seen in {seen} frames");
     ensure!(travelled > 0.5, "travels {travelled} radii");
     ensure!(
-        median < 0.01 && p95 < 0.05,
+        median < 0.005 && p95 < 0.02,
         "a rough track: {median} {p95} {worst}"
     );
     Ok(())
