@@ -22,6 +22,8 @@ use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, Noise, Robot, Script, SimulatedSource, Source};
 use crate::touch::Detector;
 
+use record::Presser;
+
 pub(super) use file::correction as read_correction;
 
 /// Twice the presses are worth the trouble if they take off at least this share of the error.
@@ -108,7 +110,11 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
     };
-    let list = record::record(&pad, detector, source.as_mut(), &places)?;
+    let presser = match args.source {
+        Some(SourceArg::Serial(_)) => Presser::Listens,
+        _ => Presser::GoesOn,
+    };
+    let list = record::record(&pad, detector, source.as_mut(), presser, &places)?;
     if list.len() < FEWEST_PRESSES {
         bail!(
             "{} presses were taken, but at least {FEWEST_PRESSES} are needed",
