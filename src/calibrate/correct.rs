@@ -329,18 +329,14 @@ mod tests {
         };
         let weights = solve(&without, settings).expect("sound").weights;
         let mut by_place = seen.model_mm[0];
-        for ((place, weight), axis) in without
-            .model_mm
-            .iter()
-            .zip(&weights)
-            .flat_map(|pair| [(pair, 0), (pair, 1)])
-        {
-            by_place[axis] += settings.place.variance
-                * place_kernel(seen.model_mm[0], *place, settings.place.length)
-                * weight[axis];
+        for (place, weight) in without.model_mm.iter().zip(&weights) {
+            let likeness = settings.place.variance
+                * place_kernel(seen.model_mm[0], *place, settings.place.length);
+            by_place[0] += likeness * weight[0];
+            by_place[1] += likeness * weight[1];
         }
-        for axis in 0..2 {
-            assert!((by_place[axis] - solved.several[0][axis]).abs() < 1e-9);
+        for (found, expected) in by_place.iter().zip(&solved.several[0]) {
+            assert!((found - expected).abs() < 1e-9);
         }
     }
 }
