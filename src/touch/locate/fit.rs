@@ -18,6 +18,14 @@ const SPREAD: [f64; 2] = [0.35, 0.3];
 const STILL_MM: f64 = 0.02;
 /// ... and lowers the cost by less than this, squared deviations.
 const STILL_COST: f64 = 0.5;
+/// ... whatever it moves, if it is hardly damped.
+const FREE_DAMPING: f64 = 1e-2;
+/// Damping of the first step; how it grows after a step that led uphill and falls after one that led down; its bounds.
+const FIRST_DAMPING: f64 = 1e-3;
+const HARDER: f64 = 8.0;
+const EASIER: f64 = 5.0;
+const LEAST_DAMPING: f64 = 1e-6;
+const MOST_DAMPING: f64 = 1e3;
 /// A step moves a touch at most so far, mm: the response is no line beyond.
 const LONGEST_MM: f64 = 6.0;
 /// A step changes log radius and strength at most by this.
@@ -37,6 +45,7 @@ pub struct Fit {
     normal: Vec<f64>,
     gradient: Vec<f64>,
     step: Vec<f64>,
+    kept: Kept,
 }
 
 /// Where touches are sought, and how large.
@@ -71,9 +80,7 @@ impl Bounds {
         for (at, size) in bump.centre_mm.iter_mut().zip(self.size_mm) {
             *at = at.clamp(0.0, size);
         }
-        bump.log_radius = bump
-            .log_radius
-            .clamp(self.log_radius[0], self.log_radius[1]);
+        bump.log_radius = bump.log_radius.clamp(self.log_radius[0], self.log_radius[1]);
         bump.strength = bump.strength.clamp(0.0, MOST_STRENGTH);
     }
 
@@ -112,38 +119,56 @@ impl Fit {
         metric: &Metric,
         bounds: &Bounds,
     ) -> usize {
-        let mut damping = 1e-3;
-        let mut kept = Kept::default();
-        for taken in 0..most_steps {
-            if self.bumps.is_empty() || !self.solve(damping, bounds) {
-                return taken;
-            }
+        let mut kept = std::mem::take(&mut self.kept);
+        let mut damping = FIRST_DAMPING;
+        let mut taken = 0;
+        while taken < most_steps && !self.bumps.is_empty() && self.solve(damping, bounds) {
+            taken += 1;
             let reach_mm = self.longest_mm();
             kept.keep(self);
-            for (bump, step) in self.bumps.iter_mut().zip(self.step.chunks_exact(UNKNOWNS)) {
-                let scale = shortened(step);
-                bump.centre_mm[0] += scale * step[0];
-                bump.centre_mm[1] += scale * step[1];
-                bump.log_radius += scale * step[2];
-                bump.strength += scale * step[3];
-                bounds.keep(bump);
-            }
+            self.step_on(bounds);
             self.explain(frame, table, metric, bounds);
             let gain = kept.cost - self.cost;
             if gain < 0.0 {
                 kept.restore(self);
-                damping *= 8.0;
-                if damping > 1e3 {
-                    return taken + 1;
+                damping *= HARDER;
+                if damping > MOST_DAMPING {
+                    break;
                 }
-            } else {
-                damping = (damping * 0.2f64).max(1e-6);
-                if gain < STILL_COST && reach_mm < STILL_MM {
-                    return taken + 1;
-                }
+                continue;
+            }
+            let is_free = damping < FREE_DAMPING;
+            damping = (damping / EASIER).max(LEAST_DAMPING);
+            if gain < STILL_COST && (is_free || reach_mm < STILL_MM) {
+                break;
             }
         }
-        most_steps
+        self.kept = kept;
+        taken
+    }
+
+    /// Moves the touches by the step.
+    fn step_on(&mut self, bounds: &Bounds) {
+        for (bump, step) in self.bumps.iter_mut().zip(self.step.chunks_exact(UNKNOWNS)) {
+            let scale = shortened(step);
+            bump.centre_mm[0] += scale * step[0];
+            bump.centre_mm[1] += scale * step[1];
+            bump.log_radius += scale * step[2];
+            bump.strength += scale * step[3];
+            bounds.keep(bump);
+        }
+    }
+
+    /// The touch whose response is least in the frame, and which share of it is: 1 as it was, 0 if it has gone.
+    pub fn least_left(&self) -> Option<(usize, f64)> {
+        self.responses
+            .iter()
+            .map(|response| {
+                let own = super::metric::energy(&response.value).max(f64::MIN_POSITIVE);
+                1.0 + f64::from(dot(&response.value, &self.residual)) / own
+            })
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Responses, residual and cost of the touches as they are.
@@ -154,8 +179,7 @@ impl Fit {
         metric: &Metric,
         bounds: &Bounds,
     ) {
-        self.responses
-            .resize_with(self.bumps.len(), Response::default);
+        self.responses.resize_with(self.bumps.len(), Response::default);
         self.residual.clear();
         self.residual.extend_from_slice(&frame.coordinates);
         let mut unusual = 0.0;
@@ -181,8 +205,7 @@ impl Fit {
             for other in 0..=row {
                 self.normal[row * count + other] = f64::from(dot(column(row), column(other)));
             }
-            self.gradient
-                .push(f64::from(dot(column(row), &self.residual)));
+            self.gradient.push(f64::from(dot(column(row), &self.residual)));
         }
         for (index, bump) in self.bumps.iter().enumerate() {
             let usual = [bounds.usual_log_radius(), USUAL_STRENGTH];
@@ -219,7 +242,7 @@ fn shortened(step: &[f64]) -> f64 {
 }
 
 /// A state to go back to.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Kept {
     bumps: Vec<Bump>,
     responses: Vec<Response>,

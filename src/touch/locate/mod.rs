@@ -9,9 +9,11 @@
 
 mod fit;
 mod metric;
+mod recent;
 mod search;
 
 use std::sync::Arc;
+
 
 use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, Response};
@@ -19,38 +21,57 @@ use crate::pad::Outline;
 use crate::types::{Contact, PointMm};
 use fit::{Bounds, Fit};
 use metric::{Metric, Whitened, energy};
+use recent::Recent;
 use search::Templates;
 
 /// A new touch explains at least this much, squared deviations: noise alone reaches half of it once in hours.
 const DOWN_GAIN: f64 = 45.0;
+/// A touch too faint for one frame is sought in the mean of so many.
+const MEAN_FRAMES: usize = 4;
 /// A touch stays while it explains this much.
-const STAY_GAIN: f64 = 14.0;
+const STAY_GAIN: f64 = 9.0;
 /// The model's error, as a share of the frame's amplitude: pads differ from their models. A new touch explains at least the
 /// energy that this error has.
-const MODEL_ERROR: f64 = 0.035;
+const MODEL_ERROR: f64 = 0.04;
 /// Rise of conductivity times area of the lightest press that counts as a new touch, mm2, ...
 const LEAST_MM2: f64 = 4.0;
 /// ... and the share of it below which a touch is over.
 const STAY_SHARE: f64 = 0.5;
 /// Two touches are never nearer than this: a finger's width. What looks like it is one wide or oval finger.
 const LEAST_APART_MM: f64 = 12.5;
+/// A new touch has its middle so far within the pad: what pulls a fit to the very edge is a contact's error.
+const LEAST_DEPTH_MM: f64 = 1.5;
 /// Of two touches nearer than this, the second must explain most of what one leaves.
 const NEAR_MM: f64 = 28.0;
 /// ... namely this share.
 const NEAR_DROP: f64 = 0.55;
-/// Two halves of one touch start this far from its middle, mm.
-const SPLIT_MM: f64 = 8.0;
+/// Within so many mm of a strong touch, one of less than such a share of its volume is that one's odd shape.
+const SHADOWS: [(f64, f64); 2] = [(NEAR_MM, 0.12), (50.0, 0.04)];
+/// What two near touches leave of one that is fitted to both has its peak within so many mm of it.
+const SPLIT_WITHIN_MM: f64 = 50.0;
+/// Two halves of one touch start this far from its middle, mm, ...
+const SPLITS_MM: [f64; 2] = [7.0, 10.0];
+/// ... in so many directions.
+const DIRECTIONS: usize = 8;
+/// A touch of which less than this share of the last frame's response is left has gone: moved on, or up.
+const LEFT_SHARE: f64 = 0.3;
 /// No more touches than two hands have fingers.
 const MOST_TOUCHES: usize = 10;
 /// Steps that follow a touch from frame to frame, and steps that settle a new one.
 const FOLLOW_STEPS: usize = 4;
 const SETTLE_STEPS: usize = 25;
+/// Steps that tell which way a touch splits.
+const SPLIT_STEPS: usize = 3;
+/// The most likely splits are settled.
+const SPLITS_SETTLED: usize = 3;
 /// A template of a usual finger explains at least this share of what the fitted touch will.
-const TEMPLATE_SHARE: f64 = 0.4;
+const TEMPLATE_SHARE: f64 = 0.5;
 /// Another touch that was refused is tried again when the rest has grown by this factor.
 const REFUSED_GROWTH: f64 = 1.3;
 /// A fit that leaves more than this of what noise and the model's error explain is sought anew, ...
 const POOR_REST: f64 = 0.8;
+/// ... (below this one needs no other try), ...
+const WELL_REST: f64 = 0.5;
 /// ... at most so many times over all touches, and kept if its cost falls below this share.
 const MOST_ROUNDS: usize = 3;
 const BETTER_SHARE: f64 = 0.9;
@@ -102,6 +123,9 @@ pub struct Locator {
     fit: Fit,
     trial: Fit,
     best: Fit,
+    /// The frame's own fit, while that of a mean is tried.
+    present: Fit,
+    recent: Recent,
     /// The cost at which one more touch was last sought in vain: sought again only when it has grown.
     refused_cost: f64,
     response: Response,
@@ -131,6 +155,8 @@ impl Locator {
             fit: Fit::default(),
             trial: Fit::default(),
             best: Fit::default(),
+            present: Fit::default(),
+            recent: Recent::default(),
             refused_cost: 0.0,
             response: Response::default(),
             sum: Vec::new(),
@@ -141,6 +167,7 @@ impl Locator {
     pub fn take(&mut self, locating: &Locating) {
         self.metric = locating.metric.clone();
         self.templates = locating.templates.clone();
+        self.recent.clear();
         self.refused_cost = 0.0;
     }
 
@@ -159,6 +186,7 @@ impl Locator {
     /// Forgets the touches of the last frame.
     pub fn forget(&mut self) {
         self.fit.bumps.clear();
+        self.recent.clear();
         self.refused_cost = 0.0;
     }
 
@@ -169,33 +197,34 @@ impl Locator {
         self.explained(noise)
     }
 
-    /// Finds the touches of the frame that was taken; `may_add` lets new ones begin.
-    pub fn locate(&mut self, noise: f64, may_add: bool) -> Explained {
+    /// Finds the touches of the frame that was taken. Of the noise, `steady` is what does not change from frame to frame: the
+    /// reference's doubt.
+    pub fn locate(&mut self, noise: f64, steady: f64) -> Explained {
         self.bounds.usual_weight = noise;
         self.follow(noise);
-        if may_add {
-            self.seek(noise);
+        let touches = self.fit.bumps.len();
+        self.seek(noise);
+        if self.fit.bumps.len() == touches {
+            self.seek_faint(noise, steady);
+        } else {
+            self.recent.clear();
         }
         self.explained(noise)
     }
 
     /// The touches of the last frame, the first found first.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.fit
-            .bumps
-            .iter()
-            .zip(&self.fit.responses)
-            .map(|(bump, response)| {
-                let radius_mm = libm::exp(bump.log_radius);
-                let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
-                Contact {
-                    centre_mm: bump.centre_mm,
-                    // The footprint at half of the rise, as an image shows it.
-                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
-                    force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
-                    confidence: surplus.clamp(0.0, 1.0),
-                }
-            })
+        self.fit.bumps.iter().zip(&self.fit.responses).map(|(bump, response)| {
+            let radius_mm = libm::exp(bump.log_radius);
+            let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+            Contact {
+                centre_mm: bump.centre_mm,
+                // The footprint at half of the rise, as an image shows it.
+                area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
+                confidence: surplus.clamp(0.0, 1.0),
+            }
+        })
     }
 
     /// The touches of the last frame as the table knows them.
@@ -230,6 +259,12 @@ impl Locator {
             ..
         } = self;
         fit.start(&before, frame, table, metric, bounds);
+        // First those that have left, or the fit would drag them to whatever is new elsewhere.
+        while let Some(gone) = fit.least_left().filter(|(_, left)| *left < LEFT_SHARE) {
+            let mut bumps = std::mem::take(&mut fit.bumps);
+            bumps.remove(gone.0);
+            fit.start(&bumps, frame, table, metric, bounds);
+        }
         fit.descend(FOLLOW_STEPS, frame, table, metric, bounds);
         loop {
             let weakest = fit
@@ -268,15 +303,54 @@ impl Locator {
             let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
                 break;
             };
-            if !self.try_add(peak.place_mm, least_gain) {
+            if !self.try_add(peak.place_mm, least_gain, noise) {
                 self.refused_cost = rest;
                 break;
             }
             self.refused_cost = 0.0;
-            self.settle(noise);
+            // Touches that begin together may first have been taken for one between them.
+            if self.settle(noise) || self.fit.bumps.len() > before + 1 {
+                self.prune(least_gain);
+            }
         }
-        if self.fit.bumps.len() > before.max(1) {
-            self.prune(least_gain);
+    }
+
+    /// Seeks touches that are too faint for one frame in the mean of the last few.
+    fn seek_faint(&mut self, noise: f64, steady: f64) {
+        if self.recent.take(self.fit.bumps.len(), &self.fit.residual) < MEAN_FRAMES {
+            return;
+        }
+        let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
+        let least_gain = DOWN_GAIN * noise + self.model_error();
+        let peak = self.templates.peak(self.recent.mean());
+        if peak.is_none_or(|peak| peak.gain < TEMPLATE_SHARE * least_gain) {
+            return;
+        }
+        // The frame as it would be with the mean's noise.
+        self.present.clone_from(&self.fit);
+        let now = self.frame.coordinates.clone();
+        for ((value, rest), mean) in self
+            .frame
+            .coordinates
+            .iter_mut()
+            .zip(&self.fit.residual)
+            .zip(self.recent.mean())
+        {
+            *value += mean - rest;
+        }
+        let bumps = std::mem::take(&mut self.fit.bumps);
+        self.bounds.usual_weight = noise;
+        self.try_fit(&bumps, 0);
+        std::mem::swap(&mut self.fit, &mut self.trial);
+        // What one noisy frame refused says nothing about the mean.
+        let refused_cost = std::mem::take(&mut self.refused_cost);
+        self.seek(noise);
+        self.refused_cost = refused_cost;
+        if self.fit.bumps.len() > bumps.len() {
+            self.recent.clear();
+        } else {
+            std::mem::swap(&mut self.fit, &mut self.present);
+            self.frame.coordinates = now;
         }
     }
 
@@ -294,11 +368,13 @@ impl Locator {
         }
     }
 
-    /// Leaves a local minimum: while the fit is poor, each touch in turn is taken out and sought again.
-    fn settle(&mut self, noise: f64) {
+    /// Leaves a local minimum: while the fit is poor, each touch in turn is taken out and sought again. Returns whether
+    /// that found a better one.
+    fn settle(&mut self, noise: f64) -> bool {
+        let mut ever = false;
         for _ in 0..MOST_ROUNDS {
             if self.explained(noise).rest < POOR_REST {
-                return;
+                break;
             }
             let mut is_better = false;
             for index in 0..self.fit.bumps.len() {
@@ -317,9 +393,11 @@ impl Locator {
                 }
             }
             if !is_better {
-                return;
+                break;
             }
+            ever = true;
         }
+        ever
     }
 
     /// Explains the frame by other touches, on trial.
@@ -337,8 +415,24 @@ impl Locator {
     }
 
     /// Tries one more touch near a place; keeps it if it explains enough.
-    fn try_add(&mut self, place_mm: PointMm, least_gain: f64) -> bool {
-        let mut starts = vec![with(&self.fit.bumps, &[self.bounds.usual(place_mm)], None)];
+    fn try_add(&mut self, place_mm: PointMm, least_gain: f64, noise: f64) -> bool {
+        self.best.cost = f64::INFINITY;
+        let another = with(&self.fit.bumps, &[self.bounds.usual(place_mm)], None);
+        self.try_fit(&another, SETTLE_STEPS);
+        std::mem::swap(&mut self.trial, &mut self.best);
+        let well = WELL_REST * (self.inside() * noise + self.model_error());
+        if !self.is_worth(least_gain) || energy(&self.best.residual) > well {
+            self.try_splits(place_mm);
+        }
+        let is_better = self.is_worth(least_gain);
+        if is_better {
+            std::mem::swap(&mut self.fit, &mut self.best);
+        }
+        is_better
+    }
+
+    /// Tries two touches instead of one that is near a place.
+    fn try_splits(&mut self, place_mm: PointMm) {
         let nearest = self
             .fit
             .bumps
@@ -346,30 +440,30 @@ impl Locator {
             .map(|bump| distance_mm(bump.centre_mm, place_mm))
             .enumerate()
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((index, _)) = nearest.filter(|(_, apart)| *apart < NEAR_MM) {
-            let middle = self.fit.bumps[index].centre_mm;
-            for [dx, dy] in [[1.0, 0.0], [0.0, 1.0], [0.7, 0.7], [0.7, -0.7]] {
-                let halves = [1.0, -1.0].map(|side| {
-                    self.bounds.usual([
-                        middle[0] + side * SPLIT_MM * dx,
-                        middle[1] + side * SPLIT_MM * dy,
-                    ])
+        let Some((index, _)) = nearest.filter(|(_, apart)| *apart < SPLIT_WITHIN_MM) else {
+            return;
+        };
+        let middle = self.fit.bumps[index].centre_mm;
+        let mut tried = Vec::with_capacity(DIRECTIONS * SPLITS_MM.len());
+        for direction in 0..DIRECTIONS {
+            let angle = std::f64::consts::PI * direction as f64 / DIRECTIONS as f64;
+            let (dx, dy) = (libm::cos(angle), libm::sin(angle));
+            for far in SPLITS_MM {
+                let halves = [far, -far].map(|side| {
+                    self.bounds.usual([middle[0] + side * dx, middle[1] + side * dy])
                 });
-                starts.push(with(&self.fit.bumps, &halves, Some(index)));
+                let bumps = with(&self.fit.bumps, &halves, Some(index));
+                self.try_fit(&bumps, SPLIT_STEPS);
+                tried.push((self.trial.cost, self.trial.bumps.clone()));
             }
         }
-        self.best.cost = f64::INFINITY;
-        for bumps in starts {
-            self.try_fit(&bumps, SETTLE_STEPS);
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, bumps) in tried.iter().take(SPLITS_SETTLED) {
+            self.try_fit(bumps, SETTLE_STEPS);
             if self.trial.cost < self.best.cost {
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
         }
-        let is_better = self.is_worth(least_gain);
-        if is_better {
-            std::mem::swap(&mut self.fit, &mut self.best);
-        }
-        is_better
     }
 
     /// Whether the best trial, with one touch more, is worth that touch.
@@ -381,9 +475,28 @@ impl Locator {
         let bumps = &self.best.bumps;
         let least_apart = least_apart_mm(bumps);
         let lightest = bumps.iter().map(volume_mm2).fold(f64::INFINITY, f64::min);
+        let is_shadow = bumps.iter().any(|weak| {
+            bumps.iter().any(|strong| {
+                let apart = distance_mm(weak.centre_mm, strong.centre_mm);
+                let share = volume_mm2(weak) / volume_mm2(strong);
+                SHADOWS.iter().any(|(reach, least)| apart < *reach && share < *least)
+            })
+        });
+        let outermost = bumps
+            .iter()
+            .map(|bump| self.depth_mm(bump.centre_mm))
+            .fold(f64::INFINITY, f64::min);
         least_apart >= LEAST_APART_MM
+            && outermost >= LEAST_DEPTH_MM
             && lightest >= LEAST_MM2
+            && !is_shadow
             && (least_apart >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)
+    }
+
+    /// How far within the pad's box a place lies, mm.
+    fn depth_mm(&self, [x, y]: PointMm) -> f64 {
+        let [width, height] = self.bounds.size_mm;
+        x.min(width - x).min(y).min(height - y)
     }
 
     /// Energy of what the model gets wrong in this frame.
@@ -391,8 +504,13 @@ impl Locator {
         MODEL_ERROR * MODEL_ERROR * energy(&self.frame.coordinates)
     }
 
+    /// Dimensions of a frame that touches can explain.
+    fn inside(&self) -> f64 {
+        self.table.rank().min(self.metric.counted()) as f64
+    }
+
     fn explained(&self, noise: f64) -> Explained {
-        let inside = self.table.rank().min(self.metric.counted()) as f64;
+        let inside = self.inside();
         let outside = (self.metric.counted() as f64 - inside).max(1.0);
         let error = self.model_error();
         Explained {
