@@ -64,6 +64,7 @@ fn can_show() -> bool {
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile)?;
+    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;
@@ -152,7 +153,8 @@ fn run(
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
-    let mut running = runtime::start(engine, builder, source, device).context("no thread to play on")?;
+    let mut running =
+        runtime::start(engine, builder, source, device).context("no thread to play on")?;
     let watched = watch(&mut running, &signals, view.as_mut());
     running.stop();
     let summary = running.join();

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::calibrate::read_correction;
 use crate::cache;
 use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
-use crate::touch::SensingBuilder;
+use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, nearest};
 
 /// No pad, profile or script is larger, bytes.
@@ -104,6 +105,11 @@ pub(super) fn method(asked: Option<Method>, profile: &Profile, pad: &Pad) -> Met
     asked.or(profile.method).or(pad.method).unwrap_or_default()
 }
 
+/// The calibration that the command line names, if it names one.
+pub(super) fn correction(file: Option<&Path>, pad: &Pad) -> anyhow::Result<Option<Correction>> {
+    file.map(|file| read_correction(file, pad)).transpose()
+}
+
 /// What reads a pad's frames. The first time that a pad is used its touches are solved, which is shown.
 pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilder> {
     let bar = ProgressBar::hidden();
@@ -131,8 +137,10 @@ pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilde
 }
 
 fn solving_style() -> ProgressStyle {
-    ProgressStyle::with_template("solving this pad's touches, once: {wide_bar} {percent} % {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
+    ProgressStyle::with_template(
+        "solving this pad's touches, once: {wide_bar} {percent} % {eta} left",
+    )
+    .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// What makes a pad's images.
