@@ -21,6 +21,7 @@ use crate::profile::{DEFAULT_PROFILE, Profile};
 use crate::runtime::{self, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source};
+use crate::touch::Correction;
 use crate::types::Method;
 
 /// How often signals are looked at, and the live view drawn.
@@ -49,6 +50,7 @@ pub(super) fn level() -> anyhow::Result<Ending> {
         &pad,
         profile,
         Method::default(),
+        None,
         Box::new(source),
         device,
         live.then_some(title),
@@ -64,7 +66,7 @@ fn can_show() -> bool {
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile)?;
-    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
+    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;
@@ -79,7 +81,8 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
         output: device.name().to_owned(),
     };
     let method = resolve::method(args.method, &profile, &pad);
-    run(&pad, profile, method, source, device, live.then_some(title))
+    let live = live.then_some(title);
+    run(&pad, profile, method, correction, source, device, live)
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
@@ -140,13 +143,14 @@ fn run(
     pad: &Pad,
     profile: Arc<Profile>,
     method: Method,
+    correction: Option<Correction>,
     source: Box<dyn Source>,
     device: Box<dyn Device>,
     title: Option<Title>,
 ) -> anyhow::Result<Ending> {
     let builder = resolve::sensing(pad, method)?;
     let sensing = Arc::new(builder.first()?);
-    let engine = Engine::new(pad, sensing, Arc::clone(&profile));
+    let engine = Engine::new(pad, sensing, Arc::clone(&profile)).corrected(correction);
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad, profile)?),
         None => None,

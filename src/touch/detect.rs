@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::by_image::ByImage;
-use super::{Locator, Sensing, Tracker};
+use super::{Correction, Locator, Sensing, Tracker};
 use crate::eit::{Faults, Imager, Reconstruction, Reference, Verdict};
 use crate::pad::Protocol;
 use crate::types::{Frame, Image, NANOS_PER_MS, Nanos, Touch};
@@ -41,6 +41,7 @@ pub struct Detector {
     imager: Imager,
     locator: Option<Locator>,
     by_image: ByImage,
+    correction: Option<Correction>,
     reference: Reference,
     faults: Option<Faults>,
     tracker: Tracker,
@@ -92,6 +93,7 @@ impl Detector {
             imager: Imager::new(Arc::clone(reconstruction)),
             locator: sensing.locating.as_deref().map(Locator::new),
             by_image: ByImage::new(reconstruction),
+            correction: None,
             reference: Reference::new(channels),
             faults,
             tracker: Tracker::default(),
@@ -108,6 +110,13 @@ impl Detector {
             retaken: 0,
             sensing,
         }
+    }
+
+    /// Moves located contacts to where presses at known places have shown them to be.
+    #[must_use]
+    pub fn corrected(mut self, correction: Option<Correction>) -> Self {
+        self.correction = correction;
+        self
     }
 
     /// Takes another matrix and other weights of the same pad; reference and touches stay.
@@ -200,9 +209,12 @@ impl Detector {
         self.explained_ns = frame.t_ns;
         let found = locator.locate(noise, steady);
         locator.explain(&mut self.explained);
-        self.make_image();
         self.contacts.clear();
         self.contacts.extend(locator.contacts());
+        if let Some(correction) = &mut self.correction {
+            correction.apply(&self.changes, &mut self.contacts);
+        }
+        self.make_image();
         if found.rest > POOR_REST || self.contacts.len() >= MANY {
             let (doubt, down) = (self.reference.doubt(), self.tracker.down());
             self.by_image
@@ -261,8 +273,11 @@ impl Detector {
             let explained = f64::from(self.explained[channel]);
             *is_free = explained * explained < FREE_DEVIATIONS * FREE_DEVIATIONS * noise;
         }
-        for ((untouched, volt), explained) in
-            self.untouched.iter_mut().zip(&frame.volts).zip(&self.explained)
+        for ((untouched, volt), explained) in self
+            .untouched
+            .iter_mut()
+            .zip(&frame.volts)
+            .zip(&self.explained)
         {
             *untouched = volt / (1.0 + explained);
         }
