@@ -1,7 +1,7 @@
 //! What the last few frames left unexplained, while the same touches were down.
 
 /// Rests kept.
-const KEPT: usize = super::MEAN_FRAMES;
+const KEPT: usize = super::seek::MEAN_FRAMES;
 
 /// Frames after a change of the touches in which the reference is still finding its level: no faint touch can be told from
 /// what it is off by.
@@ -27,7 +27,7 @@ impl Recent {
 
     /// Whether a gain is far more than was last asked for; a try that follows is expected to fail.
     pub(super) fn is_news(&mut self, gain: f64) -> bool {
-        let is_news = gain > super::REFUSED_GROWTH * self.refused_gain;
+        let is_news = gain > super::seek::REFUSED_GROWTH * self.refused_gain;
         if is_news {
             self.refused_gain = gain;
         }
