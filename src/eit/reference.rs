@@ -14,6 +14,8 @@ pub const REFERENCE_FRAMES: usize = 10;
 
 /// How fast pads drift before anything is known, as a share a second: 3 % a minute.
 const FIRST_RATE_PER_S: f64 = 5e-4;
+/// How fast all channels may drift together, a share a second: 12 % a minute.
+const FIRST_COMMON_RATE_PER_S: f64 = 2e-3;
 /// How much the rate wanders, a share a second within a second.
 const RATE_WALK_PER_S: f64 = 5e-5;
 /// How much the level wanders beside its rate, a share within a second.
@@ -26,12 +28,18 @@ const LONGEST_STEP_S: f64 = 0.2;
 const SETTLE_FRAMES: u32 = 3;
 /// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
 const LOOSE_SPREAD: f64 = 20.0;
+/// A channel that is noisier than this, relative, says nothing about what the board's noise is like: it may be loose.
+const USELESS_NOISE: f64 = 0.15;
 /// Below this share of the smallest readings' variance, a part that all readings share is taken for chance.
 const LEAST_ADDITIVE: f64 = 0.5;
 /// Share by which the estimate of a channel's noise moves with each frame in which it is free: some seconds.
 const NOISE_FOLLOW: f64 = 0.004;
-/// One channel in so many must be free to tell a gain that all share.
-const LEAST_FREE: usize = 8;
+/// Under a touch a channel's own rate is believed for about so long, s: seen for a second, it must not be followed for minutes.
+const UNSEEN_RATE_S: f64 = 10.0;
+/// A channel is followed if the touches change it by less than this many of its deviations.
+const FREE_DEVIATIONS: f64 = 1.0;
+/// What the touches are said to change in a channel is wrong by about this share.
+const TOUCH_ERROR: f64 = 0.1;
 
 /// The untouched pad's voltages.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +48,8 @@ pub struct Reference {
     /// Volts a second.
     rates: Vec<f64>,
     covariances: Vec<Covariance>,
+    /// Of the gain that all channels share.
+    common: Covariance,
     /// Variance of a reading of each channel, relative.
     noise: Vec<f64>,
     /// Sum over the first frames of the squares of the volts, a channel.
@@ -49,6 +59,8 @@ pub struct Reference {
     frames: usize,
     quiet_frames: u32,
     last_ns: u64,
+    /// What is left of an unseen channel's rate after the last step of time.
+    unseen_keep: f64,
 }
 
 /// Variance of the level, of the rate, and their covariance, relative to the level.
@@ -59,6 +71,48 @@ struct Covariance {
     rate: f64,
 }
 
+impl Covariance {
+    /// Of something that has a level, and a rate of the given deviation that is not known yet.
+    fn of_rate(rate_per_s: f64) -> Self {
+        Self {
+            level: 0.0,
+            cross: 0.0,
+            rate: rate_per_s * rate_per_s,
+        }
+    }
+
+    /// Less sure after some time.
+    fn advance(&mut self, elapsed_s: f64) {
+        let Self { level, cross, rate } = *self;
+        *self = Self {
+            level: level
+                + elapsed_s * (2.0 * cross + elapsed_s * rate)
+                + LEVEL_WALK * LEVEL_WALK * elapsed_s,
+            cross: cross + elapsed_s * rate,
+            rate: rate + RATE_WALK_PER_S * RATE_WALK_PER_S * elapsed_s,
+        };
+    }
+
+    /// A rate of which only a share is still believed.
+    fn forget_rate(&mut self, keep: f64) {
+        self.cross *= keep;
+        self.rate *= keep * keep;
+    }
+
+    /// Surer after a measurement of a variance; returns by what level and rate move.
+    fn measure(&mut self, surprise: f64, variance: f64) -> (f64, f64) {
+        let Self { level, cross, rate } = *self;
+        let total = level + variance;
+        let (level_gain, rate_gain) = (level / total, cross / total);
+        *self = Self {
+            level: level - level_gain * level,
+            cross: cross - level_gain * cross,
+            rate: rate - rate_gain * cross,
+        };
+        (level_gain * surprise, rate_gain * surprise)
+    }
+}
+
 impl Reference {
     /// A reference that has seen nothing yet.
     #[must_use]
@@ -66,20 +120,15 @@ impl Reference {
         Self {
             volts: vec![0.0; channels],
             rates: vec![0.0; channels],
-            covariances: vec![
-                Covariance {
-                    level: 0.0,
-                    cross: 0.0,
-                    rate: FIRST_RATE_PER_S * FIRST_RATE_PER_S,
-                };
-                channels
-            ],
+            covariances: vec![Covariance::of_rate(FIRST_RATE_PER_S); channels],
+            common: Covariance::of_rate(FIRST_COMMON_RATE_PER_S),
             noise: vec![LEAST_NOISE * LEAST_NOISE; channels],
             squares: vec![0.0; channels],
             muted: vec![false; channels],
             frames: 0,
             quiet_frames: SETTLE_FRAMES,
             last_ns: 0,
+            unseen_keep: 1.0,
         }
     }
 
@@ -98,13 +147,15 @@ impl Reference {
     /// Variance of a channel's relative change: of the reading itself, and of the reference's own doubt.
     #[must_use]
     pub fn variances(&self, channel: usize) -> [f64; 2] {
-        [self.noise[channel], self.covariances[channel].level]
+        let doubt = self.covariances[channel].level + self.common.level;
+        [self.noise[channel], doubt]
     }
 
     /// Variance of a relative change in the mean over the channels that count: of the noise and of the reference's own doubt.
     #[must_use]
     pub fn change_variance(&self) -> f64 {
         self.mean(|channel| self.noise[channel] + self.covariances[channel].level)
+            + self.common.level
     }
 
     /// Deviation of a relative change; see [`Self::change_variance`].
@@ -157,67 +208,77 @@ impl Reference {
     pub fn advance(&mut self, t_ns: u64) {
         let elapsed_s = (t_ns.saturating_sub(self.last_ns) as f64 * 1e-9).min(LONGEST_STEP_S);
         self.last_ns = t_ns;
+        self.unseen_keep = libm::exp(-elapsed_s / UNSEEN_RATE_S);
         for (level, rate) in self.volts.iter_mut().zip(&self.rates) {
             *level += rate * elapsed_s;
         }
+        self.common.advance(elapsed_s);
         for covariance in &mut self.covariances {
-            let Covariance { level, cross, rate } = *covariance;
-            *covariance = Covariance {
-                level: level
-                    + elapsed_s * (2.0 * cross + elapsed_s * rate)
-                    + LEVEL_WALK * LEVEL_WALK * elapsed_s,
-                cross: cross + elapsed_s * rate,
-                rate: rate + RATE_WALK_PER_S * RATE_WALK_PER_S * elapsed_s,
-            };
+            covariance.advance(elapsed_s);
         }
     }
 
-    /// Measures a frame at the time to which it has advanced, in the channels that are free of any touch. The others move
-    /// by what the free ones have in common: a gain that all share.
-    pub fn follow(&mut self, volts: &[f32], is_free: impl Fn(usize) -> bool) {
+    /// Measures a frame at the time to which it has advanced. `volts` are those of the frame less its touches, `touched` what
+    /// these change in each channel, relative: the channels that they leave alone are followed one by one; what all have in
+    /// common, a gain that they share, moves every one.
+    pub fn follow(&mut self, volts: &[f32], touched: &[f32]) {
         self.quiet_frames += 1;
         if self.quiet_frames <= SETTLE_FRAMES {
             return;
         }
-        let channels = self.volts.len();
-        let (mut free, mut common, mut common_rate) = (0usize, 0.0, 0.0);
-        for (channel, volt) in volts.iter().enumerate() {
-            if self.muted[channel] || self.volts[channel] == 0.0 || !is_free(channel) {
+        self.follow_common(volts, touched);
+        for (channel, (volt, touched)) in volts.iter().zip(touched).enumerate() {
+            if !self.is_live(channel) {
                 continue;
             }
-            let (level, rate) = self.measure(channel, f64::from(*volt));
-            free += 1;
-            common += level;
-            common_rate += rate;
-        }
-        if free * LEAST_FREE < channels || free == channels {
-            return;
-        }
-        let (level, rate) = (common / free as f64, common_rate / free as f64);
-        for channel in (0..channels).filter(|channel| !is_free(*channel)) {
-            let reference = self.volts[channel];
-            self.volts[channel] += level * reference;
-            self.rates[channel] += rate * reference;
+            let touched = f64::from(*touched);
+            let limit = FREE_DEVIATIONS * FREE_DEVIATIONS * self.noise[channel];
+            if touched * touched < limit {
+                self.measure(channel, f64::from(*volt));
+            } else {
+                self.rates[channel] *= self.unseen_keep;
+                self.covariances[channel].forget_rate(self.unseen_keep);
+            }
         }
     }
 
-    /// Measures one channel; returns by which shares its level and its rate moved.
-    fn measure(&mut self, channel: usize, volt: f64) -> (f64, f64) {
-        let Covariance { level, cross, rate } = self.covariances[channel];
-        let total = level + self.noise[channel];
-        let (level_gain, rate_gain) = (level / total, cross / total);
+    /// Measures the gain that all channels share, and moves them all by it.
+    fn follow_common(&mut self, volts: &[f32], touched: &[f32]) {
+        let (mut surprise, mut weights) = (0.0, 0.0);
+        for (channel, (volt, touched)) in volts.iter().zip(touched).enumerate() {
+            if !self.is_live(channel) {
+                continue;
+            }
+            // The quiet channels tell most, those under a touch hardly anything.
+            let error = TOUCH_ERROR * f64::from(*touched);
+            let weight =
+                1.0 / (self.noise[channel] + self.covariances[channel].level + error * error);
+            surprise += weight * (f64::from(*volt) / self.volts[channel] - 1.0);
+            weights += weight;
+        }
+        if weights == 0.0 {
+            return;
+        }
+        let (level_by, rate_by) = self.common.measure(surprise / weights, 1.0 / weights);
+        for (volt, rate) in self.volts.iter_mut().zip(&mut self.rates) {
+            *volt += level_by * *volt;
+            *rate += rate_by * *volt;
+        }
+    }
+
+    fn is_live(&self, channel: usize) -> bool {
+        !self.muted[channel] && self.volts[channel] != 0.0
+    }
+
+    /// Measures one channel.
+    fn measure(&mut self, channel: usize, volt: f64) {
         let reference = self.volts[channel];
-        let surprise = volt - reference;
-        self.volts[channel] += level_gain * surprise;
-        self.rates[channel] += rate_gain * surprise;
-        self.covariances[channel] = Covariance {
-            level: level - level_gain * level,
-            cross: cross - level_gain * cross,
-            rate: rate - rate_gain * cross,
-        };
-        let relative = surprise / reference;
-        self.follow_noise(channel, relative * relative - level);
-        (level_gain * relative, rate_gain * relative)
+        let surprise = volt / reference - 1.0;
+        let level = self.covariances[channel].level;
+        let (level_by, rate_by) = self.covariances[channel].measure(surprise, self.noise[channel]);
+        self.volts[channel] += level_by * reference;
+        self.rates[channel] += rate_by * reference;
+        self.follow_noise(channel, surprise * surprise - level);
     }
 
     /// Lets a frame of a touched pad pass.
@@ -328,6 +389,7 @@ impl NoiseModel {
             .map(|(volt, variance)| (volt * volt, *variance))
             .filter(|(square, _)| *square > 0.0)
             .map(|(square, variance)| (1.0 / square, variance / square))
+            .filter(|(_, relative)| *relative < USELESS_NOISE * USELESS_NOISE)
             .collect();
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let third = readings.len().div_ceil(3);
@@ -392,7 +454,7 @@ mod tests {
             if touched(frame) {
                 reference.hold();
             } else {
-                reference.follow(&volts, |_| true);
+                reference.follow(&volts, &[0.0; CHANNELS]);
             }
         }
         reference

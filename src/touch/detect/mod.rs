@@ -23,10 +23,14 @@ const REBOUND: (f64, f64) = (0.002, 10.0);
 /// A frame is no frame of a touched pad if what no touch explains exceeds what noise and the model's error explain by this
 /// factor.
 const UNEXPLAINED: f64 = 4.0;
+/// Nor is it if the touches that were found leave this many times of it: not even a palm does.
+const UNEXPLAINED_REST: f64 = 60.0;
+/// A touch never changes so many readings by this share and more, beyond their noise by so many deviations: a reading that is
+/// gone is.
+const BEYOND_TOUCH: (usize, f64) = (4, 0.85);
+const BEYOND_DEVIATIONS: f64 = 6.0;
 /// Touches that are down wait this long for a frame that can be explained.
 const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
-/// A channel is free, and its reference followed, if the touches change it by less than this many of its deviations.
-const FREE_DEVIATIONS: f64 = 1.0;
 /// Located touches that leave this many times what noise and the model's error explain may be a palm, as may so many
 /// touches at once.
 const POOR_REST: f64 = 4.0;
@@ -45,8 +49,6 @@ pub struct Detector {
     changes: Vec<f32>,
     /// What the touches change in each channel, relative.
     explained: Vec<f32>,
-    /// Channels that the touches leave alone.
-    free: Vec<bool>,
     /// The frame less its touches, in the instrument's units.
     untouched: Vec<f32>,
     image: Image,
@@ -96,7 +98,6 @@ impl Detector {
             tracker: Tracker::default(),
             changes: vec![0.0; channels],
             explained: vec![0.0; channels],
-            free: vec![true; channels],
             untouched: vec![0.0; channels],
             image: Image::blank(reconstruction.grid),
             contacts: Vec::new(),
@@ -188,23 +189,17 @@ impl Detector {
         let waits_for_weights = self.wanted.as_ref().is_some_and(|wanted| {
             (0..wanted.len()).any(|c| wanted[c].is_finite() != self.sensing.counts(c))
         });
-        if seen.outside > UNEXPLAINED || waits_for_weights {
-            locator.explain(&mut self.explained);
-            self.blame(frame);
-            self.make_image();
-            if frame.t_ns.saturating_sub(self.explained_ns) > WAIT_NS {
-                self.tracker.lift_all(changed);
-                locator.forget();
-            } else {
-                self.contacts.clear();
-                let down = self.tracker.down().iter().map(|touch| touch.contact);
-                self.contacts.extend(down);
-                self.tracker.follow(frame.t_ns, &self.contacts, changed);
-            }
+        if seen.outside > UNEXPLAINED || waits_for_weights || self.is_beyond_touch() {
+            self.let_pass(locator, frame, changed);
+            return;
+        }
+        let found = locator.locate(noise, steady);
+        if found.rest > UNEXPLAINED_REST {
+            locator.go_back();
+            self.let_pass(locator, frame, changed);
             return;
         }
         self.explained_ns = frame.t_ns;
-        let found = locator.locate(noise, steady);
         locator.explain(&mut self.explained);
         self.contacts.clear();
         self.contacts.extend(locator.contacts());
@@ -230,6 +225,33 @@ impl Detector {
         self.follow_reference(frame);
     }
 
+    /// Whether some readings have changed as no touch changes them.
+    fn is_beyond_touch(&self) -> bool {
+        let (least, beyond) = BEYOND_TOUCH;
+        let wild = (0..self.changes.len()).filter(|channel| {
+            let [noise, doubt] = self.reference.variances(*channel);
+            let change = f64::from(self.changes[*channel].abs());
+            change.is_nan() || change > beyond + BEYOND_DEVIATIONS * libm::sqrt(noise + doubt)
+        });
+        wild.count() >= least
+    }
+
+    /// Lets a frame pass that no touches explain: no touch begins; those that are down wait, for a while.
+    fn let_pass(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
+        self.blame(frame);
+        self.make_image();
+        if frame.t_ns.saturating_sub(self.explained_ns) > WAIT_NS {
+            self.tracker.lift_all(changed);
+            locator.forget();
+            self.explained.fill(0.0);
+            return;
+        }
+        self.contacts.clear();
+        let down = self.tracker.down().iter().map(|touch| touch.contact);
+        self.contacts.extend(down);
+        self.tracker.follow(frame.t_ns, &self.contacts, changed);
+    }
+
     /// Touches by the image.
     fn find_in_image(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
         self.make_image();
@@ -240,7 +262,7 @@ impl Detector {
             .contacts(&self.image, doubt, down, &mut self.contacts);
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
         if self.tracker.down().is_empty() && is_quiet {
-            self.reference.follow(&frame.volts, |_| true);
+            self.reference.follow(&frame.volts, &self.explained);
         } else {
             self.reference.hold();
         }
@@ -265,11 +287,6 @@ impl Detector {
 
     /// Follows the reference where the touches leave it alone.
     fn follow_reference(&mut self, frame: &Frame) {
-        for (channel, is_free) in self.free.iter_mut().enumerate() {
-            let [noise, _] = self.reference.variances(channel);
-            let explained = f64::from(self.explained[channel]);
-            *is_free = explained * explained < FREE_DEVIATIONS * FREE_DEVIATIONS * noise;
-        }
         for ((untouched, volt), explained) in self
             .untouched
             .iter_mut()
@@ -278,9 +295,7 @@ impl Detector {
         {
             *untouched = volt / (1.0 + explained);
         }
-        let free = &self.free;
-        self.reference
-            .follow(&self.untouched, |channel| free[channel]);
+        self.reference.follow(&self.untouched, &self.explained);
     }
 
     /// Whether the pad suddenly reads as if it were touched less than not at all: the reference was taken under a finger

@@ -92,6 +92,8 @@ pub struct Locator {
     recent: Recent,
     /// The cost at which one more touch was last sought in vain: sought again only when it has grown.
     refused_cost: f64,
+    /// The touches of the frame before.
+    before: Vec<Bump>,
     response: Response,
     sum: Vec<f32>,
 }
@@ -122,6 +124,7 @@ impl Locator {
             present: Fit::default(),
             recent: Recent::default(),
             refused_cost: 0.0,
+            before: Vec::new(),
             response: Response::default(),
             sum: Vec::new(),
         }
@@ -133,6 +136,12 @@ impl Locator {
         self.templates = locating.templates.clone();
         self.recent.clear();
         self.refused_cost = 0.0;
+    }
+
+    /// Takes back what the last frame was taken for: its touches are again those of the frame before.
+    pub fn go_back(&mut self) {
+        self.fit.bumps.clone_from(&self.before);
+        self.recent.clear();
     }
 
     /// Forgets the touches of the last frame.
@@ -153,7 +162,8 @@ impl Locator {
     /// reference's doubt.
     pub fn locate(&mut self, noise: f64, steady: f64) -> Explained {
         self.bounds.usual_weight = noise;
-        self.follow(noise);
+        // The reference's doubt makes no touch end.
+        self.follow(noise - steady);
         let touches = self.fit.bumps.len();
         self.seek(noise);
         if self.fit.bumps.len() == touches {
@@ -205,16 +215,17 @@ impl Locator {
 
     /// Follows the touches of the last frame and drops those that are over.
     fn follow(&mut self, noise: f64) {
-        let before = std::mem::take(&mut self.fit.bumps);
+        self.before.clone_from(&self.fit.bumps);
         let Self {
             fit,
+            before,
             frame,
             table,
             metric,
             bounds,
             ..
         } = self;
-        fit.start(&before, frame, table, metric, bounds);
+        fit.start(before, frame, table, metric, bounds);
         // First those that have left, or the fit would drag them to whatever is new elsewhere.
         while let Some(gone) = fit.least_left().filter(|(_, left)| *left < LEFT_SHARE) {
             let mut bumps = std::mem::take(&mut fit.bumps);
