@@ -22,12 +22,17 @@ pub enum Input {
         /// That time, never the clock's.
         due_ns: Nanos,
     },
-    /// Another profile from now on; what the old one holds is released.
+    /// Another profile, as soon as the outputs are up: a second later at most, and then they are released.
     Profile {
         /// When it takes over.
         t_ns: Nanos,
         /// The profile.
         profile: Arc<Profile>,
+    },
+    /// The player pauses, or goes on.
+    Pause {
+        /// When.
+        t_ns: Nanos,
     },
     /// Another matrix of the same pad from now on.
     Matrix(Arc<Reconstruction>),
@@ -46,7 +51,6 @@ pub enum Input {
 /// The stages and their state.
 #[derive(Clone, Debug)]
 pub struct Engine {
-    pad_mm: [f64; 2],
     detector: Detector,
     gestures: Gestures,
     changed: Vec<Touch>,
@@ -63,7 +67,6 @@ impl Engine {
         assert_eq!(pad.channels(), reconstruction.channels());
         let pad_mm = pad.outline.size_mm();
         Self {
-            pad_mm,
             detector: Detector::new(reconstruction),
             gestures: Gestures::new(profile, pad_mm),
             changed: Vec::new(),
@@ -83,10 +86,10 @@ impl Engine {
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
-            Input::Profile { t_ns, profile } => {
+            Input::Profile { t_ns, profile } => self.gestures.replace(Arc::clone(profile), *t_ns, events),
+            Input::Pause { t_ns } => {
                 self.gestures.tick(*t_ns, events);
-                self.gestures.release_all(*t_ns, events);
-                self.gestures = Gestures::new(Arc::clone(profile), self.pad_mm);
+                self.gestures.pause(*t_ns, !self.gestures.is_paused(), events);
             }
             Input::Matrix(matrix) => self.detector.replace_matrix(Arc::clone(matrix)),
             Input::Lost { frames } => self.lost_frames += frames,
@@ -113,6 +116,18 @@ impl Engine {
     /// The outputs that are down.
     pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
         self.gestures.held()
+    }
+
+    /// Whether the player has paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.gestures.is_paused()
+    }
+
+    /// The profile in force.
+    #[must_use]
+    pub fn profile(&self) -> &Arc<Profile> {
+        self.gestures.profile()
     }
 
     /// Channels that the first frames showed to be dead or loose, and that are left out since.

@@ -18,7 +18,7 @@ use ratatui::widgets::{Block, Paragraph, Widget};
 use super::log;
 use super::map::Map;
 use crate::pad::Pad;
-use crate::profile::Profile;
+use crate::profile::{Profile, Target};
 use crate::runtime::View;
 use crate::types::{Action, Event, Image, Output, Touch, heat, ms_from_nanos};
 
@@ -249,10 +249,12 @@ impl Screen<'_> {
     }
 
     fn binding(&self, binding: &crate::profile::Binding) -> Line<'static> {
-        let output = self.profile.outputs[binding.output];
-        let region = &self.profile.regions[binding.region].name;
-        let text = format!("{region:10} {output:12}", output = output.to_string());
-        if self.view.held.contains(&output) {
+        let text = format!(
+            "{:10} {:12}",
+            self.profile.place_of(binding),
+            self.profile.outputs_of(binding)
+        );
+        if self.is_held(binding) {
             Line::from(vec![
                 Span::raw("■ ").fg(Color::Yellow),
                 Span::raw(text).fg(Color::Yellow).bold(),
@@ -260,6 +262,14 @@ impl Screen<'_> {
         } else {
             Line::from(vec![Span::raw("□ "), Span::raw(text)]).fg(Color::Gray)
         }
+    }
+
+    fn is_held(&self, binding: &crate::profile::Binding) -> bool {
+        let outputs = binding.targets.iter().filter_map(|target| match target {
+            Target::Output(index) => self.profile.outputs.get(*index),
+            _ => None,
+        });
+        outputs.into_iter().any(|output| self.view.held.contains(output))
     }
 
     fn footer(&self, area: Rect, buffer: &mut Buffer) {
@@ -332,7 +342,7 @@ fn press_lines<'a>(
                     break;
                 }
             }
-            Action::Axis(..) => {}
+            Action::Axis(..) | Action::Motion { .. } | Action::Wheel { .. } => {}
         }
     }
     lines

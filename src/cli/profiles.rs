@@ -6,7 +6,7 @@ use super::args::ProfileCommand;
 use super::exit::Ending;
 use super::map::Map;
 use super::resolve;
-use crate::profile::{Mode, Profile, SHIPPED_PROFILES};
+use crate::profile::{Profile, SHIPPED_PROFILES};
 use crate::types::ms_from_nanos;
 
 /// A map is drawn for a pad of any size: regions are shares of it.
@@ -55,23 +55,17 @@ fn facts(profile: &Profile) -> String {
         format!("{}: {}", profile.name, profile.about),
         format!(
             "shortest press {} ms, shortest gap {} ms",
-            ms_from_nanos(profile.min_hold_ns),
-            ms_from_nanos(profile.min_gap_ns)
+            ms_from_nanos(profile.settings.min_hold_ns),
+            ms_from_nanos(profile.settings.min_gap_ns)
         ),
     ];
     for binding in &profile.bindings {
-        let mode = match binding.mode {
-            Mode::Direct => "while touched".to_owned(),
-            Mode::Classified(latch) => format!(
-                "{:.0} ms, or {:.0} ms if touched for {:.0} ms",
-                ms_from_nanos(latch.short_ns),
-                ms_from_nanos(latch.long_ns),
-                ms_from_nanos(latch.long_after_ns)
-            ),
-        };
-        let region = &profile.regions[binding.region].name;
-        let output = profile.outputs[binding.output].to_string();
-        lines.push(format!("  {region:12} {output:12} {mode}"));
+        lines.push(format!(
+            "  {:12} {:12} {}",
+            profile.place_of(binding),
+            profile.outputs_of(binding),
+            profile.how(binding)
+        ));
     }
     lines.join("\n")
 }

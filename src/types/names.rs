@@ -42,6 +42,12 @@ impl Key {
         self.0
     }
 
+    /// Whether it changes what other keys do: shift, ctrl, alt, meta.
+    #[must_use]
+    pub fn is_modifier(self) -> bool {
+        matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
+    }
+
     /// The keycode of X11: the evdev code plus 8.
     #[must_use]
     pub fn x11_keycode(self) -> u16 {
@@ -165,6 +171,22 @@ named!(
     }
 );
 
+named!(
+    /// A button of the mouse.
+    MouseButton, "mouse button", {
+        /// The main one.
+        Left = "left",
+        /// The one for menus.
+        Right = "right",
+        /// The wheel pressed.
+        Middle = "middle",
+        /// The thumb's one that goes back.
+        Back = "back",
+        /// The thumb's one that goes on.
+        Forward = "forward",
+    }
+);
+
 /// A name that names nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
@@ -178,7 +200,7 @@ impl UnknownName {
     pub(crate) fn without_device(text: &str) -> Self {
         Self {
             message: format!(
-                "`{text}` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button"
+                "`{text}` names no device: write `key:NAME` for a key, `pad:NAME` for a gamepad button or `mouse:NAME` for a mouse button"
             ),
             suggestion: None,
         }
