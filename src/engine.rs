@@ -86,10 +86,13 @@ impl Engine {
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
-            Input::Profile { t_ns, profile } => self.gestures.replace(Arc::clone(profile), *t_ns, events),
+            Input::Profile { t_ns, profile } => {
+                self.gestures.replace(Arc::clone(profile), *t_ns, events)
+            }
             Input::Pause { t_ns } => {
                 self.gestures.tick(*t_ns, events);
-                self.gestures.pause(*t_ns, !self.gestures.is_paused(), events);
+                self.gestures
+                    .pause(*t_ns, !self.gestures.is_paused(), events);
             }
             Input::Matrix(matrix) => self.detector.replace_matrix(Arc::clone(matrix)),
             Input::Lost { frames } => self.lost_frames += frames,

@@ -72,7 +72,10 @@ fn run(path: &Path) -> Result<(), String> {
             let (ms, toml) = rest.split_once('\n').ok_or("a time and a profile")?;
             let ms: f64 = ms.trim().parse().map_err(|_| "no time to switch")?;
             let toml = toml.split("\n--- ").next().unwrap_or(toml);
-            Some((nanos_from_ms(ms), self::profile(source(toml)?, own("user")?)?))
+            Some((
+                nanos_from_ms(ms),
+                self::profile(source(toml)?, own("user")?)?,
+            ))
         }
         None => None,
     };

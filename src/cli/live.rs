@@ -269,7 +269,9 @@ impl Screen<'_> {
             Target::Output(index) => self.profile.outputs.get(*index),
             _ => None,
         });
-        outputs.into_iter().any(|output| self.view.held.contains(output))
+        outputs
+            .into_iter()
+            .any(|output| self.view.held.contains(output))
     }
 
     fn footer(&self, area: Rect, buffer: &mut Buffer) {

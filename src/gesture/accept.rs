@@ -130,7 +130,8 @@ impl Accept {
         let force = in_range(touch.contact.force, settings.force_range);
         let radius_mm = radius_mm(touch.contact.area_mm2);
         let back = self.watched.iter_mut().find(|watched| {
-            matches!(watched.state, State::Lifting { .. }) && distance_mm(watched.at_mm, at_mm) < settings.tremor_mm
+            matches!(watched.state, State::Lifting { .. })
+                && distance_mm(watched.at_mm, at_mm) < settings.tremor_mm
         });
         if let Some(watched) = back {
             watched.source = touch.id;
@@ -143,7 +144,10 @@ impl Accept {
         let region = layout.topmost(at_mm);
         let since = self.released[region.unwrap_or(self.released.len() - 1)];
         let bounces = since.is_some_and(|since| t_ns < since + settings.bounce_keys_ns);
-        let rests = settings.rest_area_mm2.is_some_and(|most| touch.contact.area_mm2 > most) || layout.rests(at_mm);
+        let rests = settings
+            .rest_area_mm2
+            .is_some_and(|most| touch.contact.area_mm2 > most)
+            || layout.rests(at_mm);
         let delay_ns = settings.slow_keys_ns.max(settings.dwell_ns);
         let at_lift = settings.activate == Activate::Up || settings.assist == Assist::Last;
         let mut watched = Watched {
@@ -173,12 +177,18 @@ impl Accept {
 
     fn moved(&mut self, t_ns: Nanos, touch: &Touch, at_mm: PointMm) {
         let settings = &self.settings;
-        let Some(watched) = self.watched.iter_mut().find(|watched| watched.source == touch.id) else {
+        let Some(watched) = self
+            .watched
+            .iter_mut()
+            .find(|watched| watched.source == touch.id)
+        else {
             return;
         };
         watched.force = in_range(touch.contact.force, settings.force_range);
         watched.radius_mm = radius_mm(touch.contact.area_mm2);
-        let rests = settings.rest_area_mm2.is_some_and(|most| touch.contact.area_mm2 > most);
+        let rests = settings
+            .rest_area_mm2
+            .is_some_and(|most| touch.contact.area_mm2 > most);
         match &mut watched.state {
             State::Silent | State::Lifting { .. } => return,
             state @ (State::Waiting { .. } | State::UntilLift) if rests => {

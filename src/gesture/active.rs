@@ -31,14 +31,19 @@ pub(super) enum State {
     CrowdSwipe(Stroke),
     Chord,
     Contacts,
-    Force { down: bool },
+    Force {
+        down: bool,
+    },
     /// Directions that are down, bits 0 to 3.
     Dpad {
         down: u8,
         middle_mm: PointMm,
         radius_mm: f64,
     },
-    Stick { middle_mm: PointMm, radius_mm: f64 },
+    Stick {
+        middle_mm: PointMm,
+        radius_mm: f64,
+    },
     Trigger,
     Pointer(Following),
     TapHold(Undecided),

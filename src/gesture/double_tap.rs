@@ -21,7 +21,12 @@ pub(super) enum DoubleTap {
 
 impl DoubleTap {
     /// A touch that goes down, after a first tap that lifted at a time.
-    pub(super) fn new(t_ns: Nanos, first_ns: Option<Nanos>, gap_ns: Nanos, within_ns: Nanos) -> Self {
+    pub(super) fn new(
+        t_ns: Nanos,
+        first_ns: Option<Nanos>,
+        gap_ns: Nanos,
+        within_ns: Nanos,
+    ) -> Self {
         match first_ns {
             Some(first_ns) if t_ns < first_ns + gap_ns => Self::Second,
             _ => Self::First(Tap::new(t_ns, within_ns, SLOP_MM)),

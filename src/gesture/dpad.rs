@@ -16,11 +16,16 @@ pub(super) fn directions(own: &Dpad, [x, y]: PointMm, radius_mm: f64) -> u8 {
     let off = angle - nearest * quarter;
     let main = (nearest as i64).rem_euclid(4) as u8;
     // At 1 diagonals take everything but the axes themselves, at 0 nothing.
-    let is_diagonal = own.ways == 8 && own.diagonal > 0.0 && off.abs() > quarter / 2.0 * (1.0 - own.diagonal);
+    let is_diagonal =
+        own.ways == 8 && own.diagonal > 0.0 && off.abs() > quarter / 2.0 * (1.0 - own.diagonal);
     if !is_diagonal {
         return 1 << main;
     }
-    let other = if off > 0.0 { (main + 1) % 4 } else { (main + 3) % 4 };
+    let other = if off > 0.0 {
+        (main + 1) % 4
+    } else {
+        (main + 3) % 4
+    };
     1 << main | 1 << other
 }
 

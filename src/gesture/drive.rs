@@ -41,7 +41,12 @@ enum State {
     /// Ends at a time.
     Until { at: Nanos },
     /// Changes at a time.
-    Turbo { down: bool, at: Nanos, pressed: Nanos, first: bool },
+    Turbo {
+        down: bool,
+        at: Nanos,
+        pressed: Nanos,
+        first: bool,
+    },
 }
 
 /// What a binding remembers from one gesture to the next.
@@ -80,7 +85,9 @@ impl Driver {
 
     /// Whether nothing is driven.
     pub(super) fn is_idle(&self) -> bool {
-        self.outputs.is_idle() && self.drives.is_empty() && self.memory.iter().all(|memory| memory.runner.is_none())
+        self.outputs.is_idle()
+            && self.drives.is_empty()
+            && self.memory.iter().all(|memory| memory.runner.is_none())
     }
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
@@ -89,8 +96,14 @@ impl Driver {
             State::Classified(latch) => latch.next_due(),
             State::Until { at } | State::Turbo { at, .. } => Some(at),
         });
-        let runners = self.memory.iter().filter_map(|memory| memory.runner.as_ref());
-        drives.chain(runners.map(Runner::next_due)).chain(self.outputs.next_due()).min()
+        let runners = self
+            .memory
+            .iter()
+            .filter_map(|memory| memory.runner.as_ref());
+        drives
+            .chain(runners.map(Runner::next_due))
+            .chain(self.outputs.next_due())
+            .min()
     }
 
     /// A gesture begins to drive one side of its binding.
@@ -263,7 +276,19 @@ impl Driver {
             ..
         } = self.drives[at];
         let binding = &profile.bindings[index];
-        let (State::Turbo { down, pressed, first, .. }, Mode::Turbo { first_ns, period_ns }) = (state, &binding.mode) else {
+        let (
+            State::Turbo {
+                down,
+                pressed,
+                first,
+                ..
+            },
+            Mode::Turbo {
+                first_ns,
+                period_ns,
+            },
+        ) = (state, &binding.mode)
+        else {
             return;
         };
         let length_ns = if first { *first_ns } else { *period_ns };

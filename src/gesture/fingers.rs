@@ -55,7 +55,10 @@ impl Fingers {
     /// Those in any of some regions; all of them where none is named.
     fn among<'a>(&'a self, regions: &'a [usize]) -> impl Iterator<Item = &'a Finger> {
         self.0.iter().filter(move |finger| {
-            regions.is_empty() || regions.iter().any(|region| finger.covered.contains(*region))
+            regions.is_empty()
+                || regions
+                    .iter()
+                    .any(|region| finger.covered.contains(*region))
         })
     }
 
@@ -77,7 +80,10 @@ impl Fingers {
     pub(super) fn chord(&self, regions: &[usize]) -> Option<Nanos> {
         let (mut first, mut last) = (Nanos::MAX, 0);
         for region in regions {
-            let finger = self.0.iter().find(|finger| finger.covered.contains(*region))?;
+            let finger = self
+                .0
+                .iter()
+                .find(|finger| finger.covered.contains(*region))?;
             first = first.min(finger.down_ns);
             last = last.max(finger.down_ns);
         }

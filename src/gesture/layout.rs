@@ -15,7 +15,9 @@ pub(super) struct Covered {
 
 impl Covered {
     pub(super) fn iter(&self) -> impl Iterator<Item = usize> + '_ {
-        self.regions[..self.count].iter().map(|region| usize::from(*region))
+        self.regions[..self.count]
+            .iter()
+            .map(|region| usize::from(*region))
     }
 
     pub(super) fn contains(&self, region: usize) -> bool {
@@ -79,7 +81,9 @@ impl Layout {
         Self {
             pad_mm,
             settings,
-            slides: spots.iter().any(|spot| spot.slide != Slide::Keep || spot.footprint > 0.0),
+            slides: spots
+                .iter()
+                .any(|spot| spot.slide != Slide::Keep || spot.footprint > 0.0),
             spots,
         }
     }
@@ -91,12 +95,15 @@ impl Layout {
 
     /// The topmost region of a place.
     pub(super) fn topmost(&self, at_mm: PointMm) -> Option<usize> {
-        self.spots.iter().position(|spot| spot.placed.holds(at_mm, spot.reach))
+        self.spots
+            .iter()
+            .position(|spot| spot.placed.holds(at_mm, spot.reach))
     }
 
     /// Whether touches that begin there give nothing.
     pub(super) fn rests(&self, at_mm: PointMm) -> bool {
-        self.topmost(at_mm).is_some_and(|region| self.spots[region].rest)
+        self.topmost(at_mm)
+            .is_some_and(|region| self.spots[region].rest)
     }
 
     /// Middle and radius of a region, or of the pad, mm.
@@ -138,7 +145,8 @@ impl Layout {
         let mut taken = false;
         for region in before.iter() {
             let spot = &self.spots[region];
-            let held = spot.placed.holds(at_mm, spot.held_reach) || spot.is_stepped_on(at_mm, radius_mm);
+            let held =
+                spot.placed.holds(at_mm, spot.held_reach) || spot.is_stepped_on(at_mm, radius_mm);
             if held || (spot.slide == Slide::Keep && spot.footprint == 0.0) {
                 covered.push(region);
                 taken |= spot.exclusive && spot.footprint == 0.0;

@@ -126,10 +126,15 @@ impl Gestures {
     pub fn touches(&mut self, t_ns: Nanos, changed: &[Touch], events: &mut Vec<Event>) {
         self.tick(t_ns, events);
         for touch in changed {
-            if self.panic.sees(touch) {
+            let panic = self.panic.sees(touch);
+            if panic {
                 self.pause(t_ns, !self.paused, events);
             }
             self.accept.touch(t_ns, touch, &self.layout);
+            if panic {
+                // The contact that made it a panic plays nothing itself.
+                self.accept.passed.clear();
+            }
             self.play_passed(t_ns, events);
             self.after(t_ns, events);
             // What a touch makes due at this very time is done before the next touch: one call or several, the same events.

@@ -78,7 +78,8 @@ impl Outputs {
 
     /// Whether nothing is down, nothing is about to be, and every axis is at rest.
     pub(super) fn is_idle(&self) -> bool {
-        let idle = |slot: &Slot| slot.holders == 0 && matches!(slot.state, State::Idle | State::Up { .. });
+        let idle =
+            |slot: &Slot| slot.holders == 0 && matches!(slot.state, State::Idle | State::Up { .. });
         self.slots.iter().all(idle) && self.axes.iter().all(|value| *value == 0.0)
     }
 
@@ -87,7 +88,9 @@ impl Outputs {
             .iter()
             .filter_map(|slot| match slot.state {
                 State::Rising { at } | State::Falling { at, .. } => Some(at),
-                State::Down { since } => self.max_hold_ns.map(|most| since + most.max(self.min_hold_ns)),
+                State::Down { since } => self
+                    .max_hold_ns
+                    .map(|most| since + most.max(self.min_hold_ns)),
                 State::Idle | State::Up { .. } | State::Spent { .. } => None,
             })
             .min()
@@ -182,7 +185,9 @@ impl Outputs {
                     }
                 }
                 State::Down { since } => {
-                    let most = self.max_hold_ns.map(|most| since + most.max(self.min_hold_ns));
+                    let most = self
+                        .max_hold_ns
+                        .map(|most| since + most.max(self.min_hold_ns));
                     if let Some(at) = most.filter(|at| *at <= t_ns) {
                         slot.release(at, events);
                         slot.state = State::Spent { since: at };

@@ -91,7 +91,12 @@ impl Players {
     }
 
     fn down(&mut self, step: &mut Step<'_>, passed: &Passed) {
-        let Step { profile, layout, t_ns, .. } = *step;
+        let Step {
+            profile,
+            layout,
+            t_ns,
+            ..
+        } = *step;
         let covered = layout.covered(passed.at_mm, passed.radius_mm);
         let finger = self.fingers.add(t_ns, passed, covered);
         self.tell_others(step, passed.id, Undecided::other_down);
@@ -118,8 +123,11 @@ impl Players {
         finger.covered = covered;
         let finger = *finger;
         if covered != before {
-            let left = |region: Option<usize>| region.is_some_and(|region| !covered.contains(region));
-            self.end_where(step, |active| active.touch == finger.id && left(active.region));
+            let left =
+                |region: Option<usize>| region.is_some_and(|region| !covered.contains(region));
+            self.end_where(step, |active| {
+                active.touch == finger.id && left(active.region)
+            });
         }
         for at in 0..self.active.len() {
             self.follow(step, at, &finger);
@@ -143,7 +151,9 @@ impl Players {
     fn enter(&mut self, step: &mut Step<'_>, region: usize, finger: &Finger) {
         let profile = step.profile;
         for index in 0..profile.bindings.len() {
-            if profile.bindings[index].regions.contains(&region) && self.counts(profile, index, Some(region)) {
+            if profile.bindings[index].regions.contains(&region)
+                && self.counts(profile, index, Some(region))
+            {
                 self.start(step, index, Some(region), finger);
             }
         }
@@ -162,20 +172,37 @@ impl Players {
         let Some(region) = region else {
             return on(binding.layer);
         };
-        let here = profile.bindings.iter().filter(|other| other.regions.contains(&region));
-        let top = here.map(|other| other.layer).filter(|layer| on(*layer)).max();
+        let here = profile
+            .bindings
+            .iter()
+            .filter(|other| other.regions.contains(&region));
+        let top = here
+            .map(|other| other.layer)
+            .filter(|layer| on(*layer))
+            .max();
         top == Some(binding.layer)
     }
 
     /// A touch begins to play a binding.
     fn start(&mut self, step: &mut Step<'_>, index: usize, region: Option<usize>, finger: &Finger) {
-        let Step { profile, layout, t_ns, .. } = *step;
+        let Step {
+            profile,
+            layout,
+            t_ns,
+            ..
+        } = *step;
         let binding = &profile.bindings[index];
         let alone = !self.active.iter().any(|active| active.binding == index);
         let (state, decision) = match &binding.gesture {
             Gesture::Press => (State::Press, Decision::Begin(Side::First)),
-            Gesture::Tap { within_ns, slop_mm } => (State::Tap(Tap::new(t_ns, *within_ns, *slop_mm)), Decision::None),
-            Gesture::Hold { after_ns, slop_mm } => (State::Hold(Hold::new(t_ns, *after_ns, *slop_mm)), Decision::None),
+            Gesture::Tap { within_ns, slop_mm } => (
+                State::Tap(Tap::new(t_ns, *within_ns, *slop_mm)),
+                Decision::None,
+            ),
+            Gesture::Hold { after_ns, slop_mm } => (
+                State::Hold(Hold::new(t_ns, *after_ns, *slop_mm)),
+                Decision::None,
+            ),
             Gesture::DoubleTap { gap_ns, within_ns } => {
                 let double = DoubleTap::new(t_ns, self.last_tap[index].take(), *gap_ns, *within_ns);
                 let decision = match double {
@@ -198,7 +225,11 @@ impl Players {
                 (State::Force { down }, begin_if(down))
             }
             // These have one master at a time.
-            Gesture::Dpad(_) | Gesture::Stick(_) | Gesture::Trigger(_) | Gesture::Pointer(_) if !alone => return,
+            Gesture::Dpad(_) | Gesture::Stick(_) | Gesture::Trigger(_) | Gesture::Pointer(_)
+                if !alone =>
+            {
+                return;
+            }
             Gesture::Dpad(_) => {
                 let (middle_mm, radius_mm) = layout.middle(region);
                 let dpad = State::Dpad {
@@ -210,7 +241,11 @@ impl Players {
             }
             Gesture::Stick(own) => {
                 let (middle_mm, radius_mm) = layout.middle(region);
-                let middle_mm = if own.floating { finger.at_mm } else { middle_mm };
+                let middle_mm = if own.floating {
+                    finger.at_mm
+                } else {
+                    middle_mm
+                };
                 let stick = State::Stick {
                     middle_mm,
                     radius_mm,
@@ -220,7 +255,8 @@ impl Players {
             Gesture::Trigger(_) => (State::Trigger, Decision::None),
             Gesture::Pointer(_) => (State::Pointer(Following::new(finger.at_mm)), Decision::None),
             Gesture::TapHold(own) => {
-                let (undecided, decision) = Undecided::new(t_ns, own, self.last_tap[index], self.last_press);
+                let (undecided, decision) =
+                    Undecided::new(t_ns, own, self.last_tap[index], self.last_press);
                 (State::TapHold(undecided), decision)
             }
         };
@@ -233,7 +269,10 @@ impl Players {
         let at = self.active.len() - 1;
         self.carry_out(step, at, decision);
         // What follows places and force begins where the touch is.
-        if matches!(state, State::Dpad { .. } | State::Stick { .. } | State::Trigger) {
+        if matches!(
+            state,
+            State::Dpad { .. } | State::Stick { .. } | State::Trigger
+        ) {
             self.follow(step, at, finger);
         }
     }
@@ -268,7 +307,9 @@ impl Players {
                 hold.moved(moved_mm);
                 Decision::None
             }
-            (State::Swipe(stroke), Gesture::Swipe(own)) => begin_if(stroke.moved(own, finger.at_mm, t_ns)),
+            (State::Swipe(stroke), Gesture::Swipe(own)) => {
+                begin_if(stroke.moved(own, finger.at_mm, t_ns))
+            }
             (State::Force { down }, Gesture::Force { press, release }) => {
                 let before = *down;
                 *down = force::is_down(before, finger.force, *press, *release);
@@ -278,30 +319,53 @@ impl Players {
                 }
                 begin_if(now && !before)
             }
-            (State::Dpad { down, middle_mm, radius_mm }, Gesture::Dpad(own)) => {
+            (
+                State::Dpad {
+                    down,
+                    middle_mm,
+                    radius_mm,
+                },
+                Gesture::Dpad(own),
+            ) => {
                 let offset = [0, 1].map(|i| finger.at_mm[i] - middle_mm[i]);
                 let now = dpad::directions(own, offset, *radius_mm);
                 let before = std::mem::replace(down, now);
                 self.turn(step, own.targets, before, now);
                 Decision::None
             }
-            (State::Stick { middle_mm, radius_mm }, Gesture::Stick(own)) => {
+            (
+                State::Stick {
+                    middle_mm,
+                    radius_mm,
+                },
+                Gesture::Stick(own),
+            ) => {
                 let offset = [0, 1].map(|i| finger.at_mm[i] - middle_mm[i]);
                 let [x, y] = stick::axes(own, offset, *radius_mm);
                 for (axis, value) in [(own.x, x), (own.y, y)] {
                     if let Some(axis) = axis {
-                        self.driver.outputs.axis(axis, value, step.t_ns, step.events);
+                        self.driver
+                            .outputs
+                            .axis(axis, value, step.t_ns, step.events);
                     }
                 }
                 Decision::None
             }
             (State::Trigger, Gesture::Trigger(own)) => {
-                self.driver.outputs.axis(own.axis, force::pulled(own, finger.force), step.t_ns, step.events);
+                self.driver.outputs.axis(
+                    own.axis,
+                    force::pulled(own, finger.force),
+                    step.t_ns,
+                    step.events,
+                );
                 Decision::None
             }
             (State::Pointer(following), Gesture::Pointer(own)) => {
                 if let Some(action) = following.moved(own, finger.at_mm) {
-                    step.events.push(Event { t_ns: step.t_ns, action });
+                    step.events.push(Event {
+                        t_ns: step.t_ns,
+                        action,
+                    });
                 }
                 Decision::None
             }
@@ -338,15 +402,24 @@ impl Players {
                     let spread = self.fingers.chord(&binding.regions);
                     let plays = self.active.iter().any(|active| active.binding == index);
                     // What has become a chord stays one while every region is touched.
-                    (spread.is_some_and(|spread| plays || spread < *window_ns), State::Chord)
+                    (
+                        spread.is_some_and(|spread| plays || spread < *window_ns),
+                        State::Chord,
+                    )
                 }
-                Gesture::Contacts { count } => (self.fingers.count(&binding.regions) >= *count, State::Contacts),
+                Gesture::Contacts { count } => (
+                    self.fingers.count(&binding.regions) >= *count,
+                    State::Contacts,
+                ),
                 Gesture::Swipe(own) if own.fingers > 1 => {
                     let open = Stroke::Open {
                         from_mm: self.fingers.middle(&binding.regions),
                         since_ns: t_ns,
                     };
-                    (self.fingers.count(&binding.regions) == own.fingers, State::CrowdSwipe(open))
+                    (
+                        self.fingers.count(&binding.regions) == own.fingers,
+                        State::CrowdSwipe(open),
+                    )
                 }
                 _ => continue,
             };
@@ -372,7 +445,10 @@ impl Players {
     /// Ends the gestures of one finger; those of several end in `gather`.
     fn end_where(&mut self, step: &mut Step<'_>, which: impl Fn(&Active) -> bool) {
         self.end_all(step, |active| {
-            let of_several = matches!(active.state, State::Chord | State::Contacts | State::CrowdSwipe(_));
+            let of_several = matches!(
+                active.state,
+                State::Chord | State::Contacts | State::CrowdSwipe(_)
+            );
             !of_several && which(active)
         });
     }
@@ -401,7 +477,9 @@ impl Players {
         let binding = &profile.bindings[index];
         match (state, &binding.gesture) {
             (State::Tap(tap), _) if tap.is_tap(t_ns) => self.carry_out(step, at, Decision::Pulse),
-            (State::DoubleTap(DoubleTap::First(tap)), _) if tap.is_tap(t_ns) => self.last_tap[index] = Some(t_ns),
+            (State::DoubleTap(DoubleTap::First(tap)), _) if tap.is_tap(t_ns) => {
+                self.last_tap[index] = Some(t_ns)
+            }
             (State::TapHold(undecided), _) => {
                 let (decision, was_tap) = undecided.lift();
                 self.carry_out(step, at, decision);
@@ -415,14 +493,23 @@ impl Players {
                     self.driver.outputs.axis(axis, 0.0, step.t_ns, step.events);
                 }
             }
-            (State::Trigger, Gesture::Trigger(own)) => self.driver.outputs.axis(own.axis, 0.0, step.t_ns, step.events),
+            (State::Trigger, Gesture::Trigger(own)) => {
+                self.driver
+                    .outputs
+                    .axis(own.axis, 0.0, step.t_ns, step.events)
+            }
             _ => {}
         }
         self.driver.end(step, index, touch);
     }
 
     /// Tells every undecided touch of another finger.
-    fn tell_others(&mut self, step: &mut Step<'_>, id: TouchId, tell: fn(&mut Undecided, TouchId) -> Decision) {
+    fn tell_others(
+        &mut self,
+        step: &mut Step<'_>,
+        id: TouchId,
+        tell: fn(&mut Undecided, TouchId) -> Decision,
+    ) {
         for at in 0..self.active.len() {
             let active = &mut self.active[at];
             if active.touch == id {
@@ -461,5 +548,9 @@ impl Players {
 }
 
 fn begin_if(begins: bool) -> Decision {
-    if begins { Decision::Begin(Side::First) } else { Decision::None }
+    if begins {
+        Decision::Begin(Side::First)
+    } else {
+        Decision::None
+    }
 }

@@ -17,8 +17,16 @@ pub(super) fn axes(own: &Stick, offset_mm: PointMm, radius_mm: f64) -> [f32; 2] 
             way = way.map(|share| answer(&own.curve, share.abs().min(1.0)).copysign(share));
         }
     }
-    let gain_x = if way[0] < 0.0 { own.gains.left } else { own.gains.right };
-    let gain_y = if way[1] < 0.0 { own.gains.down } else { own.gains.up };
+    let gain_x = if way[0] < 0.0 {
+        own.gains.left
+    } else {
+        own.gains.right
+    };
+    let gain_y = if way[1] < 0.0 {
+        own.gains.down
+    } else {
+        own.gains.up
+    };
     [gained(way[0], gain_x), gained(way[1], gain_y)]
 }
 
@@ -27,7 +35,10 @@ pub(super) fn answer(curve: &Curve, share: f64) -> f64 {
     if share < curve.dead_zone || share == 0.0 {
         return 0.0;
     }
-    libm::pow((share - curve.dead_zone) / (1.0 - curve.dead_zone), curve.exponent)
+    libm::pow(
+        (share - curve.dead_zone) / (1.0 - curve.dead_zone),
+        curve.exponent,
+    )
 }
 
 fn gained(value: f64, gain: f64) -> f32 {
@@ -64,14 +75,26 @@ mod tests {
         assert_eq!(axes(&round, [1.0, 1.0], 10.0), [0.0, 0.0]);
         let [x, y] = axes(&round, [6.0, 6.0], 10.0);
         assert!(x > 0.0 && x == y);
-        assert_eq!(axes(&round, [30.0, 0.0], 10.0), [1.0, 0.0], "never beyond its end");
+        assert_eq!(
+            axes(&round, [30.0, 0.0], 10.0),
+            [1.0, 0.0],
+            "never beyond its end"
+        );
     }
 
     #[test]
     fn a_square_dead_zone_frees_each_axis() {
         let square = stick(DeadZone::Square);
         assert_eq!(axes(&square, [10.0, 1.9], 10.0), [1.0, 0.0]);
-        assert_eq!(axes(&square, [6.0, 0.0], 10.0), [0.25, 0.0], "half of the way, squared");
-        assert_eq!(axes(&square, [-6.0, 0.0], 10.0), [-0.5, 0.0], "twice the gain to the left");
+        assert_eq!(
+            axes(&square, [6.0, 0.0], 10.0),
+            [0.25, 0.0],
+            "half of the way, squared"
+        );
+        assert_eq!(
+            axes(&square, [-6.0, 0.0], 10.0),
+            [-0.5, 0.0],
+            "twice the gain to the left"
+        );
     }
 }

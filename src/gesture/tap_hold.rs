@@ -46,16 +46,26 @@ pub(super) struct Undecided {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// Decided by time then; another touch may have come since.
-    Open { at: Nanos, other: Option<TouchId> },
+    Open {
+        at: Nanos,
+        other: Option<TouchId>,
+    },
     Tap,
     Hold,
 }
 
 impl Undecided {
     /// A touch that goes down after a tap of this binding, and any other press, at times.
-    pub(super) fn new(t_ns: Nanos, own: &TapHold, last_tap_ns: Option<Nanos>, last_press_ns: Option<Nanos>) -> (Self, Decision) {
-        let sooner = |since: Option<Nanos>, than: Nanos| since.is_some_and(|since| t_ns < since + than);
-        let at_once = sooner(last_tap_ns, own.quick_tap_ns) || sooner(last_press_ns, own.prior_idle_ns);
+    pub(super) fn new(
+        t_ns: Nanos,
+        own: &TapHold,
+        last_tap_ns: Option<Nanos>,
+        last_press_ns: Option<Nanos>,
+    ) -> (Self, Decision) {
+        let sooner =
+            |since: Option<Nanos>, than: Nanos| since.is_some_and(|since| t_ns < since + than);
+        let at_once =
+            sooner(last_tap_ns, own.quick_tap_ns) || sooner(last_press_ns, own.prior_idle_ns);
         let open = State::Open {
             at: t_ns + own.term_ns,
             other: None,

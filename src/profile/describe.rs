@@ -7,22 +7,48 @@ impl Profile {
     /// Where a binding is played: its regions, or the pad.
     #[must_use]
     pub fn place_of(&self, binding: &Binding) -> String {
-        let names: Vec<&str> = binding.regions.iter().map(|region| self.regions[*region].name.as_str()).collect();
-        if names.is_empty() { "the pad".to_owned() } else { names.join(" + ") }
+        let names: Vec<&str> = binding
+            .regions
+            .iter()
+            .map(|region| self.regions[*region].name.as_str())
+            .collect();
+        if names.is_empty() {
+            "the pad".to_owned()
+        } else {
+            names.join(" + ")
+        }
     }
 
     /// Everything that a binding drives, as profiles name it.
     #[must_use]
     pub fn outputs_of(&self, binding: &Binding) -> String {
-        let mut names: Vec<String> = binding.targets.iter().map(|target| self.name_of(*target)).collect();
+        let mut names: Vec<String> = binding
+            .targets
+            .iter()
+            .map(|target| self.name_of(*target))
+            .collect();
         match &binding.gesture {
-            Gesture::Dpad(dpad) => names.extend(dpad.targets.iter().flatten().map(|target| self.name_of(*target))),
-            Gesture::Stick(stick) => names.extend([stick.x, stick.y].iter().flatten().map(|axis| format!("pad:{axis}"))),
+            Gesture::Dpad(dpad) => names.extend(
+                dpad.targets
+                    .iter()
+                    .flatten()
+                    .map(|target| self.name_of(*target)),
+            ),
+            Gesture::Stick(stick) => names.extend(
+                [stick.x, stick.y]
+                    .iter()
+                    .flatten()
+                    .map(|axis| format!("pad:{axis}")),
+            ),
             Gesture::Trigger(trigger) => names.push(format!("pad:{}", trigger.axis)),
             Gesture::Pointer(pointer) if pointer.wheel => names.push("mouse wheel".to_owned()),
             Gesture::Pointer(_) => names.push("mouse motion".to_owned()),
             Gesture::TapHold(own) => {
-                let hold: Vec<String> = own.hold.iter().map(|target| self.name_of(*target)).collect();
+                let hold: Vec<String> = own
+                    .hold
+                    .iter()
+                    .map(|target| self.name_of(*target))
+                    .collect();
                 names.push(format!("or {}", hold.join(" + ")));
             }
             _ => {}
@@ -56,7 +82,11 @@ impl Profile {
             Gesture::Swipe(swipe) => format!(
                 "swipe {}{}",
                 super::keys::DIRECTIONS[usize::from(swipe.direction.eighth) % 8],
-                if swipe.fingers > 1 { format!(" with {} fingers", swipe.fingers) } else { String::new() }
+                if swipe.fingers > 1 {
+                    format!(" with {} fingers", swipe.fingers)
+                } else {
+                    String::new()
+                }
             ),
             Gesture::Chord { window_ns } => format!("all within {} ms", ms(*window_ns)),
             Gesture::Contacts { count } => format!("{count} touches at once"),
@@ -82,7 +112,9 @@ impl Profile {
             Mode::Sticky => ": until another press is over".to_owned(),
             Mode::Macro(steps) => format!(": {} steps", steps.len()),
         };
-        let layer = binding.layer.map_or(String::new(), |layer| format!(" (layer {})", self.layers[layer]));
+        let layer = binding.layer.map_or(String::new(), |layer| {
+            format!(" (layer {})", self.layers[layer])
+        });
         format!("{gesture}{mode}{layer}")
     }
 }

@@ -109,7 +109,13 @@ const FORCE: Kind = Kind::Number(0.0, 1.0, "of full force");
 const MM: Kind = Kind::Number(0.0, 1000.0, "mm");
 const FRAMES: Kind = Kind::Number(1.0, 600.0, "frames");
 
-const fn key(name: &'static str, table: Table, kind: Kind, default: &'static str, about: &'static str) -> Key {
+const fn key(
+    name: &'static str,
+    table: Table,
+    kind: Kind,
+    default: &'static str,
+    about: &'static str,
+) -> Key {
     Key {
         name,
         table,

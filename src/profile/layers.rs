@@ -31,7 +31,11 @@ pub(super) struct Layers {
 }
 
 /// Reads a profile, its bases and what lies over it, and merges them.
-pub(super) fn gather(profile: Source, user: Option<Source>, find: FindBase<'_>) -> Result<Layers, Faulty> {
+pub(super) fn gather(
+    profile: Source,
+    user: Option<Source>,
+    find: FindBase<'_>,
+) -> Result<Layers, Faulty> {
     let mut chain = vec![profile];
     while let Some(base) = base_of(&chain, find)? {
         chain.push(base);
@@ -42,7 +46,11 @@ pub(super) fn gather(profile: Source, user: Option<Source>, find: FindBase<'_>) 
     let mut merged: Option<Text> = None;
     let mut faulty = None;
     for (layer, source) in chain.iter().enumerate() {
-        let kind = if layer < profiles { Table::Profile } else { Table::User };
+        let kind = if layer < profiles {
+            Table::Profile
+        } else {
+            Table::User
+        };
         let (text, faults) = text::read(&source.toml, layer, kind);
         if !faults.is_empty() {
             // The topmost text is the one that is being edited.
@@ -147,7 +155,12 @@ fn binding_key(entries: &Entries) -> String {
         gesture => gesture,
     };
     let word = |key| words(entries.values.get(key));
-    format!("{}/{gesture}/{}/{}", word("region"), word("direction"), word("layer"))
+    format!(
+        "{}/{gesture}/{}/{}",
+        word("region"),
+        word("direction"),
+        word("layer")
+    )
 }
 
 fn words(value: Option<&Value>) -> String {

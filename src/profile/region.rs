@@ -96,7 +96,12 @@ impl Region {
     #[must_use]
     pub fn placed(&self, [width, height]: [f64; 2], area: &Area) -> Placed {
         let (w_mm, h_mm) = (area.w * width, area.h * height);
-        let at = |x: f64, y: f64| [(area.x + x * area.w) * width, (area.y + y * area.h) * height];
+        let at = |x: f64, y: f64| {
+            [
+                (area.x + x * area.w) * width,
+                (area.y + y * area.h) * height,
+            ]
+        };
         let unit_mm = w_mm.min(h_mm);
         let outline = match &self.shape {
             Shape::Rect { x, y, w, h } => Outline::Rect {
@@ -220,7 +225,8 @@ fn polygon_distance_mm(corners: &[PointMm], [x, y]: PointMm) -> f64 {
             inside = !inside;
         }
         let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-        let along = ((x - a[0]) * ex + (y - a[1]) * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE);
+        let along =
+            ((x - a[0]) * ex + (y - a[1]) * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE);
         let along = along.clamp(0.0, 1.0);
         let (dx, dy) = (x - a[0] - along * ex, y - a[1] - along * ey);
         nearest = nearest.min(dx * dx + dy * dy);
@@ -263,7 +269,10 @@ mod tests {
             y: 0.5,
             r: 0.25,
         });
-        assert!(circle.holds([70.0, 40.0], 0.0), "a share of the shorter side");
+        assert!(
+            circle.holds([70.0, 40.0], 0.0),
+            "a share of the shorter side"
+        );
         assert!(!circle.holds([70.1, 40.0], 0.0));
     }
 
@@ -280,7 +289,10 @@ mod tests {
         assert!(l_shape.holds([30.0, 10.0], 0.0));
         assert!(!l_shape.holds([30.0, 30.0], 0.0), "the notch is outside");
         assert!((l_shape.distance_mm([30.0, 30.0]) - 10.0).abs() < 1e-9);
-        assert!(l_shape.holds([30.0, 20.0], 0.05), "4 mm from the notch's foot");
+        assert!(
+            l_shape.holds([30.0, 20.0], 0.05),
+            "4 mm from the notch's foot"
+        );
         let ellipse = placed(Shape::Ellipse {
             x: 0.5,
             y: 0.5,

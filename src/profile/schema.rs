@@ -26,11 +26,16 @@ pub fn schema() -> String {
         "region": { "type": "array", "items": table(Table::Region, &["name"]) },
         "binding": { "type": "array", "items": table(Table::Binding, &[]) },
     });
-    if let (Some(Value::Object(properties)), Value::Object(tables)) = (whole.get_mut("properties"), tables) {
+    if let (Some(Value::Object(properties)), Value::Object(tables)) =
+        (whole.get_mut("properties"), tables)
+    {
         properties.extend(tables);
     }
     if let Value::Object(whole) = &mut whole {
-        whole.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
+        whole.insert(
+            "$schema".to_owned(),
+            json!("https://json-schema.org/draft/2020-12/schema"),
+        );
         whole.insert("title".to_owned(), json!("A profile of gelpad"));
     }
     // Formatting a value that was just made cannot fail.
@@ -53,13 +58,17 @@ fn property(key: &Key) -> Value {
         about.push_str(&format!("; for {}", key.only.join(", ")));
     }
     let own = match key.kind {
-        Kind::Number(least, most, _) => json!({ "type": "number", "minimum": least, "maximum": most }),
+        Kind::Number(least, most, _) => {
+            json!({ "type": "number", "minimum": least, "maximum": most })
+        }
         Kind::Count(least, most) => json!({ "type": "integer", "minimum": least, "maximum": most }),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Texts => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
         Kind::Flag => json!({ "type": "boolean" }),
-        Kind::Points => json!({ "type": "array", "minItems": 3, "items": { "type": "array", "minItems": 2, "maxItems": 2 } }),
+        Kind::Points => {
+            json!({ "type": "array", "minItems": 3, "items": { "type": "array", "minItems": 2, "maxItems": 2 } })
+        }
     };
     json!({ "description": about, "anyOf": [own, variable] })
 }

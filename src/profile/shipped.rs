@@ -23,7 +23,8 @@ macro_rules! shipped {
 }
 
 /// Every profile that is compiled in.
-pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles": "super-mario", "super-mario-classified");
+pub const SHIPPED_PROFILES: &[ShippedProfile] =
+    shipped!("profiles": "super-mario", "super-mario-classified");
 
 /// Every person's text that is compiled in.
 pub const SHIPPED_USERS: &[ShippedProfile] = &[];

@@ -95,9 +95,15 @@ impl Reader {
         for (key, value) in document {
             match (key.get_ref().as_ref(), kind) {
                 ("vars", _) => text.vars = self.vars(value),
-                ("match", Table::Profile) => text.matches = self.table(value, Table::Match, "match"),
-                ("region", Table::Profile) => text.regions = self.tables(value, Table::Region, "region"),
-                ("binding", Table::Profile) => text.bindings = self.tables(value, Table::Binding, "binding"),
+                ("match", Table::Profile) => {
+                    text.matches = self.table(value, Table::Match, "match")
+                }
+                ("region", Table::Profile) => {
+                    text.regions = self.tables(value, Table::Region, "region")
+                }
+                ("binding", Table::Profile) => {
+                    text.bindings = self.tables(value, Table::Binding, "binding")
+                }
                 (name, _) => {
                     if text.top.values.is_empty() {
                         text.top.place.span = key.span();
@@ -127,7 +133,11 @@ impl Reader {
 
     fn vars(&mut self, value: &Spanned<DeValue<'_>>) -> BTreeMap<String, Value> {
         let DeValue::Table(table) = value.get_ref() else {
-            self.faults.push(Fault::new(value.span(), "`vars` is a table", "write [vars] above its lines"));
+            self.faults.push(Fault::new(
+                value.span(),
+                "`vars` is a table",
+                "write [vars] above its lines",
+            ));
             return BTreeMap::new();
         };
         table
@@ -148,7 +158,9 @@ impl Reader {
         let mut entries = self.empty(value.span());
         for (key, value) in table {
             if let Some(value) = self.entry(key, value, kind) {
-                entries.values.insert(key.get_ref().clone().into_owned(), value);
+                entries
+                    .values
+                    .insert(key.get_ref().clone().into_owned(), value);
             }
         }
         Some(entries)
@@ -157,8 +169,12 @@ impl Reader {
     fn tables(&mut self, value: &Spanned<DeValue<'_>>, kind: Table, name: &str) -> Vec<Entries> {
         let DeValue::Array(array) = value.get_ref() else {
             self.faults.push(
-                Fault::new(value.span(), format!("`{name}` is a list of tables"), "a single one")
-                    .help(format!("write [[{name}]] with two brackets above each")),
+                Fault::new(
+                    value.span(),
+                    format!("`{name}` is a list of tables"),
+                    "a single one",
+                )
+                .help(format!("write [[{name}]] with two brackets above each")),
             );
             return Vec::new();
         };
@@ -169,7 +185,12 @@ impl Reader {
     }
 
     /// A value under a key that must be known.
-    fn entry(&mut self, key: &Spanned<Cow<'_, str>>, value: &Spanned<DeValue<'_>>, kind: Table) -> Option<Value> {
+    fn entry(
+        &mut self,
+        key: &Spanned<Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+        kind: Table,
+    ) -> Option<Value> {
         let name = key.get_ref().as_ref();
         if keys::find(kind, name).is_some() {
             return Some(self.value(value, 0));
@@ -178,16 +199,23 @@ impl Reader {
             Table::Profile => &["vars", "match", "region", "binding"],
             _ => &[],
         };
-        let known = keys::of(kind).map(|key| key.name).chain(tables.iter().copied());
+        let known = keys::of(kind)
+            .map(|key| key.name)
+            .chain(tables.iter().copied());
         let meant = SYNONYMS
             .iter()
             .find(|(said, term)| *said == name && keys::find(kind, term).is_some())
             .map(|(_, term)| (*term).to_owned())
             .or_else(|| nearest(name, known));
-        let fault = Fault::new(key.span(), format!("no key is named `{name}` {}", of_table(kind)), "not known");
+        let fault = Fault::new(
+            key.span(),
+            format!("no key is named `{name}` {}", of_table(kind)),
+            "not known",
+        );
         self.faults.push(match meant {
             Some(term) => {
-                let about = keys::find(kind, &term).map_or(String::new(), |key| format!(": {}", key.about));
+                let about =
+                    keys::find(kind, &term).map_or(String::new(), |key| format!(": {}", key.about));
                 fault.help(format!("did you mean `{term}`{about}?"))
             }
             None => {
@@ -205,9 +233,11 @@ impl Reader {
                 .map_or(Data::Other, |integer| Data::Number(integer as f64)),
             DeValue::Float(float) => float.as_str().parse().map_or(Data::Other, Data::Number),
             DeValue::Boolean(flag) => Data::Flag(*flag),
-            DeValue::Array(list) if depth < DEEPEST => {
-                Data::List(list.iter().map(|value| self.value(value, depth + 1)).collect())
-            }
+            DeValue::Array(list) if depth < DEEPEST => Data::List(
+                list.iter()
+                    .map(|value| self.value(value, depth + 1))
+                    .collect(),
+            ),
             DeValue::Array(_) | DeValue::Datetime(_) | DeValue::Table(_) => Data::Other,
         };
         Value {

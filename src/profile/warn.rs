@@ -27,13 +27,20 @@ pub(super) fn profile(profile: &Profile, text: &Text, warnings: &mut Faults) {
         if is_hidden(profile, &placed, index) {
             warnings.help(
                 &place_of(region),
-                format!("the region `{}` is hidden: others lie over all of it", region.name),
+                format!(
+                    "the region `{}` is hidden: others lie over all of it",
+                    region.name
+                ),
                 "never touched",
                 "move it, raise its `order`, or set `exclusive = false` in what lies over it",
             );
         }
         if !region.rest && !bound(profile, index) {
-            warnings.push(&place_of(region), format!("nothing is bound to the region `{}`", region.name), "does nothing");
+            warnings.push(
+                &place_of(region),
+                format!("nothing is bound to the region `{}`", region.name),
+                "does nothing",
+            );
         }
         if let Some(reachable) = profile.settings.reachable
             && bound(profile, index)
@@ -54,14 +61,20 @@ pub(super) fn profile(profile: &Profile, text: &Text, warnings: &mut Faults) {
 /// Where a region was written: at its name, else in the text's first region.
 fn place(region: &Region, text: &Text) -> Place {
     let named = |entries: &&Entries| {
-        entries.values.get("name").is_some_and(|value| match &value.data {
-            super::text::Data::Text(name) => {
-                *name == region.name
-                    || (entries.values.contains_key("columns")
-                        && region.name.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('-')))
-            }
-            _ => false,
-        })
+        entries
+            .values
+            .get("name")
+            .is_some_and(|value| match &value.data {
+                super::text::Data::Text(name) => {
+                    *name == region.name
+                        || (entries.values.contains_key("columns")
+                            && region
+                                .name
+                                .strip_prefix(name.as_str())
+                                .is_some_and(|rest| rest.starts_with('-')))
+                }
+                _ => false,
+            })
     };
     let entries = text.regions.iter().find(named);
     entries
@@ -71,12 +84,17 @@ fn place(region: &Region, text: &Text) -> Place {
 
 /// Whether something is bound to a region.
 fn bound(profile: &Profile, region: usize) -> bool {
-    profile.bindings.iter().any(|binding| binding.regions.contains(&region))
+    profile
+        .bindings
+        .iter()
+        .any(|binding| binding.regions.contains(&region))
 }
 
 /// Whether every place of a region belongs to exclusive ones above it.
 fn is_hidden(profile: &Profile, placed: &[Placed], index: usize) -> bool {
-    let above: Vec<usize> = (0..index).filter(|i| profile.regions[*i].exclusive).collect();
+    let above: Vec<usize> = (0..index)
+        .filter(|i| profile.regions[*i].exclusive)
+        .collect();
     if above.is_empty() || profile.regions[index].footprint > 0.0 {
         return false;
     }
@@ -84,7 +102,10 @@ fn is_hidden(profile: &Profile, placed: &[Placed], index: usize) -> bool {
     for point in places(&placed[index]) {
         if placed[index].holds(point, profile.regions[index].reach) {
             looked = true;
-            if !above.iter().any(|i| placed[*i].holds(point, profile.regions[*i].reach)) {
+            if !above
+                .iter()
+                .any(|i| placed[*i].holds(point, profile.regions[*i].reach))
+            {
                 return false;
             }
         }
@@ -95,7 +116,9 @@ fn is_hidden(profile: &Profile, placed: &[Placed], index: usize) -> bool {
 /// Places all over the box around a region.
 fn places(placed: &Placed) -> impl Iterator<Item = PointMm> {
     let (low, high) = placed.bounds_mm();
-    let at = move |i: usize, axis: usize| low[axis] + (high[axis] - low[axis]) * (i as f64 + 0.5) / LOOKS as f64;
+    let at = move |i: usize, axis: usize| {
+        low[axis] + (high[axis] - low[axis]) * (i as f64 + 0.5) / LOOKS as f64
+    };
     (0..LOOKS * LOOKS).map(move |i| [at(i % LOOKS, 0), at(i / LOOKS, 1)])
 }
 
@@ -110,10 +133,17 @@ fn within(placed: &Placed, area: &Area) -> bool {
 
 fn bindings(profile: &Profile, placed: &[Placed], text: &Text, warnings: &mut Faults) {
     let turned_on = |layer: usize| {
-        profile.bindings.iter().any(|binding| drives(binding).any(|target| target == Target::Layer(layer)))
+        profile
+            .bindings
+            .iter()
+            .any(|binding| drives(binding).any(|target| target == Target::Layer(layer)))
     };
     // Bindings and their tables stand in the same order, apart from those that were taken out.
-    let tables: Vec<&Entries> = text.bindings.iter().filter(|entries| !entries.values.contains_key("off")).collect();
+    let tables: Vec<&Entries> = text
+        .bindings
+        .iter()
+        .filter(|entries| !entries.values.contains_key("off"))
+        .collect();
     for (number, binding) in profile.bindings.iter().enumerate() {
         let Some(place) = tables.get(number).map(|entries| entries.place.clone()) else {
             return;
@@ -129,11 +159,20 @@ fn bindings(profile: &Profile, placed: &[Placed], text: &Text, warnings: &mut Fa
                 format!("bind something to `layer:{name}`"),
             );
         }
-        if binding.regions.iter().any(|region| profile.regions[*region].rest) {
-            warnings.push(&place, "this binding can never fire: its region is one to rest on", "never");
+        if binding
+            .regions
+            .iter()
+            .any(|region| profile.regions[*region].rest)
+        {
+            warnings.push(
+                &place,
+                "this binding can never fire: its region is one to rest on",
+                "never",
+            );
         }
         never(profile, binding, &place, warnings);
-        if let (Gesture::Chord { .. }, [a, b, ..]) = (&binding.gesture, binding.regions.as_slice()) {
+        if let (Gesture::Chord { .. }, [a, b, ..]) = (&binding.gesture, binding.regions.as_slice())
+        {
             let [ca, cb] = [a, b].map(|region| placed[*region].centre_mm());
             let apart = libm::hypot(ca[0] - cb[0], ca[1] - cb[1]);
             if apart < APART_MM {
@@ -152,37 +191,75 @@ fn drives(binding: &Binding) -> impl Iterator<Item = Target> + '_ {
         Gesture::Dpad(dpad) => &dpad.targets,
         _ => &[],
     };
-    binding.targets.iter().chain(more).copied().chain(pads.iter().copied().flatten())
+    binding
+        .targets
+        .iter()
+        .chain(more)
+        .copied()
+        .chain(pads.iter().copied().flatten())
 }
 
 /// Gestures whose own numbers forbid them, and modes that cannot keep their times.
 fn never(profile: &Profile, binding: &Binding, place: &Place, warnings: &mut Faults) {
     let settings = &profile.settings;
     match &binding.gesture {
-        Gesture::Tap { within_ns, .. } | Gesture::DoubleTap { within_ns, .. } if *within_ns == 0 => {
-            warnings.push(place, "this binding can never fire: its tapping term is 0", "never");
+        Gesture::Tap { within_ns, .. } | Gesture::DoubleTap { within_ns, .. }
+            if *within_ns == 0 =>
+        {
+            warnings.push(
+                place,
+                "this binding can never fire: its tapping term is 0",
+                "never",
+            );
         }
         Gesture::Swipe(_) if settings.assist != super::Assist::Off => {
-            warnings.push(place, "this binding can never fire: with touch assistance a touch has one place only", "never");
+            warnings.push(
+                place,
+                "this binding can never fire: with touch assistance a touch has one place only",
+                "never",
+            );
         }
-        Gesture::Contacts { count } if settings.panic_contacts.is_some_and(|panic| *count >= panic) => {
-            warnings.help(place, "this binding can never fire: so many contacts are the panic gesture", "never", "set `panic_contacts` higher, or to 0");
+        Gesture::Contacts { count }
+            if settings.panic_contacts.is_some_and(|panic| *count >= panic) =>
+        {
+            warnings.help(
+                place,
+                "this binding can never fire: so many contacts are the panic gesture",
+                "never",
+                "set `panic_contacts` higher, or to 0",
+            );
         }
         Gesture::Hold { .. } | Gesture::TapHold(_) if settings.activate == super::Activate::Up => {
-            warnings.push(place, "this binding can never fire as a hold: touches act when they lift", "never");
+            warnings.push(
+                place,
+                "this binding can never fire as a hold: touches act when they lift",
+                "never",
+            );
         }
         Gesture::Chord { window_ns } if *window_ns == 0 => {
-            warnings.push(place, "this binding can never fire: `chord_ms` is 0", "never");
+            warnings.push(
+                place,
+                "this binding can never fire: `chord_ms` is 0",
+                "never",
+            );
         }
         Gesture::Swipe(swipe) if swipe.within_ns == 0 => {
-            warnings.push(place, "this binding can never fire: `swipe_ms` is 0", "never");
+            warnings.push(
+                place,
+                "this binding can never fire: `swipe_ms` is 0",
+                "never",
+            );
         }
         _ => {}
     }
     if let Mode::Turbo { period_ns, .. } = binding.mode
         && period_ns < settings.min_hold_ns + settings.min_gap_ns
     {
-        warnings.push(place, "this is faster than min_hold_ms and min_gap_ms allow: presses come slower than asked", "too fast");
+        warnings.push(
+            place,
+            "this is faster than min_hold_ms and min_gap_ms allow: presses come slower than asked",
+            "too fast",
+        );
     }
 }
 

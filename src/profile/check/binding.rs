@@ -57,35 +57,70 @@ impl Check {
         }
     }
 
-    fn named_regions(&mut self, names: &[(String, Place)], grids: &[String], profile: &Profile) -> Vec<usize> {
+    fn named_regions(
+        &mut self,
+        names: &[(String, Place)],
+        grids: &[String],
+        profile: &Profile,
+    ) -> Vec<usize> {
         let mut regions = Vec::new();
         for (name, place) in names {
-            match profile.regions.iter().position(|region| region.name == *name) {
+            match profile
+                .regions
+                .iter()
+                .position(|region| region.name == *name)
+            {
                 Some(region) => regions.push(region),
                 None => {
                     let known = profile.regions.iter().map(|region| region.name.as_str());
                     let help = match nearest(name, known) {
-                        _ if grids.contains(name) => format!("cells of the grid are named `{name}-1`, `{name}-2`, ..."),
+                        _ if grids.contains(name) => {
+                            format!("cells of the grid are named `{name}-1`, `{name}-2`, ...")
+                        }
                         Some(name) => format!("did you mean `{name}`?"),
                         None => format!("add a [[region]] with `name = \"{name}\"`"),
                     };
-                    self.faults.help(place, format!("no region is named `{name}`"), "not a region of this profile", help);
+                    self.faults.help(
+                        place,
+                        format!("no region is named `{name}`"),
+                        "not a region of this profile",
+                        help,
+                    );
                 }
             }
         }
         regions
     }
 
-    fn binding(&mut self, top: &Entries, entries: &Entries, regions: Vec<usize>, profile: &mut Profile) -> Option<Binding> {
-        let word = self.choice(entries, "gesture", Table::Binding).unwrap_or("press");
-        let way = self.choice(entries, "mode", Table::Binding).unwrap_or("direct");
-        self.refuse_foreign(entries, Table::Binding, &[word, way], &format!("a {word} in mode {way}"));
+    fn binding(
+        &mut self,
+        top: &Entries,
+        entries: &Entries,
+        regions: Vec<usize>,
+        profile: &mut Profile,
+    ) -> Option<Binding> {
+        let word = self
+            .choice(entries, "gesture", Table::Binding)
+            .unwrap_or("press");
+        let way = self
+            .choice(entries, "mode", Table::Binding)
+            .unwrap_or("direct");
+        self.refuse_foreign(
+            entries,
+            Table::Binding,
+            &[word, way],
+            &format!("a {word} in mode {way}"),
+        );
         let self_driven = SELF_DRIVEN.contains(&word);
         if self_driven
             && way != "direct"
             && let Some(value) = entries.values.get("mode")
         {
-            self.faults.push(&value.place, format!("a {word} drives its outputs itself: it has no mode"), "take this out");
+            self.faults.push(
+                &value.place,
+                format!("a {word} drives its outputs itself: it has no mode"),
+                "take this out",
+            );
         }
         let targets = match word {
             "tap-hold" => self.targets(entries, "tap", profile),
@@ -100,16 +135,30 @@ impl Check {
         if let Some(key) = needed
             && !entries.values.contains_key(key)
         {
-            self.faults.help(&entries.place, format!("the binding has no `{key}`"), "this binding", format!("write `{key} = \"key:space\"` in it"));
+            self.faults.help(
+                &entries.place,
+                format!("the binding has no `{key}`"),
+                "this binding",
+                format!("write `{key} = \"key:space\"` in it"),
+            );
         }
         if matches!(word, "dpad" | "stick") && !entries.values.contains_key("region") {
-            self.faults.push(&entries.place, format!("a {word} needs a `region`: its middle is the region's"), "this binding");
+            self.faults.push(
+                &entries.place,
+                format!("a {word} needs a `region`: its middle is the region's"),
+                "this binding",
+            );
         }
         let gesture = self.gesture(word, top, entries, &regions, profile);
         let mode = self.mode(way, top, entries, profile);
-        let layer = self.text(entries, "layer").and_then(|(name, _)| profile.layers.iter().position(|layer| *layer == name));
+        let layer = self
+            .text(entries, "layer")
+            .and_then(|(name, _)| profile.layers.iter().position(|layer| *layer == name));
         let sticky = self.flag(top, "sticky_keys").unwrap_or(false);
-        let modifiers = !targets.is_empty() && targets.iter().all(|target| is_modifier(*target, &profile.outputs));
+        let modifiers = !targets.is_empty()
+            && targets
+                .iter()
+                .all(|target| is_modifier(*target, &profile.outputs));
         Some(Binding {
             regions,
             layer,
@@ -124,16 +173,29 @@ impl Check {
 
     fn targets(&mut self, entries: &Entries, key: &str, profile: &mut Profile) -> Vec<Target> {
         let texts = self.placed_texts(entries, key);
-        texts.iter().filter_map(|(text, place)| self.target(text, place, profile)).collect()
+        texts
+            .iter()
+            .filter_map(|(text, place)| self.target(text, place, profile))
+            .collect()
     }
 
     /// What an output's text names.
-    pub(super) fn target(&mut self, text: &str, place: &Place, profile: &mut Profile) -> Option<Target> {
+    pub(super) fn target(
+        &mut self,
+        text: &str,
+        place: &Place,
+        profile: &mut Profile,
+    ) -> Option<Target> {
         match text.split_once(':') {
             Some(("layer", name)) => return self.layer(name, place, profile),
             Some(("gelpad", "pause")) => return Some(Target::Pause),
             Some(("gelpad", name)) => {
-                self.faults.help(place, format!("gelpad does nothing named `{name}`"), "not known", "write `gelpad:pause`");
+                self.faults.help(
+                    place,
+                    format!("gelpad does nothing named `{name}`"),
+                    "not known",
+                    "write `gelpad:pause`",
+                );
                 return None;
             }
             Some(("mouse", name)) => {
@@ -156,7 +218,8 @@ impl Check {
                     Some(name) => format!("did you mean `{name}`?"),
                     None => NAMES.to_owned(),
                 };
-                self.faults.help(place, unknown.to_string(), "not known", help);
+                self.faults
+                    .help(place, unknown.to_string(), "not known", help);
                 None
             }
         }
@@ -169,13 +232,24 @@ impl Check {
                 Some(layer) => format!("did you mean `layer:{layer}`?"),
                 None => format!("write `layer = \"{name}\"` in the bindings that lie on it"),
             };
-            self.faults.help(place, format!("no binding lies on a layer `{name}`"), "not known", help);
+            self.faults.help(
+                place,
+                format!("no binding lies on a layer `{name}`"),
+                "not known",
+                help,
+            );
         }
         found.map(Target::Layer)
     }
 
     /// A time of the binding, else of the profile, else the default.
-    pub(super) fn own_ms(&mut self, top: &Entries, entries: &Entries, key: &str, default_ms: f64) -> Nanos {
+    pub(super) fn own_ms(
+        &mut self,
+        top: &Entries,
+        entries: &Entries,
+        key: &str,
+        default_ms: f64,
+    ) -> Nanos {
         self.time(entries, key, Table::Binding)
             .or_else(|| self.time(top, key, Table::User))
             .unwrap_or_else(|| nanos_from_ms(default_ms))
@@ -187,7 +261,14 @@ impl Check {
             .unwrap_or(default)
     }
 
-    fn gesture(&mut self, word: &str, top: &Entries, entries: &Entries, regions: &[usize], profile: &mut Profile) -> Option<Gesture> {
+    fn gesture(
+        &mut self,
+        word: &str,
+        top: &Entries,
+        entries: &Entries,
+        regions: &[usize],
+        profile: &mut Profile,
+    ) -> Option<Gesture> {
         let term_ns = self.own_ms(top, entries, "tapping_term_ms", 200.0);
         let slop_mm = self.own_number(top, entries, "slop_mm", 8.0);
         Some(match word {
@@ -206,8 +287,16 @@ impl Check {
             "swipe" => Gesture::Swipe(self.swipe(top, entries)?),
             "chord" => {
                 if regions.len() < 2 {
-                    let place = entries.values.get("region").map_or(&entries.place, |value| &value.place);
-                    self.faults.help(place, "a chord has two regions or more", "too few", "write `region = [\"a\", \"b\"]`");
+                    let place = entries
+                        .values
+                        .get("region")
+                        .map_or(&entries.place, |value| &value.place);
+                    self.faults.help(
+                        place,
+                        "a chord has two regions or more",
+                        "too few",
+                        "write `region = [\"a\", \"b\"]`",
+                    );
                 }
                 Gesture::Chord {
                     window_ns: self.own_ms(top, entries, "chord_ms", 60.0),
@@ -215,7 +304,11 @@ impl Check {
             }
             "contacts" => {
                 if !entries.values.contains_key("fingers") {
-                    self.faults.push(&entries.place, "contacts need `fingers`: how many", "this binding");
+                    self.faults.push(
+                        &entries.place,
+                        "contacts need `fingers`: how many",
+                        "this binding",
+                    );
                 }
                 Gesture::Contacts {
                     count: self.count(entries, "fingers", Table::Binding).unwrap_or(2) as usize,
@@ -227,7 +320,11 @@ impl Check {
             "trigger" => {
                 let axis = self.axis(entries, "axis");
                 if !entries.values.contains_key("axis") {
-                    self.faults.push(&entries.place, "a trigger needs `axis`: pad:right-trigger or another", "this binding");
+                    self.faults.push(
+                        &entries.place,
+                        "a trigger needs `axis`: pad:right-trigger or another",
+                        "this binding",
+                    );
                 }
                 Gesture::Trigger(Trigger {
                     axis: axis?,
@@ -247,15 +344,28 @@ impl Check {
     fn swipe(&mut self, top: &Entries, entries: &Entries) -> Option<Swipe> {
         let word = self.choice(entries, "direction", Table::Binding);
         if !entries.values.contains_key("direction") {
-            self.faults.push(&entries.place, "a swipe needs a `direction`: left, up-right or another", "this binding");
+            self.faults.push(
+                &entries.place,
+                "a swipe needs a `direction`: left, up-right or another",
+                "this binding",
+            );
         }
-        let eighth = DIRECTIONS.iter().position(|direction| Some(*direction) == word)? as u8;
-        let ways = self.ways(entries).unwrap_or(if eighth % 2 == 1 { 8 } else { 4 });
+        let eighth = DIRECTIONS
+            .iter()
+            .position(|direction| Some(*direction) == word)? as u8;
+        let ways = self
+            .ways(entries)
+            .unwrap_or(if eighth % 2 == 1 { 8 } else { 4 });
         if eighth % 2 == 1
             && ways == 4
             && let Some(value) = entries.values.get("direction")
         {
-            self.faults.help(&value.place, "4 ways have no diagonals", "a diagonal", "write `ways = 8`");
+            self.faults.help(
+                &value.place,
+                "4 ways have no diagonals",
+                "a diagonal",
+                "write `ways = 8`",
+            );
         }
         Some(Swipe {
             direction: Direction { eighth },
@@ -272,18 +382,28 @@ impl Check {
             && ways != 8
             && let Some(value) = entries.values.get("ways")
         {
-            self.faults.push(&value.place, format!("`ways` = {ways}: 4 or 8 directions are told apart"), "here");
+            self.faults.push(
+                &value.place,
+                format!("`ways` = {ways}: 4 or 8 directions are told apart"),
+                "here",
+            );
         }
         Some(ways)
     }
 
     fn force(&mut self, entries: &Entries) -> Gesture {
         let press = self.number(entries, "force", Table::Binding).unwrap_or(0.5);
-        let release = self.number(entries, "force_release", Table::Binding).unwrap_or(0.8 * press);
+        let release = self
+            .number(entries, "force_release", Table::Binding)
+            .unwrap_or(0.8 * press);
         if release > press
             && let Some(value) = entries.values.get("force_release")
         {
-            self.faults.push(&value.place, "`force_release` lies above `force`: the press would end as it begins", "here");
+            self.faults.push(
+                &value.place,
+                "`force_release` lies above `force`: the press would end as it begins",
+                "here",
+            );
         }
         Gesture::Force { press, release }
     }
@@ -293,20 +413,33 @@ impl Check {
             let (text, place) = self.text(entries, key)?;
             self.target(&text, &place, profile)
         });
-        if !["right", "up", "left", "down"].iter().any(|key| entries.values.contains_key(*key)) {
-            self.faults.push(&entries.place, "a dpad needs outputs: `up`, `down`, `left`, `right`", "this binding");
+        if !["right", "up", "left", "down"]
+            .iter()
+            .any(|key| entries.values.contains_key(*key))
+        {
+            self.faults.push(
+                &entries.place,
+                "a dpad needs outputs: `up`, `down`, `left`, `right`",
+                "this binding",
+            );
         }
         Dpad {
             ways: self.ways(entries).unwrap_or(4),
-            dead_zone: self.number(entries, "dead_zone", Table::Binding).unwrap_or(0.2),
-            diagonal: self.number(entries, "diagonal", Table::Binding).unwrap_or(0.5),
+            dead_zone: self
+                .number(entries, "dead_zone", Table::Binding)
+                .unwrap_or(0.2),
+            diagonal: self
+                .number(entries, "diagonal", Table::Binding)
+                .unwrap_or(0.5),
             targets,
         }
     }
 
     fn curve(&mut self, entries: &Entries, dead_zone: f64) -> Curve {
         Curve {
-            dead_zone: self.number(entries, "dead_zone", Table::Binding).unwrap_or(dead_zone),
+            dead_zone: self
+                .number(entries, "dead_zone", Table::Binding)
+                .unwrap_or(dead_zone),
             exponent: self.number(entries, "curve", Table::Binding).unwrap_or(1.0),
         }
     }
@@ -315,8 +448,15 @@ impl Check {
         let gain = self.number(entries, "gain", Table::Binding).unwrap_or(1.0);
         let [right, up, left, down] = ["gain_right", "gain_up", "gain_left", "gain_down"]
             .map(|key| self.number(entries, key, Table::Binding).unwrap_or(gain));
-        if !["axis_x", "axis_y"].iter().any(|key| entries.values.contains_key(*key)) {
-            self.faults.push(&entries.place, "a stick needs `axis_x` or `axis_y`: pad:left-x and pad:left-y", "this binding");
+        if !["axis_x", "axis_y"]
+            .iter()
+            .any(|key| entries.values.contains_key(*key))
+        {
+            self.faults.push(
+                &entries.place,
+                "a stick needs `axis_x` or `axis_y`: pad:left-x and pad:left-y",
+                "this binding",
+            );
         }
         Stick {
             floating: self.choice(entries, "stick", Table::Binding) == Some("floating"),
@@ -345,14 +485,29 @@ impl Check {
                 Some(name) => format!("did you mean `{name}`?"),
                 None => format!("axes are {}", names.join(", ")),
             };
-            self.faults.help(&place, format!("no axis is named `{text}`"), "not known", help);
+            self.faults.help(
+                &place,
+                format!("no axis is named `{text}`"),
+                "not known",
+                help,
+            );
         }
         found
     }
 
-    fn tap_hold(&mut self, top: &Entries, entries: &Entries, term_ns: Nanos, profile: &mut Profile) -> TapHold {
+    fn tap_hold(
+        &mut self,
+        top: &Entries,
+        entries: &Entries,
+        term_ns: Nanos,
+        profile: &mut Profile,
+    ) -> TapHold {
         if !entries.values.contains_key("hold") {
-            self.faults.push(&entries.place, "a tap-hold has no `hold`: its second output", "this binding");
+            self.faults.push(
+                &entries.place,
+                "a tap-hold has no `hold`: its second output",
+                "this binding",
+            );
         }
         TapHold {
             flavour: match self.choice(entries, "flavour", Table::Binding) {
@@ -368,7 +523,13 @@ impl Check {
         }
     }
 
-    fn mode(&mut self, word: &str, top: &Entries, entries: &Entries, profile: &mut Profile) -> Option<Mode> {
+    fn mode(
+        &mut self,
+        word: &str,
+        top: &Entries,
+        entries: &Entries,
+        profile: &mut Profile,
+    ) -> Option<Mode> {
         Some(match word {
             "classified" => {
                 let frames = |count: f64| nanos_from_ms(count * 1000.0 / NES_FRAMES_PER_S);
@@ -382,7 +543,9 @@ impl Check {
             "tap" => Mode::Latch(self.own_ms(top, entries, "tap_ms", 34.0)),
             "toggle" => Mode::Toggle,
             "turbo" => {
-                let hz = self.number(entries, "turbo_hz", Table::Binding).unwrap_or(8.0);
+                let hz = self
+                    .number(entries, "turbo_hz", Table::Binding)
+                    .unwrap_or(8.0);
                 let period_ns = nanos_from_ms(1000.0 / hz);
                 Mode::Turbo {
                     first_ns: period_ns,
@@ -393,10 +556,18 @@ impl Check {
                 let first_ns = self.own_ms(top, entries, "repeat_delay_ms", 500.0);
                 let period_ns = self.own_ms(top, entries, "repeat_ms", 100.0);
                 if first_ns == 0 || period_ns == 0 {
-                    let key = if period_ns == 0 { "repeat_ms" } else { "repeat_delay_ms" };
+                    let key = if period_ns == 0 {
+                        "repeat_ms"
+                    } else {
+                        "repeat_delay_ms"
+                    };
                     let value = entries.values.get(key).or_else(|| top.values.get(key));
                     if let Some(value) = value {
-                        self.faults.push(&value.place, format!("`{key}` is above 0 in mode repeat"), "here");
+                        self.faults.push(
+                            &value.place,
+                            format!("`{key}` is above 0 in mode repeat"),
+                            "here",
+                        );
                     }
                 }
                 Mode::Turbo {

@@ -11,7 +11,11 @@ use super::text::{Data, Entries, Place, Value};
 use super::{Checked, FindBase, Origin, Profile, warn};
 use crate::types::{Fault, Faulty, Method};
 
-pub(super) fn read(profile: Source, user: Option<Source>, find: FindBase<'_>) -> Result<Checked, Faulty> {
+pub(super) fn read(
+    profile: Source,
+    user: Option<Source>,
+    find: FindBase<'_>,
+) -> Result<Checked, Faulty> {
     let Layers {
         sources,
         mut merged,
@@ -41,8 +45,17 @@ impl Faults {
         self.add(place.layer, Fault::new(place.span.clone(), message, label));
     }
 
-    pub(super) fn help(&mut self, place: &Place, message: impl Into<String>, label: &str, help: impl Into<String>) {
-        self.add(place.layer, Fault::new(place.span.clone(), message, label).help(help));
+    pub(super) fn help(
+        &mut self,
+        place: &Place,
+        message: impl Into<String>,
+        label: &str,
+        help: impl Into<String>,
+    ) {
+        self.add(
+            place.layer,
+            Fault::new(place.span.clone(), message, label).help(help),
+        );
     }
 
     pub(super) fn add(&mut self, layer: usize, fault: Fault) {
@@ -56,7 +69,11 @@ impl Faults {
     fn worst(&mut self, sources: &[Source]) -> Option<Faulty> {
         let layer = self.0.iter().rposition(|faults| !faults.is_empty())?;
         let source = &sources[layer];
-        Some(Faulty::new(&source.name, &source.toml, std::mem::take(&mut self.0[layer])))
+        Some(Faulty::new(
+            &source.name,
+            &source.toml,
+            std::mem::take(&mut self.0[layer]),
+        ))
     }
 
     fn each(self, sources: &[Source]) -> Vec<Faulty> {
@@ -87,13 +104,23 @@ impl Check {
     fn profile(&mut self, text: &super::text::Text, sources: &[Source]) -> Profile {
         let top = &text.top;
         if !top.values.contains_key("schema") {
-            self.faults.help(&top.place, "the profile does not say its `schema`", "in this text", "write `schema = 1` at its top");
+            self.faults.help(
+                &top.place,
+                "the profile does not say its `schema`",
+                "in this text",
+                "write `schema = 1` at its top",
+            );
         }
         let _ = self.count(top, "schema", super::Table::Profile);
         let name = match self.text(top, "name") {
             Some((name, _)) => name,
             None => {
-                self.faults.help(&top.place, "the profile has no `name`", "in this text", "write `name = \"mine\"` at its top");
+                self.faults.help(
+                    &top.place,
+                    "the profile has no `name`",
+                    "in this text",
+                    "write `name = \"mine\"` at its top",
+                );
                 String::new()
             }
         };
@@ -101,14 +128,19 @@ impl Check {
         let regions = self.regions(&text.regions);
         let mut profile = Profile {
             name,
-            about: self.text(top, "about").map_or(String::new(), |(about, _)| about),
+            about: self
+                .text(top, "about")
+                .map_or(String::new(), |(about, _)| about),
             method: self.word::<Method>(top, "method", super::Table::Profile),
             settings,
             regions,
             outputs: Vec::new(),
             layers: self.layers(&text.bindings),
             bindings: Vec::new(),
-            processes: text.matches.as_ref().map_or(Vec::new(), |matches| self.texts(matches, "process")),
+            processes: text
+                .matches
+                .as_ref()
+                .map_or(Vec::new(), |matches| self.texts(matches, "process")),
             origins: origins(text, sources),
         };
         self.bindings(text, &mut profile);
@@ -133,7 +165,10 @@ fn origins(text: &super::text::Text, sources: &[Source]) -> Vec<Origin> {
         from: from(&value.place),
     });
     let named = |kind: &str, entries: &Entries| {
-        let name = entries.values.get("name").or_else(|| entries.values.get("region"));
+        let name = entries
+            .values
+            .get("name")
+            .or_else(|| entries.values.get("region"));
         Origin {
             key: format!("{kind} {}", name.map_or(String::new(), written)),
             value: String::new(),
@@ -141,7 +176,11 @@ fn origins(text: &super::text::Text, sources: &[Source]) -> Vec<Origin> {
         }
     };
     tops.chain(text.regions.iter().map(|entries| named("region", entries)))
-        .chain(text.bindings.iter().map(|entries| named("binding", entries)))
+        .chain(
+            text.bindings
+                .iter()
+                .map(|entries| named("binding", entries)),
+        )
         .collect()
 }
 

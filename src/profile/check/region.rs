@@ -22,17 +22,27 @@ impl Check {
             }
             let Some((name, place)) = self.text(entries, "name") else {
                 if !entries.values.contains_key("name") {
-                    self.faults.help(&entries.place, "the region has no `name`", "this region", "write `name = \"jump\"` in it");
+                    self.faults.help(
+                        &entries.place,
+                        "the region has no `name`",
+                        "this region",
+                        "write `name = \"jump\"` in it",
+                    );
                 }
                 continue;
             };
             if name.is_empty() {
-                self.faults.push(&place, "a region's name is not empty", "here");
+                self.faults
+                    .push(&place, "a region's name is not empty", "here");
             }
             let order = self.number(entries, "order", Table::Region).unwrap_or(0.0);
             for region in self.region(entries, &name, &place) {
                 if seen.insert(region.name.clone(), ()).is_some() {
-                    self.faults.push(&place, format!("two regions are named `{}`", region.name), "the second one");
+                    self.faults.push(
+                        &place,
+                        format!("two regions are named `{}`", region.name),
+                        "the second one",
+                    );
                 }
                 ordered.push((order, region));
             }
@@ -44,7 +54,9 @@ impl Check {
 
     /// One region, or the cells of a grid.
     fn region(&mut self, entries: &Entries, name: &str, place: &Place) -> Vec<Region> {
-        let shape = self.choice(entries, "shape", Table::Region).unwrap_or("rect");
+        let shape = self
+            .choice(entries, "shape", Table::Region)
+            .unwrap_or("rect");
         self.refuse_foreign(entries, Table::Region, &[shape], &format!("a {shape}"));
         let reach = self.number(entries, "reach", Table::Region).unwrap_or(0.0);
         let held = self.number(entries, "held_reach", Table::Region);
@@ -84,10 +96,15 @@ impl Check {
                     })
                     .collect()
             }
-            _ => vec![of_shape(self.shape(entries, shape, name, place), name.to_owned())],
+            _ => vec![of_shape(
+                self.shape(entries, shape, name, place),
+                name.to_owned(),
+            )],
         };
         let exclusive = self.flag(entries, "exclusive").unwrap_or(true);
-        let footprint = self.number(entries, "footprint", Table::Region).unwrap_or(0.0);
+        let footprint = self
+            .number(entries, "footprint", Table::Region)
+            .unwrap_or(0.0);
         let rest = self.flag(entries, "rest").unwrap_or(false);
         for region in &mut regions {
             region.exclusive = exclusive;
@@ -106,7 +123,8 @@ impl Check {
                 Shape::Circle { x, y, r }
             }
             "ellipse" => {
-                let [x, y, w, h] = ["x", "y", "w", "h"].map(|key| self.needed(entries, name, place, key));
+                let [x, y, w, h] =
+                    ["x", "y", "w", "h"].map(|key| self.needed(entries, name, place, key));
                 self.stays(entries, "w", [x - w / 2.0, x + w / 2.0], "left or right");
                 self.stays(entries, "h", [y - h / 2.0, y + h / 2.0], "top or bottom");
                 Shape::Ellipse { x, y, w, h }
@@ -144,7 +162,12 @@ impl Check {
 
     fn needs(&mut self, place: &Place, name: &str, key: &str) {
         let about = keys::find(Table::Region, key).map_or("", |key| key.about);
-        self.faults.help(place, format!("the region `{name}` needs `{key}`"), "this region", format!("`{key}`: {about}"));
+        self.faults.help(
+            place,
+            format!("the region `{name}` needs `{key}`"),
+            "this region",
+            format!("`{key}`: {about}"),
+        );
     }
 
     fn stays(&mut self, entries: &Entries, key: &str, [from, to]: [f64; 2], side: &str) {
@@ -156,7 +179,12 @@ impl Check {
             return;
         };
         if let Some(value) = entries.values.get(key) {
-            self.faults.help(&value.place, format!("the region ends at {end:.3}, off the pad on the {side}"), "reaches off the pad", PLACES);
+            self.faults.help(
+                &value.place,
+                format!("the region ends at {end:.3}, off the pad on the {side}"),
+                "reaches off the pad",
+                PLACES,
+            );
         }
     }
 
@@ -167,7 +195,11 @@ impl Check {
             return stand_in;
         };
         let Data::List(list) = &value.data else {
-            self.faults.push(&value.place, "`points` is a list of corners: [[0.1, 0.2], [0.3, 0.2], ...]", "here");
+            self.faults.push(
+                &value.place,
+                "`points` is a list of corners: [[0.1, 0.2], [0.3, 0.2], ...]",
+                "here",
+            );
             return stand_in;
         };
         let mut corners = Vec::new();
@@ -176,24 +208,42 @@ impl Check {
                 Data::List(pair) => pair.as_slice(),
                 _ => &[],
             };
-            let [Data::Number(x), Data::Number(y)] = pair.iter().map(|v| &v.data).collect::<Vec<_>>()[..] else {
-                self.faults.push(&corner.place, "a corner is two numbers: [0.1, 0.2]", "here");
+            let [Data::Number(x), Data::Number(y)] =
+                pair.iter().map(|v| &v.data).collect::<Vec<_>>()[..]
+            else {
+                self.faults
+                    .push(&corner.place, "a corner is two numbers: [0.1, 0.2]", "here");
                 return stand_in;
             };
             if !(0.0..=1.0).contains(x) || !(0.0..=1.0).contains(y) {
-                self.faults.help(&corner.place, format!("the corner [{x}, {y}] lies off the pad"), "off the pad", PLACES);
+                self.faults.help(
+                    &corner.place,
+                    format!("the corner [{x}, {y}] lies off the pad"),
+                    "off the pad",
+                    PLACES,
+                );
             }
             corners.push([*x, *y]);
         }
         if corners.len() < 3 {
-            self.faults.push(&value.place, "a polygon has three corners or more", "too few");
+            self.faults.push(
+                &value.place,
+                "a polygon has three corners or more",
+                "too few",
+            );
             return stand_in;
         }
         corners
     }
 
     /// Keys that this shape, gesture or mode does not take.
-    pub(super) fn refuse_foreign(&mut self, entries: &Entries, table: Table, is: &[&str], what: &str) {
+    pub(super) fn refuse_foreign(
+        &mut self,
+        entries: &Entries,
+        table: Table,
+        is: &[&str],
+        what: &str,
+    ) {
         for (name, value) in &entries.values {
             let Some(key) = keys::find(table, name) else {
                 continue;

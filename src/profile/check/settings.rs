@@ -20,9 +20,16 @@ impl Check {
             self.number(top, "force_max", User).unwrap_or(1.0),
         ];
         if force_range[0] >= force_range[1]
-            && let Some(value) = top.values.get("force_max").or_else(|| top.values.get("force_min"))
+            && let Some(value) = top
+                .values
+                .get("force_max")
+                .or_else(|| top.values.get("force_min"))
         {
-            self.faults.push(&value.place, "`force_max` must lie above `force_min`", "here");
+            self.faults.push(
+                &value.place,
+                "`force_max` must lie above `force_min`",
+                "here",
+            );
         }
         Settings {
             min_hold_ns: self.ms(top, "min_hold_ms", MIN_HOLD_MS),
@@ -44,7 +51,10 @@ impl Check {
                 _ => Assist::Off,
             },
             rest_area_mm2: self.number(top, "rest_area_mm2", User),
-            panic_contacts: match self.count(top, "panic_contacts", User).unwrap_or(PANIC_CONTACTS) {
+            panic_contacts: match self
+                .count(top, "panic_contacts", User)
+                .unwrap_or(PANIC_CONTACTS)
+            {
                 0 => None,
                 count => Some(count as usize),
             },
@@ -56,13 +66,16 @@ impl Check {
                 _ => Mirror::None,
             },
             rotate: self.rotation(top),
-            area: self.area(top, ["area_x", "area_y", "area_w", "area_h"]).unwrap_or(Area::PAD),
+            area: self
+                .area(top, ["area_x", "area_y", "area_w", "area_h"])
+                .unwrap_or(Area::PAD),
             reachable: self.area(top, ["reach_x", "reach_y", "reach_w", "reach_h"]),
         }
     }
 
     fn ms(&mut self, top: &Entries, name: &str, default_ms: f64) -> Nanos {
-        self.time(top, name, User).unwrap_or_else(|| nanos_from_ms(default_ms))
+        self.time(top, name, User)
+            .unwrap_or_else(|| nanos_from_ms(default_ms))
     }
 
     fn rotation(&mut self, top: &Entries) -> Rotation {
@@ -80,7 +93,11 @@ impl Check {
             }
         }
         if let Some(value) = top.values.get("rotate") {
-            self.faults.push(&value.place, format!("`rotate` = {degrees} is no quarter turn: 0, 90, 180 or 270"), "here");
+            self.faults.push(
+                &value.place,
+                format!("`rotate` = {degrees} is no quarter turn: 0, 90, 180 or 270"),
+                "here",
+            );
         }
         Rotation::None
     }
@@ -106,7 +123,11 @@ impl Check {
             if end > 1.0 + 1e-9
                 && let Some(value) = written
             {
-                self.faults.push(&value.place, format!("this part of the pad ends at {end:.3}, off the pad on the {side}"), "reaches off the pad");
+                self.faults.push(
+                    &value.place,
+                    format!("this part of the pad ends at {end:.3}, off the pad on the {side}"),
+                    "reaches off the pad",
+                );
             }
         }
         Some(area)

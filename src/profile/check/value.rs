@@ -13,7 +13,11 @@ impl Check {
     pub(super) fn substitute(&mut self, vars: &BTreeMap<String, Value>, text: &mut Text) {
         for value in vars.values() {
             if matches!(value.data, Data::List(_) | Data::Other) {
-                self.faults.push(&value.place, "a variable is a number, a text, true or false", "none of these");
+                self.faults.push(
+                    &value.place,
+                    "a variable is a number, a text, true or false",
+                    "none of these",
+                );
             }
         }
         let tables = std::iter::once(&mut text.top)
@@ -46,7 +50,12 @@ impl Check {
                     Some(name) => format!("did you mean `${name}`?"),
                     None => format!("write `{name} = ...` under [vars]"),
                 };
-                self.faults.help(&value.place, format!("no variable is named `{name}`"), "not known", help);
+                self.faults.help(
+                    &value.place,
+                    format!("no variable is named `{name}`"),
+                    "not known",
+                    help,
+                );
                 value.data = Data::Other;
             }
             Data::Number(_) | Data::Flag(_) | Data::Other => {}
@@ -64,7 +73,11 @@ impl Check {
         if let Kind::Number(least, most, unit) = key.kind
             && !(least..=most).contains(&number)
         {
-            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {unit}")
+            };
             self.faults.help(
                 &value.place,
                 format!("`{name}` = {number}{unit} is out of its range: {least} to {most}{unit}"),
@@ -90,7 +103,9 @@ impl Check {
         };
         let key = keys::find(table, name)?;
         if let Kind::Count(least, most) = key.kind {
-            if libm::trunc(number) == number && (f64::from(least)..=f64::from(most)).contains(&number) {
+            if libm::trunc(number) == number
+                && (f64::from(least)..=f64::from(most)).contains(&number)
+            {
                 return Some(number as u32);
             }
             let range = if least == most {
@@ -109,14 +124,23 @@ impl Check {
     }
 
     /// One of the words of a key.
-    pub(super) fn choice(&mut self, entries: &Entries, name: &str, table: Table) -> Option<&'static str> {
+    pub(super) fn choice(
+        &mut self,
+        entries: &Entries,
+        name: &str,
+        table: Table,
+    ) -> Option<&'static str> {
         let value = entries.values.get(name)?;
         let key = keys::find(table, name)?;
         let Kind::Word(words) = key.kind else {
             return None;
         };
         let Data::Text(text) = &value.data else {
-            self.wrong(value, name, &format!("a word in quotes: {}", words.join(", ")));
+            self.wrong(
+                value,
+                name,
+                &format!("a word in quotes: {}", words.join(", ")),
+            );
             return None;
         };
         let found = words.iter().copied().find(|word| word == text);
@@ -125,14 +149,25 @@ impl Check {
                 Some(word) => format!("did you mean `{word}`? `{name}`: {}", key.about),
                 None => format!("`{name}` is one of {}", words.join(", ")),
             };
-            self.faults.help(&value.place, format!("`{text}` is no {name}"), "not known", help);
+            self.faults.help(
+                &value.place,
+                format!("`{text}` is no {name}"),
+                "not known",
+                help,
+            );
         }
         found
     }
 
     /// One of the words of a key, as what it stands for.
-    pub(super) fn word<T: FromStr>(&mut self, entries: &Entries, name: &str, table: Table) -> Option<T> {
-        self.choice(entries, name, table).and_then(|word| word.parse().ok())
+    pub(super) fn word<T: FromStr>(
+        &mut self,
+        entries: &Entries,
+        name: &str,
+        table: Table,
+    ) -> Option<T> {
+        self.choice(entries, name, table)
+            .and_then(|word| word.parse().ok())
     }
 
     pub(super) fn flag(&mut self, entries: &Entries, name: &str) -> Option<bool> {
@@ -192,13 +227,19 @@ impl Check {
             Data::Other if self.faults.is_told(&value.place) => return,
             Data::Other => "neither",
         };
-        self.faults.push(&value.place, format!("`{name}` is {wanted}, and this is {is}"), "here");
+        self.faults.push(
+            &value.place,
+            format!("`{name}` is {wanted}, and this is {is}"),
+            "here",
+        );
     }
 }
 
 impl super::Faults {
     /// Whether something was said about this very place.
     fn is_told(&self, place: &Place) -> bool {
-        self.0[place.layer].iter().any(|fault| fault.span == place.span)
+        self.0[place.layer]
+            .iter()
+            .any(|fault| fault.span == place.span)
     }
 }
