@@ -8,7 +8,8 @@
 //! --- events             what must come out, a line an event
 //! ```
 //! A finger's area is that of its radius (7 mm: 154 mm2), its force is its rise / 2.4 (1.2: 0.5). A trial a file, named
-//! after it. To write a new one, leave the events empty, run, and copy what was got if it is right.
+//! after it. The examples of docs/profiles.md are trials too: each `toml` block must be sound, and a `scenario` block below it
+//! is played with it. To write a new one, leave the events empty, run, and copy what was got if it is right.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,7 @@ use gelpad::types::{Contact, Event, Nanos, Phase, Touch, TouchId, nanos_from_ms}
 use libtest_mimic::{Arguments, Failed, Trial};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
+const GUIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/profiles.md");
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -29,16 +31,69 @@ fn main() -> ExitCode {
     let mut files = Vec::new();
     texts(&root, &mut files);
     assert!(!files.is_empty(), "no scenario under {}", root.display());
-    let trials = files
-        .into_iter()
-        .map(|path| {
-            let name = path.strip_prefix(&root).expect("inside").with_extension("");
-            Trial::test(name.display().to_string(), move || {
-                run(&path).map_err(Failed::from)
-            })
+    let examples = examples(&fs::read_to_string(GUIDE).expect("the guide"));
+    assert!(examples.len() > 10, "no examples in {GUIDE}");
+    let scenarios = files.into_iter().map(|path| {
+        let name = path.strip_prefix(&root).expect("inside").with_extension("");
+        Trial::test(name.display().to_string(), move || {
+            let text = fs::read_to_string(&path).map_err(|error| error.to_string())?;
+            run(&text).map_err(Failed::from)
         })
-        .collect();
-    libtest_mimic::run(&arguments, trials).exit_code()
+    });
+    let guide = examples.into_iter().map(|(line, text)| {
+        Trial::test(format!("docs/profiles.md:{line}"), move || {
+            run(&text).map_err(Failed::from)
+        })
+    });
+    libtest_mimic::run(&arguments, scenarios.chain(guide).collect()).exit_code()
+}
+
+/// The guide's examples as scenarios, each with the line on which it begins. An example that leaves out the head, the
+/// regions or the bindings gets those that the guide begins with.
+fn examples(guide: &str) -> Vec<(usize, String)> {
+    let mut examples: Vec<(usize, String)> = Vec::new();
+    let mut lines = guide.lines().enumerate();
+    while let Some((number, line)) = lines.next() {
+        let kind = match line.trim() {
+            "```toml" => "toml",
+            "```scenario" => "scenario",
+            _ => continue,
+        };
+        let block: String = lines
+            .by_ref()
+            .map(|(_, line)| line)
+            .take_while(|line| line.trim() != "```")
+            .map(|line| format!("{line}\n"))
+            .collect();
+        match (kind, examples.last_mut()) {
+            ("scenario", Some((_, text))) => {
+                let profile = text.split("--- script").next().unwrap_or_default();
+                *text = format!("{profile}{block}");
+            }
+            _ => examples.push((
+                number + 1,
+                format!(
+                    "--- profile\n{}--- script\nt:0 down 1 0 99\nt:50 up 1\n--- events\n",
+                    whole(&block)
+                ),
+            )),
+        }
+    }
+    examples
+}
+
+fn whole(block: &str) -> String {
+    let head = if block.contains("schema =") {
+        ""
+    } else {
+        "schema = 1\nname = \"example\"\n"
+    };
+    let regions = if block.contains("[[region]]") || block.contains("extends") {
+        ""
+    } else {
+        "[[region]]\nname = \"left\"\nx = 0\ny = 0\nw = 0.48\nh = 0.98\n[[region]]\nname = \"jump\"\nx = 0.5\ny = 0\nw = 0.5\nh = 0.98\n"
+    };
+    format!("{head}{block}{regions}")
 }
 
 fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -56,8 +111,7 @@ fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-fn run(path: &Path) -> Result<(), String> {
-    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+fn run(text: &str) -> Result<(), String> {
     let section = |name: &str| -> Result<&str, String> {
         let head = format!("--- {name}\n");
         let (_, rest) = text

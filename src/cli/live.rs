@@ -2,7 +2,6 @@
 //! frames a second and latency.
 
 use std::io::Stdout;
-use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -43,6 +42,8 @@ pub(super) enum Wish {
     End,
     /// Ctrl-C.
     Interrupt,
+    /// p: pause, or go on.
+    Pause,
 }
 
 /// A terminal in raw mode on its alternate screen; dropping it gives the terminal back.
@@ -51,14 +52,15 @@ pub(super) struct LiveView {
     title: Title,
     pad: String,
     pad_mm: [f64; 2],
-    profile: Arc<Profile>,
+    /// The last thing that the player should know.
+    notice: String,
     /// NO_COLOR: the image as shades of characters.
     plain: bool,
 }
 
 impl LiveView {
     /// Takes the terminal.
-    pub(super) fn open(title: Title, pad: &Pad, profile: Arc<Profile>) -> anyhow::Result<Self> {
+    pub(super) fn open(title: Title, pad: &Pad) -> anyhow::Result<Self> {
         terminal::enable_raw_mode().context("the terminal gives no raw mode: use --headless")?;
         log::hold_back(true);
         let mut stdout = std::io::stdout();
@@ -77,9 +79,14 @@ impl LiveView {
             title,
             pad: pad.name.clone(),
             pad_mm: pad.outline.size_mm(),
-            profile,
+            notice: String::new(),
             plain: std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()),
         })
+    }
+
+    /// Shows a line beneath until another one comes.
+    pub(super) fn tell(&mut self, notice: String) {
+        self.notice = notice;
     }
 
     /// Draws a view, then waits for a while for what the player wants.
@@ -92,7 +99,8 @@ impl LiveView {
             title: &self.title,
             pad: &self.pad,
             pad_mm: self.pad_mm,
-            profile: &self.profile,
+            profile: &view.profile,
+            notice: &self.notice,
             plain: self.plain,
         };
         self.terminal
@@ -128,6 +136,7 @@ fn wish(event: &TerminalEvent) -> Wish {
     };
     match key.code {
         KeyCode::Esc | KeyCode::Char('q') => Wish::End,
+        KeyCode::Char('p') => Wish::Pause,
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Wish::Interrupt,
         _ => Wish::GoOn,
     }
@@ -140,6 +149,7 @@ struct Screen<'a> {
     pad: &'a str,
     pad_mm: [f64; 2],
     profile: &'a Profile,
+    notice: &'a str,
     plain: bool,
 }
 
@@ -284,7 +294,17 @@ impl Screen<'_> {
         if view.lost_frames > 0 {
             first.push_str(&format!("   {} LOST", view.lost_frames));
         }
-        let second = format!(" {} -> {}   q ends", self.title.source, self.title.output);
+        if view.paused {
+            first.push_str("   PAUSED");
+        }
+        let second = if self.notice.is_empty() {
+            format!(
+                " {} -> {}   q ends, p pauses",
+                self.title.source, self.title.output
+            )
+        } else {
+            format!(" {}", self.notice)
+        };
         Paragraph::new(vec![
             Line::raw(first),
             Line::raw(second).fg(Color::DarkGray),

@@ -4,11 +4,14 @@
 //! SIGTERM, keys up. Machine-readable output goes to stdout, everything else to stderr.
 
 mod args;
+mod changes;
+mod drawing;
 mod exit;
 mod live;
 mod log;
 mod map;
 mod pads;
+mod pick;
 mod play;
 mod profiles;
 mod replay;

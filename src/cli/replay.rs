@@ -13,7 +13,7 @@ use crate::types::{Event, Frame, Touch, ms_from_nanos};
 
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
-    let profile = resolve::profile(&args.profile)?;
+    let profile = resolve::profile(&args.profile, args.user.as_deref())?;
     let mut source = FramesCsv::open(&args.file, pad.channels())?;
     let method = resolve::method(args.method, &profile, &pad);
     let matrix = resolve::reconstruction(&pad, method)?;

@@ -25,7 +25,7 @@ pub use binding::{
     Binding, Curve, DeadZone, Direction, Dpad, Flavour, Gains, Gesture, Latch, MacroStep, Mode,
     Pointer, Stick, Swipe, TapHold, Target, Trigger,
 };
-pub use keys::{Key, Table, keys};
+pub use keys::{Key, Kind, Table, keys};
 pub use layers::{MOST_BASES, Source};
 pub use region::{Placed, Region, Shape, Slide};
 pub use schema::schema;
