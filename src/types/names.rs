@@ -214,30 +214,15 @@ impl UnknownName {
     }
 }
 
-/// The known word that takes the fewest edits, capitals aside, if these are fewer than half of the letters.
+/// The known word that takes the fewest edits (swapped neighbours are one), capitals aside, if these are fewer than half of
+/// the letters.
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let lower = text.to_lowercase();
     known
-        .map(|name| (edits(&lower, name), name))
+        .map(|name| (strsim::osa_distance(&lower, name), name))
         .min_by_key(|(edits, _)| *edits)
         .filter(|(edits, name)| 2 * edits < name.chars().count().min(lower.chars().count()).max(1))
         .map(|(_, name)| name.to_owned())
-}
-
-/// Levenshtein's distance.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
