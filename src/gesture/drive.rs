@@ -19,6 +19,9 @@ pub(super) struct Driver {
     layers: Vec<usize>,
     drives: Vec<Drive>,
     memory: Vec<Memory>,
+    /// Bindings in mode sticky, and those in mode macro.
+    stickies: Vec<usize>,
+    macros: Vec<usize>,
     /// A pause was asked for; whoever steps the driver carries it out.
     pub(super) pause_wished: bool,
 }
@@ -74,6 +77,8 @@ impl Driver {
             layers: vec![0; profile.layers.len()],
             drives: Vec::with_capacity(ROOM_A_BINDING * profile.bindings.len()),
             memory: vec![Memory::default(); profile.bindings.len()],
+            stickies: of_mode(profile, |mode| matches!(mode, Mode::Sticky)),
+            macros: of_mode(profile, |mode| matches!(mode, Mode::Macro(_))),
             pause_wished: false,
         }
     }
@@ -85,9 +90,7 @@ impl Driver {
 
     /// Whether nothing is driven.
     pub(super) fn is_idle(&self) -> bool {
-        self.outputs.is_idle()
-            && self.drives.is_empty()
-            && self.memory.iter().all(|memory| memory.runner.is_none())
+        self.outputs.is_idle() && self.drives.is_empty() && self.runners().next().is_none()
     }
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
@@ -96,10 +99,7 @@ impl Driver {
             State::Classified(latch) => latch.next_due(),
             State::Until { at } | State::Turbo { at, .. } => Some(at),
         });
-        let runners = self
-            .memory
-            .iter()
-            .filter_map(|memory| memory.runner.as_ref());
+        let runners = self.runners();
         drives
             .chain(runners.map(Runner::next_due))
             .chain(self.outputs.next_due())
@@ -198,7 +198,8 @@ impl Driver {
                 at += 1;
             }
         }
-        for index in 0..self.memory.len() {
+        for listed in 0..self.macros.len() {
+            let index = self.macros[listed];
             let due = self.memory[index].runner.as_ref().map(Runner::next_due);
             if due.is_some_and(|due| due <= t_ns) {
                 self.run_macro(step, index);
@@ -215,6 +216,13 @@ impl Driver {
             *memory = Memory::default();
         }
         self.outputs.release_all(step.t_ns, step.events);
+    }
+
+    /// Macros that run.
+    fn runners(&self) -> impl Iterator<Item = &Runner> {
+        self.macros
+            .iter()
+            .filter_map(|index| self.memory[*index].runner.as_ref())
     }
 
     /// One more wants a target held.
@@ -346,8 +354,8 @@ impl Driver {
     }
 
     fn mark_stickies_used(&mut self) {
-        for memory in &mut self.memory {
-            if let Sticky::Latched { used } = &mut memory.sticky {
+        for index in &self.stickies {
+            if let Sticky::Latched { used } = &mut self.memory[*index].sticky {
                 *used = true;
             }
         }
@@ -356,10 +364,11 @@ impl Driver {
     /// The press for which a sticky key was meant is over.
     fn unlatch_stickies(&mut self, step: &mut Step<'_>) {
         let profile = step.profile;
-        for (index, binding) in profile.bindings.iter().enumerate() {
+        for listed in 0..self.stickies.len() {
+            let index = self.stickies[listed];
             if self.memory[index].sticky == (Sticky::Latched { used: true }) {
                 self.memory[index].sticky = Sticky::Off;
-                for target in &binding.targets {
+                for target in &profile.bindings[index].targets {
                     self.let_go(step, *target);
                 }
             }
@@ -388,6 +397,14 @@ impl Driver {
             self.memory[index].runner = Some(runner);
         }
     }
+}
+
+/// Bindings of a mode.
+fn of_mode(profile: &Profile, is_one: fn(&Mode) -> bool) -> Vec<usize> {
+    let all = profile.bindings.iter().enumerate();
+    all.filter(|(_, binding)| is_one(&binding.mode))
+        .map(|(index, _)| index)
+        .collect()
 }
 
 /// What one side of a binding drives.

@@ -13,6 +13,8 @@
 
 mod accept;
 mod active;
+mod begin;
+mod crowd;
 mod double_tap;
 mod dpad;
 mod drive;

@@ -2,15 +2,12 @@
 
 use super::accept::{Passed, distance_mm};
 use super::active::{Active, State};
+use super::begin::Index;
 use super::double_tap::DoubleTap;
 use super::drive::Driver;
 use super::fingers::{Finger, Fingers};
 use super::force;
-use super::hold::Hold;
-use super::pointer::Following;
 use super::step::Step;
-use super::swipe::Stroke;
-use super::tap::Tap;
 use super::tap_hold::{Decision, Side, Undecided};
 use super::{dpad, stick};
 use crate::profile::{Gesture, Profile, Target};
@@ -25,12 +22,13 @@ pub(super) struct Players {
     pub(super) driver: Driver,
     /// Nothing counts but the gesture that ends the pause.
     pub(super) paused: bool,
-    fingers: Fingers,
-    active: Vec<Active>,
+    pub(super) fingers: Fingers,
+    pub(super) active: Vec<Active>,
+    pub(super) index: Index,
     /// When a tap by each binding ended last.
-    last_tap: Vec<Option<Nanos>>,
+    pub(super) last_tap: Vec<Option<Nanos>>,
     /// When any binding was pressed last.
-    last_press: Option<Nanos>,
+    pub(super) last_press: Option<Nanos>,
 }
 
 impl Players {
@@ -40,6 +38,7 @@ impl Players {
             paused: false,
             fingers: Fingers::new(),
             active: Vec::with_capacity(ROOM_A_BINDING * profile.bindings.len()),
+            index: Index::new(profile),
             last_tap: vec![None; profile.bindings.len()],
             last_press: None,
         }
@@ -91,23 +90,14 @@ impl Players {
     }
 
     fn down(&mut self, step: &mut Step<'_>, passed: &Passed) {
-        let Step {
-            profile,
-            layout,
-            t_ns,
-            ..
-        } = *step;
+        let Step { layout, t_ns, .. } = *step;
         let covered = layout.covered(passed.at_mm, passed.radius_mm);
         let finger = self.fingers.add(t_ns, passed, covered);
         self.tell_others(step, passed.id, Undecided::other_down);
         for region in covered.iter() {
             self.enter(step, region, &finger);
         }
-        for index in 0..profile.bindings.len() {
-            if profile.bindings[index].regions.is_empty() && self.counts(profile, index, None) {
-                self.start(step, index, None, &finger);
-            }
-        }
+        self.enter_pad(step, &finger);
         self.gather(step, passed.id);
     }
 
@@ -147,138 +137,8 @@ impl Players {
         self.tell_others(step, id, Undecided::other_up);
     }
 
-    /// A finger comes to count for a region.
-    fn enter(&mut self, step: &mut Step<'_>, region: usize, finger: &Finger) {
-        let profile = step.profile;
-        for index in 0..profile.bindings.len() {
-            if profile.bindings[index].regions.contains(&region)
-                && self.counts(profile, index, Some(region))
-            {
-                self.start(step, index, Some(region), finger);
-            }
-        }
-    }
-
-    /// Whether a binding counts now: on the topmost layer that is on and binds the region, and not in a pause.
-    fn counts(&self, profile: &Profile, index: usize, region: Option<usize>) -> bool {
-        let binding = &profile.bindings[index];
-        if self.paused && !binding.targets.contains(&Target::Pause) {
-            return false;
-        }
-        if profile.layers.is_empty() {
-            return true;
-        }
-        let on = |layer: Option<usize>| layer.is_none_or(|layer| self.driver.is_on(layer));
-        let Some(region) = region else {
-            return on(binding.layer);
-        };
-        let here = profile
-            .bindings
-            .iter()
-            .filter(|other| other.regions.contains(&region));
-        let top = here
-            .map(|other| other.layer)
-            .filter(|layer| on(*layer))
-            .max();
-        top == Some(binding.layer)
-    }
-
-    /// A touch begins to play a binding.
-    fn start(&mut self, step: &mut Step<'_>, index: usize, region: Option<usize>, finger: &Finger) {
-        let Step {
-            profile,
-            layout,
-            t_ns,
-            ..
-        } = *step;
-        let binding = &profile.bindings[index];
-        let alone = !self.active.iter().any(|active| active.binding == index);
-        let (state, decision) = match &binding.gesture {
-            Gesture::Press => (State::Press, Decision::Begin(Side::First)),
-            Gesture::Tap { within_ns, slop_mm } => (
-                State::Tap(Tap::new(t_ns, *within_ns, *slop_mm)),
-                Decision::None,
-            ),
-            Gesture::Hold { after_ns, slop_mm } => (
-                State::Hold(Hold::new(t_ns, *after_ns, *slop_mm)),
-                Decision::None,
-            ),
-            Gesture::DoubleTap { gap_ns, within_ns } => {
-                let double = DoubleTap::new(t_ns, self.last_tap[index].take(), *gap_ns, *within_ns);
-                let decision = match double {
-                    DoubleTap::First(_) => Decision::None,
-                    DoubleTap::Second => Decision::Begin(Side::First),
-                };
-                (State::DoubleTap(double), decision)
-            }
-            Gesture::Swipe(own) if own.fingers == 1 => {
-                let open = Stroke::Open {
-                    from_mm: finger.at_mm,
-                    since_ns: t_ns,
-                };
-                (State::Swipe(open), Decision::None)
-            }
-            // Several touches make these: see `gather`.
-            Gesture::Swipe(_) | Gesture::Chord { .. } | Gesture::Contacts { .. } => return,
-            Gesture::Force { press, release } => {
-                let down = force::is_down(false, finger.force, *press, *release);
-                (State::Force { down }, begin_if(down))
-            }
-            // These have one master at a time.
-            Gesture::Dpad(_) | Gesture::Stick(_) | Gesture::Trigger(_) | Gesture::Pointer(_)
-                if !alone =>
-            {
-                return;
-            }
-            Gesture::Dpad(_) => {
-                let (middle_mm, radius_mm) = layout.middle(region);
-                let dpad = State::Dpad {
-                    down: 0,
-                    middle_mm,
-                    radius_mm,
-                };
-                (dpad, Decision::None)
-            }
-            Gesture::Stick(own) => {
-                let (middle_mm, radius_mm) = layout.middle(region);
-                let middle_mm = if own.floating {
-                    finger.at_mm
-                } else {
-                    middle_mm
-                };
-                let stick = State::Stick {
-                    middle_mm,
-                    radius_mm,
-                };
-                (stick, Decision::None)
-            }
-            Gesture::Trigger(_) => (State::Trigger, Decision::None),
-            Gesture::Pointer(_) => (State::Pointer(Following::new(finger.at_mm)), Decision::None),
-            Gesture::TapHold(own) => {
-                let (undecided, decision) =
-                    Undecided::new(t_ns, own, self.last_tap[index], self.last_press);
-                (State::TapHold(undecided), decision)
-            }
-        };
-        self.active.push(Active {
-            touch: finger.id,
-            binding: index,
-            region,
-            state,
-        });
-        let at = self.active.len() - 1;
-        self.carry_out(step, at, decision);
-        // What follows places and force begins where the touch is.
-        if matches!(
-            state,
-            State::Dpad { .. } | State::Stick { .. } | State::Trigger
-        ) {
-            self.follow(step, at, finger);
-        }
-    }
-
     /// A finger has moved: what that means for a gesture.
-    fn follow(&mut self, step: &mut Step<'_>, at: usize, finger: &Finger) {
+    pub(super) fn follow(&mut self, step: &mut Step<'_>, at: usize, finger: &Finger) {
         let Step { profile, t_ns, .. } = *step;
         let Active {
             touch,
@@ -392,56 +252,6 @@ impl Players {
         }
     }
 
-    /// What several fingers make together begins or ends, now that one has come or gone.
-    fn gather(&mut self, step: &mut Step<'_>, id: TouchId) {
-        let Step { profile, t_ns, .. } = *step;
-        for index in 0..profile.bindings.len() {
-            let binding = &profile.bindings[index];
-            let (is_there, state) = match &binding.gesture {
-                Gesture::Chord { window_ns } => {
-                    let spread = self.fingers.chord(&binding.regions);
-                    let plays = self.active.iter().any(|active| active.binding == index);
-                    // What has become a chord stays one while every region is touched.
-                    (
-                        spread.is_some_and(|spread| plays || spread < *window_ns),
-                        State::Chord,
-                    )
-                }
-                Gesture::Contacts { count } => (
-                    self.fingers.count(&binding.regions) >= *count,
-                    State::Contacts,
-                ),
-                Gesture::Swipe(own) if own.fingers > 1 => {
-                    let open = Stroke::Open {
-                        from_mm: self.fingers.middle(&binding.regions),
-                        since_ns: t_ns,
-                    };
-                    (
-                        self.fingers.count(&binding.regions) == own.fingers,
-                        State::CrowdSwipe(open),
-                    )
-                }
-                _ => continue,
-            };
-            let plays = self.active.iter().any(|active| active.binding == index);
-            let region = binding.regions.first().copied();
-            if is_there && !plays && self.counts(profile, index, region) {
-                self.active.push(Active {
-                    touch: id,
-                    binding: index,
-                    region: None,
-                    state,
-                });
-                let at = self.active.len() - 1;
-                if !matches!(state, State::CrowdSwipe(_)) {
-                    self.carry_out(step, at, Decision::Begin(Side::First));
-                }
-            } else if !is_there && plays {
-                self.end_all(step, |active| active.binding == index);
-            }
-        }
-    }
-
     /// Ends the gestures of one finger; those of several end in `gather`.
     fn end_where(&mut self, step: &mut Step<'_>, which: impl Fn(&Active) -> bool) {
         self.end_all(step, |active| {
@@ -453,7 +263,7 @@ impl Players {
         });
     }
 
-    fn end_all(&mut self, step: &mut Step<'_>, which: impl Fn(&Active) -> bool) {
+    pub(super) fn end_all(&mut self, step: &mut Step<'_>, which: impl Fn(&Active) -> bool) {
         let mut at = 0;
         while at < self.active.len() {
             if which(&self.active[at]) {
@@ -523,7 +333,7 @@ impl Players {
     }
 
     /// What a decision means for the outputs.
-    fn carry_out(&mut self, step: &mut Step<'_>, at: usize, decision: Decision) {
+    pub(super) fn carry_out(&mut self, step: &mut Step<'_>, at: usize, decision: Decision) {
         let t_ns = step.t_ns;
         let Active {
             touch,
@@ -547,7 +357,7 @@ impl Players {
     }
 }
 
-fn begin_if(begins: bool) -> Decision {
+pub(super) fn begin_if(begins: bool) -> Decision {
     if begins {
         Decision::Begin(Side::First)
     } else {

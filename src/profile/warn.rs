@@ -16,7 +16,12 @@ const SHORT_TERM_MS: f64 = 100.0;
 const APART_MM: f64 = 30.0;
 
 /// Looks at all of it.
-pub(super) fn profile(profile: &Profile, text: &Text, warnings: &mut Faults) {
+pub(super) fn profile(
+    profile: &Profile,
+    text: &Text,
+    binding_places: &[Place],
+    warnings: &mut Faults,
+) {
     let placed: Vec<Placed> = profile
         .regions
         .iter()
@@ -54,7 +59,7 @@ pub(super) fn profile(profile: &Profile, text: &Text, warnings: &mut Faults) {
             );
         }
     }
-    bindings(profile, &placed, text, warnings);
+    bindings(profile, &placed, binding_places, warnings);
     short_terms(text, warnings);
 }
 
@@ -131,29 +136,20 @@ fn within(placed: &Placed, area: &Area) -> bool {
         && high[1] <= (area.y + area.h) * height + 1e-6
 }
 
-fn bindings(profile: &Profile, placed: &[Placed], text: &Text, warnings: &mut Faults) {
+fn bindings(profile: &Profile, placed: &[Placed], places: &[Place], warnings: &mut Faults) {
     let turned_on = |layer: usize| {
         profile
             .bindings
             .iter()
             .any(|binding| drives(binding).any(|target| target == Target::Layer(layer)))
     };
-    // Bindings and their tables stand in the same order, apart from those that were taken out.
-    let tables: Vec<&Entries> = text
-        .bindings
-        .iter()
-        .filter(|entries| !entries.values.contains_key("off"))
-        .collect();
-    for (number, binding) in profile.bindings.iter().enumerate() {
-        let Some(place) = tables.get(number).map(|entries| entries.place.clone()) else {
-            return;
-        };
+    for (binding, place) in profile.bindings.iter().zip(places) {
         if let Some(layer) = binding.layer
             && !turned_on(layer)
         {
             let name = &profile.layers[layer];
             warnings.help(
-                &place,
+                place,
                 format!("this binding can never fire: nothing turns its layer `{name}` on"),
                 "never",
                 format!("bind something to `layer:{name}`"),
@@ -165,18 +161,18 @@ fn bindings(profile: &Profile, placed: &[Placed], text: &Text, warnings: &mut Fa
             .any(|region| profile.regions[*region].rest)
         {
             warnings.push(
-                &place,
+                place,
                 "this binding can never fire: its region is one to rest on",
                 "never",
             );
         }
-        never(profile, binding, &place, warnings);
+        never(profile, binding, place, warnings);
         if let (Gesture::Chord { .. }, [a, b, ..]) = (&binding.gesture, binding.regions.as_slice())
         {
             let [ca, cb] = [a, b].map(|region| placed[*region].centre_mm());
             let apart = libm::hypot(ca[0] - cb[0], ca[1] - cb[1]);
             if apart < APART_MM {
-                warnings.push(&place, format!("the regions of this chord lie {apart:.0} mm apart: the pad tells two fingers from one at about {APART_MM} mm"), "hard to play");
+                warnings.push(place, format!("the regions of this chord lie {apart:.0} mm apart: the pad tells two fingers from one at about {APART_MM} mm"), "hard to play");
             }
         }
     }

@@ -1,9 +1,11 @@
 //! Merged texts to a profile: every value is of its kind and in its range, every name names something.
 
 mod binding;
+mod gesture;
 mod macros;
 mod region;
 mod settings;
+mod target;
 mod value;
 
 use super::layers::{self, Layers, Source};
@@ -28,7 +30,7 @@ pub(super) fn read(
         return Err(faulty);
     }
     let mut warnings = check.warnings;
-    warn::profile(&profile, &merged, &mut warnings);
+    warn::profile(&profile, &merged, &check.binding_places, &mut warnings);
     Ok(Checked {
         profile,
         warnings: warnings.each(&sources),
@@ -90,6 +92,8 @@ impl Faults {
 pub(super) struct Check {
     faults: Faults,
     warnings: Faults,
+    /// Where each binding of the profile was written.
+    binding_places: Vec<Place>,
 }
 
 impl Check {
@@ -98,6 +102,7 @@ impl Check {
         Self {
             faults: none(),
             warnings: none(),
+            binding_places: Vec::new(),
         }
     }
 
