@@ -301,7 +301,10 @@ proptest! {
         // The same again, bit for bit, however the frames come.
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Frames));
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Ticks));
-        prop_assert_eq!(&events, &play(&profile, &script, Batching::Changes));
+        // A resting arm is known by its largest part: there a frame is a whole.
+        if profile.settings.rest_area_mm2.is_none() {
+            prop_assert_eq!(&events, &play(&profile, &script, Batching::Changes));
+        }
         // Ending at any frame leaves nothing held.
         let head = &script[..=cut.index(script.len())];
         let end_ns = head.last().map_or(0, |(t_ns, _)| *t_ns);

@@ -12,8 +12,10 @@
 
 use super::layout::Layout;
 use crate::profile::{Activate, Assist, Settings};
-use crate::types::{Nanos, Phase, PointMm, Touch, TouchId};
+use crate::types::{NANOS_PER_MS, Nanos, Phase, PointMm, Touch, TouchId};
 
+/// A place is rested on for this long after the contact there has gone: several frames of a slow board.
+const RESTED_NS: Nanos = 150 * NANOS_PER_MS;
 /// Touches that are watched at once; more give nothing.
 const MOST_TOUCHES: usize = 32;
 
@@ -66,6 +68,10 @@ enum State {
     Lifting { at: Nanos },
     /// Gives nothing until it lifts.
     Silent,
+    /// A resting hand or arm (large), or what touches one.
+    Resting { large: bool },
+    /// Where one rested: an arm's image falls into pieces and joins again from frame to frame.
+    Rested { until: Nanos },
 }
 
 impl Accept {
@@ -86,8 +92,10 @@ impl Accept {
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
         let due = |watched: &Watched| match watched.state {
-            State::Waiting { due: at } | State::Lifting { at } => Some(at),
-            State::UntilLift | State::Passed | State::Silent => None,
+            State::Waiting { due: at } | State::Lifting { at } | State::Rested { until: at } => {
+                Some(at)
+            }
+            State::UntilLift | State::Passed | State::Silent | State::Resting { .. } => None,
         };
         self.watched.iter().filter_map(due).min()
     }
@@ -111,6 +119,7 @@ impl Accept {
                 note_release(released, watched.region, at);
                 false
             }
+            State::Rested { until } => until > t_ns,
             _ => true,
         });
     }
@@ -144,10 +153,8 @@ impl Accept {
         let region = layout.topmost(at_mm);
         let since = self.released[region.unwrap_or(self.released.len() - 1)];
         let bounces = since.is_some_and(|since| t_ns < since + settings.bounce_keys_ns);
-        let rests = settings
-            .rest_area_mm2
-            .is_some_and(|most| touch.contact.area_mm2 > most)
-            || layout.rests(at_mm);
+        let large = self.is_large(touch.contact.area_mm2);
+        let rests = large || self.touches_rest(at_mm, radius_mm);
         let delay_ns = settings.slow_keys_ns.max(settings.dwell_ns);
         let at_lift = settings.activate == Activate::Up || settings.assist == Assist::Last;
         let mut watched = Watched {
@@ -161,7 +168,9 @@ impl Accept {
             radius_mm,
             state: State::Passed,
         };
-        if bounces || rests {
+        if rests {
+            watched.state = State::Resting { large };
+        } else if bounces || layout.rests(at_mm) {
             watched.state = State::Silent;
         } else if at_lift && settings.dwell_ns == 0 {
             watched.state = State::UntilLift;
@@ -190,14 +199,19 @@ impl Accept {
             .rest_area_mm2
             .is_some_and(|most| touch.contact.area_mm2 > most);
         match &mut watched.state {
-            State::Silent | State::Lifting { .. } => return,
+            State::Silent | State::Lifting { .. } | State::Rested { .. } => return,
+            State::Resting { large } => {
+                *large |= rests;
+                watched.at_mm = at_mm;
+                return;
+            }
             state @ (State::Waiting { .. } | State::UntilLift) if rests => {
-                *state = State::Silent;
+                *state = State::Resting { large: true };
                 return;
             }
             State::Passed if rests => {
                 // A palm that comes down behind its fingertip.
-                watched.state = State::Silent;
+                watched.state = State::Resting { large: true };
                 self.passed.push(watched.passed(Phase::Up));
                 return;
             }
@@ -254,9 +268,33 @@ impl Accept {
                     note_release(&mut self.released, watched.region, t_ns);
                 }
             }
-            State::Waiting { .. } | State::Silent | State::Lifting { .. } => {}
+            State::Resting { large: true } => {
+                watched.state = State::Rested {
+                    until: t_ns + RESTED_NS,
+                };
+                return;
+            }
+            State::Waiting { .. }
+            | State::Silent
+            | State::Resting { large: false }
+            | State::Lifting { .. }
+            | State::Rested { .. } => {}
         }
         self.watched.remove(index);
+    }
+
+    /// Whether a contact of an area rests.
+    pub(super) fn is_large(&self, area_mm2: f64) -> bool {
+        let most = self.settings.rest_area_mm2;
+        most.is_some_and(|most| area_mm2 > most)
+    }
+
+    /// Whether a footprint meets one that rests, or has just rested.
+    fn touches_rest(&self, at_mm: PointMm, radius_mm: f64) -> bool {
+        self.watched.iter().any(|watched| {
+            matches!(watched.state, State::Resting { .. } | State::Rested { .. })
+                && distance_mm(watched.at_mm, at_mm) < watched.radius_mm + radius_mm
+        })
     }
 }
 

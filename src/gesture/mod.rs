@@ -68,7 +68,7 @@ impl Gestures {
     #[must_use]
     pub fn new(profile: Arc<Profile>, pad_mm: [f64; 2]) -> Self {
         Self {
-            panic: Panic::new(profile.settings.panic_contacts),
+            panic: Panic::new(&profile.settings),
             layout: Layout::new(&profile, pad_mm),
             accept: Accept::new(&profile.settings, profile.regions.len()),
             players: Players::new(&profile),
@@ -127,21 +127,30 @@ impl Gestures {
     /// Takes what became of the touches in a frame.
     pub fn touches(&mut self, t_ns: Nanos, changed: &[Touch], events: &mut Vec<Event>) {
         self.tick(t_ns, events);
-        for touch in changed {
-            let panic = self.panic.sees(touch);
-            if panic {
-                self.pause(t_ns, !self.paused, events);
+        // What rests comes first: the smaller parts of an arm that lies down are known by it.
+        for large in [true, false] {
+            for touch in changed {
+                if self.accept.is_large(touch.contact.area_mm2) == large {
+                    self.touch(t_ns, touch, events);
+                }
             }
-            self.accept.touch(t_ns, touch, &self.layout);
-            if panic {
-                // The contact that made it a panic plays nothing itself.
-                self.accept.passed.clear();
-            }
-            self.play_passed(t_ns, events);
-            self.after(t_ns, events);
-            // What a touch makes due at this very time is done before the next touch: one call or several, the same events.
-            self.tick(t_ns, events);
         }
+    }
+
+    fn touch(&mut self, t_ns: Nanos, touch: &Touch, events: &mut Vec<Event>) {
+        let panic = self.panic.sees(touch);
+        if panic {
+            self.pause(t_ns, !self.paused, events);
+        }
+        self.accept.touch(t_ns, touch, &self.layout);
+        if panic {
+            // The contact that made it a panic plays nothing itself.
+            self.accept.passed.clear();
+        }
+        self.play_passed(t_ns, events);
+        self.after(t_ns, events);
+        // What a touch makes due at this very time is done before the next touch: one call or several, the same events.
+        self.tick(t_ns, events);
     }
 
     /// Releases everything now and forgets what was pending: the source is gone.
@@ -228,7 +237,7 @@ impl Gestures {
             return;
         };
         self.let_go(t_ns, events);
-        let panic = self.panic.with_count(profile.settings.panic_contacts);
+        let panic = self.panic.clone().under(&profile.settings);
         let mut fresh = Self::new(profile, self.pad_mm);
         fresh.panic = panic;
         fresh.paused = self.paused;

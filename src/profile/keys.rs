@@ -168,7 +168,7 @@ const KEYS: &[Key] = &[
     key("tremor_ms", Setting, MS, "0", "a finger that comes back sooner than this has not lifted"),
     key("activate", Setting, Kind::Word(&["down", "up"]), "down", "up: a touch acts when it lifts, unless it left its region"),
     key("assist", Setting, Kind::Word(&["off", "first", "last"]), "off", "touch assistance: the first or the last place of a touch counts"),
-    key("rest_area_mm2", Setting, Kind::Number(1.0, 1e6, "mm2"), "off", "a contact larger than this gives nothing"),
+    key("rest_area_mm2", Setting, Kind::Number(1.0, 1e6, "mm2"), "off", "a contact larger than this gives nothing, nor does what touches it"),
     key("panic_contacts", Setting, Kind::Count(0, 20), "5", "so many contacts at once release everything and pause; 0 switches it off"),
     key("mirror", Setting, Kind::Word(&["none", "horizontal", "vertical", "both"]), "none", "the pad in a mirror"),
     key("rotate", Setting, Kind::Number(0.0, 270.0, "degrees"), "0", "the pad turned to the left: 0, 90, 180 or 270"),
