@@ -248,7 +248,7 @@ fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
         "the pad's outline"
     );
     assert!(
-        sheet.contains("<polygon points=\"80.00,94.00 130.00,94.00"),
+        sheet.contains("<polygon points=\"80.00,105.00 130.00,105.00"),
         "`down`: from 25 to 75 mm of the pad"
     );
     let (code, _, stderr) = ended(&["profile", "show", "--print", "/no-such-folder/a.svg"]);

@@ -1,6 +1,7 @@
 //! Profiles as texts: what is wrong with them is told at its word; the schema is what the reader reads.
 
 use std::path::Path;
+use std::process::Command;
 
 use gelpad::profile::{Kind, Source, Table, find_shipped, keys, read, schema};
 
@@ -158,6 +159,30 @@ fn each_mistake_is_told_at_its_word() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_command_line_shows_each_mistake_and_fails() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("p.toml");
+    for case in CASES {
+        std::fs::write(&file, BASE.replacen(case.from, case.to, 1)).expect("written");
+        let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+            .args(["profile", "check"])
+            .arg(&file)
+            .output()
+            .expect("started");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{}: {stderr}", case.to);
+        let place = format!("{}:{}: ", file.display(), case.at);
+        // Long lines are broken: the place stands at the beginning of one, whatever follows.
+        let whole = stderr.replace("\n  │ ", "");
+        assert!(
+            whole.contains(&place) && !stderr.contains("panicked"),
+            "{}: {place} in\n{stderr}",
+            case.to
+        );
+    }
 }
 
 #[test]

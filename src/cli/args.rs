@@ -158,7 +158,7 @@ pub(super) struct PlayArgs {
     /// One person's settings over the profile: a name (users/NAME.toml here, among your own, or shipped) or a file
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
-    /// Play another profile while the program that its [match] names runs (Linux)
+    /// Play another profile while the program that its `[match]` names runs (Linux)
     #[arg(long = "match")]
     pub follow: bool,
     /// A shipped pad, or a file
