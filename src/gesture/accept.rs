@@ -170,7 +170,7 @@ impl Accept {
         };
         if rests {
             watched.state = State::Resting { large };
-        } else if bounces || layout.rests(at_mm) {
+        } else if bounces || region.is_some_and(|region| layout.is_for_rest(region)) {
             watched.state = State::Silent;
         } else if at_lift && settings.dwell_ns == 0 {
             watched.state = State::UntilLift;

@@ -1,6 +1,6 @@
 //! The regions of a profile as they lie on the pad, and which of them a touch counts for.
 
-use crate::profile::{Placed, Profile, Settings, Slide};
+use crate::profile::{Area, Placed, Profile, Region, Settings, Slide};
 use crate::types::PointMm;
 
 /// A touch counts for so many regions at once at most.
@@ -46,6 +46,9 @@ pub(super) struct Layout {
 #[derive(Clone, Debug)]
 struct Spot {
     placed: Placed,
+    /// Corners of the box around it, reach included: most places are outside it, and quickly known to be.
+    low_mm: PointMm,
+    high_mm: PointMm,
     reach: f64,
     held_reach: f64,
     exclusive: bool,
@@ -55,6 +58,32 @@ struct Spot {
 }
 
 impl Spot {
+    fn new(region: &Region, seen_mm: [f64; 2], area: &Area) -> Self {
+        let placed = region.placed(seen_mm, area);
+        let (low, high) = placed.bounds_mm();
+        let reach_mm = placed.reach_mm(region.reach);
+        Self {
+            placed,
+            low_mm: low.map(|mm| mm - reach_mm),
+            high_mm: high.map(|mm| mm + reach_mm),
+            reach: region.reach,
+            held_reach: region.held_reach,
+            exclusive: region.exclusive,
+            slide: region.slide,
+            footprint: region.footprint,
+            rest: region.rest,
+        }
+    }
+
+    /// Whether it takes a touch that goes down at a place.
+    fn takes(&self, [x, y]: PointMm) -> bool {
+        x >= self.low_mm[0]
+            && x <= self.high_mm[0]
+            && y >= self.low_mm[1]
+            && y <= self.high_mm[1]
+            && self.placed.holds([x, y], self.reach)
+    }
+
     /// Whether a footprint reaches it.
     fn is_stepped_on(&self, at_mm: PointMm, radius_mm: f64) -> bool {
         self.footprint > 0.0 && self.placed.distance_mm(at_mm) <= self.footprint * radius_mm
@@ -68,15 +97,7 @@ impl Layout {
         let spots: Vec<Spot> = profile
             .regions
             .iter()
-            .map(|region| Spot {
-                placed: region.placed(seen_mm, &settings.area),
-                reach: region.reach,
-                held_reach: region.held_reach,
-                exclusive: region.exclusive,
-                slide: region.slide,
-                footprint: region.footprint,
-                rest: region.rest,
-            })
+            .map(|region| Spot::new(region, seen_mm, &settings.area))
             .collect();
         Self {
             pad_mm,
@@ -95,15 +116,12 @@ impl Layout {
 
     /// The topmost region of a place.
     pub(super) fn topmost(&self, at_mm: PointMm) -> Option<usize> {
-        self.spots
-            .iter()
-            .position(|spot| spot.placed.holds(at_mm, spot.reach))
+        self.spots.iter().position(|spot| spot.takes(at_mm))
     }
 
-    /// Whether touches that begin there give nothing.
-    pub(super) fn rests(&self, at_mm: PointMm) -> bool {
-        self.topmost(at_mm)
-            .is_some_and(|region| self.spots[region].rest)
+    /// Whether touches that begin in a region give nothing.
+    pub(super) fn is_for_rest(&self, region: usize) -> bool {
+        self.spots[region].rest
     }
 
     /// Middle and radius of a region, or of the pad, mm.
@@ -128,7 +146,7 @@ impl Layout {
             if spot.is_stepped_on(at_mm, radius_mm) {
                 covered.push(region);
             }
-            if !taken && spot.placed.holds(at_mm, spot.reach) {
+            if !taken && spot.takes(at_mm) {
                 covered.push(region);
                 taken = spot.exclusive;
             }
@@ -156,7 +174,7 @@ impl Layout {
             if spot.is_stepped_on(at_mm, radius_mm) {
                 covered.push(region);
             }
-            if spot.slide == Slide::Across && !taken && spot.placed.holds(at_mm, spot.reach) {
+            if spot.slide == Slide::Across && !taken && spot.takes(at_mm) {
                 covered.push(region);
                 taken = spot.exclusive;
             }

@@ -128,7 +128,13 @@ impl Placed {
     /// Whether a place lies in it, widened by a share of the pad; edges belong to it.
     #[must_use]
     pub fn holds(&self, point: PointMm, reach: f64) -> bool {
-        self.distance_mm(point) <= reach * self.unit_mm + EDGE_MM
+        self.distance_mm(point) <= self.reach_mm(reach)
+    }
+
+    /// A share of the pad as millimetres: of its shorter side.
+    #[must_use]
+    pub fn reach_mm(&self, reach: f64) -> f64 {
+        reach * self.unit_mm + EDGE_MM
     }
 
     /// How far outside a place lies, mm; zero inside. For an ellipse it is measured along the line to its centre.
