@@ -8,11 +8,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use gelpad::eit::{REFERENCE_FRAMES, Reconstruction};
+use gelpad::eit::REFERENCE_FRAMES;
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
 use gelpad::source::{FramesCsv, Reading, Source};
+use gelpad::touch::SensingBuilder;
 use gelpad::types::{Frame, Method};
 
 fn pad() -> Pad {
@@ -47,8 +48,9 @@ fn set_up(criterion: &mut Criterion) {
     criterion.bench_function("set-up to first image", |bencher| {
         bencher.iter(|| {
             let pad = self::pad();
-            let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
-            let mut engine = Engine::new(&pad, Arc::new(matrix), profile());
+            let builder = SensingBuilder::new(&pad, Method::default()).expect("sound");
+            let sensing = builder.first().expect("a matrix");
+            let mut engine = Engine::new(&pad, Arc::new(sensing), profile());
             let mut events = Vec::new();
             for frame in &frames[..=REFERENCE_FRAMES] {
                 engine.input(&Input::Frame(frame.clone()), &mut events);
@@ -62,8 +64,9 @@ fn frame_to_events(criterion: &mut Criterion) {
     let pad = pad();
     let inputs: Vec<Input> = frames(&pad).into_iter().map(Input::Frame).collect();
     for method in Method::ALL {
-        let matrix = Arc::new(Reconstruction::of_pad(&pad, *method).expect("a matrix"));
-        let fresh = Engine::new(&pad, matrix, profile());
+        let builder = SensingBuilder::new(&pad, *method).expect("sound");
+        let sensing = Arc::new(builder.first().expect("a matrix"));
+        let fresh = Engine::new(&pad, sensing, profile());
         let name = format!("frame to events, {}", method.name());
         // The whole session in one go: the time a frame is a three-thousandth.
         criterion.bench_function(&format!("{name} (x 3000)"), |bencher| {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the pictures of the README and the guide: the live view of the level in a terminal on a display of its own, and
-# the figure of the phantoms.
-# Needs the Debian packages xvfb, xterm, fonts-dejavu-core and imagemagick; writes docs/live.png and docs/phantoms.png.
+# the figures of the phantoms and of the accuracy.
+# Needs the Debian packages xvfb, xterm, fonts-dejavu-core and imagemagick; writes docs/live.png, docs/phantoms.png and docs/accuracy.png.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet
@@ -19,5 +19,7 @@ wait %2 || true
 study=$(mktemp -d)
 target/release/gelpad study phantoms --out "$study" >/dev/null
 cp "$study/phantoms.png" docs/phantoms.png
+target/release/gelpad accuracy --pad edinburgh-lattice --seed 1 --out "$study" >/dev/null
+cp "$study/accuracy.png" docs/accuracy.png
 rm -r "$study"
-echo "docs/live.png docs/phantoms.png"
+echo "docs/live.png docs/phantoms.png docs/accuracy.png"

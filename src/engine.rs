@@ -5,11 +5,10 @@
 
 use std::sync::Arc;
 
-use crate::eit::Reconstruction;
 use crate::gesture::Gestures;
 use crate::pad::Pad;
 use crate::profile::Profile;
-use crate::touch::{Detector, FrameTouches};
+use crate::touch::{Detector, FrameTouches, Sensing};
 use crate::types::{Event, Frame, Nanos, Output, Touch};
 
 /// Everything that can change what the engine does next.
@@ -34,8 +33,13 @@ pub enum Input {
         /// When.
         t_ns: Nanos,
     },
-    /// Another matrix of the same pad from now on.
-    Matrix(Arc<Reconstruction>),
+    /// Another matrix and other weights of the same pad from now on: an electrode was lost, or is back.
+    Matrix(Arc<Sensing>),
+    /// The pad counts as untouched as it is now; what is held is released.
+    Rezero {
+        /// When.
+        t_ns: Nanos,
+    },
     /// Frames were lost before the engine.
     Lost {
         /// How many.
@@ -58,16 +62,16 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// An engine for a pad, its matrix and a profile.
+    /// An engine for a pad, what its frames are read with, and a profile.
     ///
     /// # Panics
-    /// If the matrix is not of that pad.
+    /// If that is not of the pad.
     #[must_use]
-    pub fn new(pad: &Pad, reconstruction: Arc<Reconstruction>, profile: Arc<Profile>) -> Self {
-        assert_eq!(pad.channels(), reconstruction.channels());
+    pub fn new(pad: &Pad, sensing: Arc<Sensing>, profile: Arc<Profile>) -> Self {
+        assert_eq!(pad.channels(), sensing.channels());
         let pad_mm = pad.outline.size_mm();
         Self {
-            detector: Detector::new(reconstruction),
+            detector: Detector::of_pad(sensing, &pad.protocol),
             gestures: Gestures::new(profile, pad_mm),
             changed: Vec::new(),
             lost_frames: 0,
@@ -87,14 +91,19 @@ impl Engine {
             }
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
             Input::Profile { t_ns, profile } => {
-                self.gestures.replace(Arc::clone(profile), *t_ns, events)
+                self.gestures.replace(Arc::clone(profile), *t_ns, events);
             }
             Input::Pause { t_ns } => {
                 self.gestures.tick(*t_ns, events);
                 self.gestures
                     .pause(*t_ns, !self.gestures.is_paused(), events);
             }
-            Input::Matrix(matrix) => self.detector.replace_matrix(Arc::clone(matrix)),
+            Input::Matrix(sensing) => self.detector.take(Arc::clone(sensing)),
+            Input::Rezero { t_ns } => {
+                self.detector.rezero(&mut self.changed);
+                self.gestures.tick(*t_ns, events);
+                self.gestures.touches(*t_ns, &self.changed, events);
+            }
             Input::Lost { frames } => self.lost_frames += frames,
             Input::End { t_ns } => {
                 self.detector.lift_all(&mut self.changed);
@@ -131,6 +140,18 @@ impl Engine {
     #[must_use]
     pub fn profile(&self) -> &Arc<Profile> {
         self.gestures.profile()
+    }
+
+    /// The weights for which an [`Input::Matrix`] is wanted, if one is: see [`Detector::wanted`].
+    #[must_use]
+    pub fn wanted(&self) -> Option<&[f64]> {
+        self.detector.wanted()
+    }
+
+    /// Electrodes that are left out, ascending, counted from 0.
+    #[must_use]
+    pub fn lost_electrodes(&self) -> Vec<usize> {
+        self.detector.lost_electrodes()
     }
 
     /// Channels that the first frames showed to be dead or loose, and that are left out since.

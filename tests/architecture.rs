@@ -16,6 +16,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "engine",
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
+    ("cache", &["pad", "eit"]),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
     ("study", &["types", "pad", "eit", "touch", "source"]),
@@ -29,7 +30,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "cli",
         &[
             "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
-            "runtime", "study",
+            "runtime", "study", "cache",
         ],
     ),
 ];

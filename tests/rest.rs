@@ -4,11 +4,11 @@
 
 use std::sync::Arc;
 
-use gelpad::eit::Reconstruction;
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::Profile;
 use gelpad::source::{Finger, Noise, SimulatedPad};
+use gelpad::touch::SensingBuilder;
 use gelpad::types::{Action, Event, Frame, Method, NANOS_PER_MS, Nanos};
 
 const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
@@ -60,11 +60,12 @@ impl Bench {
     fn new(seed: u64) -> Self {
         let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-        let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
+        let builder = SensingBuilder::new(&pad, Method::default()).expect("sound");
+        let sensing = builder.first().expect("a matrix");
         let profile = Profile::from_toml("rest", PROFILE).expect("sound");
         Self {
             pad: SimulatedPad::new(&pad).expect("solvable"),
-            engine: Engine::new(&pad, Arc::new(matrix), Arc::new(profile)),
+            engine: Engine::new(&pad, Arc::new(sensing), Arc::new(profile)),
             noise: Noise::new(SNR_DB, seed),
             frame: 0,
             events: Vec::new(),

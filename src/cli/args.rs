@@ -48,6 +48,35 @@ pub(super) enum Command {
         #[command(subcommand)]
         command: StudyCommand,
     },
+    /// Find out how well a pad's touches can be told, and what bounds it
+    Accuracy(AccuracyArgs),
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad accuracy --out accuracy                                  about a minute on two cores
+  gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
+  gelpad accuracy --pad round-tank --quick --out tank             a few seconds: whether all works, not how well")]
+pub(super) struct AccuracyArgs {
+    /// Where report, picture, JSON and CSV go
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// Signal-to-noise ratios, dB
+    #[arg(long, value_name = "DB,...", value_delimiter = ',', value_parser = snr, default_value = "80,60,50,40")]
+    pub snr: Vec<f64>,
+    /// How images are made: tikhonov, noser, smooth or l1 [default: what the pad says, else noser]
+    #[arg(long)]
+    pub method: Option<Method>,
+    /// Seed of specimens, touches and noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Few draws: whether all works, not how well
+    #[arg(long)]
+    pub quick: bool,
 }
 
 #[derive(Debug, Subcommand)]

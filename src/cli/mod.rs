@@ -3,6 +3,7 @@
 //! Exit codes: 0 success; 1 failure; 2 what `--help` forbids; 3 finished but lost data; 130 and 143 after Ctrl-C and
 //! SIGTERM, keys up. Machine-readable output goes to stdout, everything else to stderr.
 
+mod accuracy;
 mod args;
 mod changes;
 mod drawing;
@@ -14,6 +15,7 @@ mod pads;
 mod pick;
 mod play;
 mod profiles;
+mod progress;
 mod replay;
 mod resolve;
 mod study;
@@ -36,6 +38,7 @@ pub fn main() -> ExitCode {
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),
+        Some(Command::Accuracy(args)) => accuracy::run(&args),
     };
     exit::code(outcome)
 }

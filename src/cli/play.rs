@@ -194,15 +194,17 @@ fn run(
     title: Option<Title>,
     changes: Option<Changes>,
 ) -> anyhow::Result<Ending> {
-    let matrix = resolve::reconstruction(pad, method)?;
-    let engine = Engine::new(pad, matrix, profile);
+    let builder = resolve::sensing(pad, method)?;
+    let sensing = Arc::new(builder.first()?);
+    let engine = Engine::new(pad, sensing, profile);
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad)?),
         None => None,
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
-    let mut running = runtime::start(engine, source, device).context("no thread to play on")?;
+    let mut running =
+        runtime::start(engine, builder, source, device).context("no thread to play on")?;
     let watched = watch(&mut running, &signals, view.as_mut(), changes);
     running.stop();
     let summary = running.join();

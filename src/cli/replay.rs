@@ -1,6 +1,7 @@
 //! `gelpad replay`: recorded frames through the engine, as fast as it goes.
 
 use std::io::{BufWriter, Write};
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -16,8 +17,8 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let profile = resolve::profile(&args.profile, args.user.as_deref())?;
     let mut source = FramesCsv::open(&args.file, pad.channels())?;
     let method = resolve::method(args.method, &profile, &pad);
-    let matrix = resolve::reconstruction(&pad, method)?;
-    let mut engine = Engine::new(&pad, matrix, profile);
+    let builder = resolve::sensing(&pad, method)?;
+    let mut engine = Engine::new(&pad, Arc::new(builder.first()?), profile);
     let mut stdout = BufWriter::new(std::io::stdout().lock());
     let mut events = Vec::new();
     let mut last_ns = 0;
@@ -27,6 +28,10 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
             Ok(Reading::Frame(frame)) => {
                 last_ns = frame.t_ns;
                 step(&mut engine, frame, args.print, &mut events, &mut stdout)?;
+                if let Some(deviations) = engine.wanted() {
+                    let sensing = Arc::new(builder.build(deviations)?);
+                    engine.input(&Input::Matrix(sensing), &mut events);
+                }
             }
             Ok(Reading::End) => break Ok(Ending::Done),
             Ok(Reading::Skipped { .. } | Reading::Idle) => {}

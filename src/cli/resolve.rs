@@ -5,14 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit;
+use crate::cache;
 use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use crate::profile::{
     self, Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
     shipped_user,
 };
+use crate::touch::SensingBuilder;
 use crate::types::{Method, nearest};
 
 /// No pad, profile or script is larger, bytes.
@@ -181,9 +184,39 @@ pub(super) fn method(asked: Option<Method>, profile: &Profile, pad: &Pad) -> Met
     asked.or(profile.method).or(pad.method).unwrap_or_default()
 }
 
+/// What reads a pad's frames. The first time that a pad is used its touches are solved, which is shown.
+pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilder> {
+    let bar = ProgressBar::hidden();
+    let progress = |done: usize, rows: usize| {
+        if bar.is_hidden() {
+            bar.set_length(rows as u64);
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.set_style(solving_style());
+        }
+        bar.set_position(done as u64);
+    };
+    // The table is read while the matrix is made.
+    let (table, builder) = std::thread::scope(|scope| {
+        let table = scope.spawn(|| cache::table(pad, progress));
+        let builder = SensingBuilder::new(pad, method);
+        (table.join(), builder)
+    });
+    bar.finish_and_clear();
+    let named = || format!("the pad {} gives no image", pad.name);
+    let table = match table {
+        Ok(table) => table.with_context(named)?,
+        Err(panic) => std::panic::resume_unwind(panic),
+    };
+    Ok(builder.with_context(named)?.with_table(Arc::new(table)))
+}
+
+fn solving_style() -> ProgressStyle {
+    ProgressStyle::with_template("solving this pad's touches, once: {wide_bar} {percent} % {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
 /// What makes a pad's images.
-pub(super) fn reconstruction(pad: &Pad, method: Method) -> anyhow::Result<Arc<Reconstruction>> {
-    let matrix = Reconstruction::of_pad(pad, method)
-        .with_context(|| format!("the pad {} gives no image", pad.name))?;
-    Ok(Arc::new(matrix))
+pub(super) fn reconstruction(pad: &Pad, method: Method) -> anyhow::Result<Reconstruction> {
+    Reconstruction::of_pad(pad, method)
+        .with_context(|| format!("the pad {} gives no image", pad.name))
 }

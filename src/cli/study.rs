@@ -1,13 +1,13 @@
 //! `gelpad study`: which pad to build.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
 use super::args::{StudyArgs, StudyCommand};
 use super::exit::Ending;
+use super::progress::{bar, tell};
 use super::resolve;
 use crate::study::job::{self, Folder, Shard};
 use crate::study::phantoms::{self, Phantoms};
@@ -86,7 +86,7 @@ fn solve_width(study: &Width, common: &StudyArgs) -> anyhow::Result<Ending> {
 
 fn write_width(study: &Width, folder: &Folder) -> anyhow::Result<()> {
     let outcomes: Vec<width::Outcome> = job::results(folder, study.cases(), Width::id)?;
-    Ok(study.report(&outcomes)?.write(folder)?)
+    Ok(study.report(&outcomes)?.write(folder.path())?)
 }
 
 fn solve_phantoms(study: &Phantoms, common: &StudyArgs) -> anyhow::Result<Ending> {
@@ -111,7 +111,7 @@ fn solve_phantoms(study: &Phantoms, common: &StudyArgs) -> anyhow::Result<Ending
 fn write_phantoms(study: &Phantoms, folder: &Folder) -> anyhow::Result<()> {
     let outcomes: Vec<phantoms::Outcome> =
         job::results(folder, &phantoms::phantoms(), Phantoms::id)?;
-    Ok(study.report(&outcomes)?.write(folder)?)
+    Ok(study.report(&outcomes)?.write(folder.path())?)
 }
 
 fn merge(folders: &[std::path::PathBuf], out: &Path) -> anyhow::Result<Ending> {
@@ -146,25 +146,4 @@ fn finish(folder: &Folder, shard: Shard) -> anyhow::Result<Ending> {
         )?;
     }
     Ok(Ending::Done)
-}
-
-/// A bar on stderr, or nothing where that is no terminal.
-fn bar() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(0);
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:40} {pos} of {len} cases, {elapsed}, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    bar
-}
-
-fn tell(bar: &ProgressBar) -> impl Fn(usize, usize) + Sync + '_ {
-    move |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    }
 }

@@ -80,6 +80,13 @@ struct Element {
     entries: [usize; 6],
 }
 
+impl Element {
+    fn stiffness(&self, i: usize, j: usize) -> f64 {
+        let (gi, gj) = (self.gradients[i], self.gradients[j]);
+        self.weight * (gi[0] * gj[0] + gi[1] * gj[1])
+    }
+}
+
 /// Index pairs of a triangle's corners, in the order of [`Element::entries`].
 const CORNER_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 0), (2, 1), (2, 0)];
 
@@ -183,21 +190,7 @@ impl ForwardModel {
     /// # Panics
     /// If there is not one conductivity a triangle.
     pub fn solve(&self, conductivity_s_per_m: &[f64]) -> Result<Fields, ForwardError> {
-        assert_eq!(conductivity_s_per_m.len(), self.elements.len());
-        let mut values = self.contact_values.clone();
-        for (element, sigma) in self.elements.iter().zip(conductivity_s_per_m) {
-            let scale = sigma * element.weight;
-            for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(element.entries) {
-                let (gi, gj) = (element.gradients[i], element.gradients[j]);
-                values[entry] += scale * (gi[0] * gj[0] + gi[1] * gj[1]);
-            }
-        }
-        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values);
-        let factor = Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower)
-            .map_err(|error| match error {
-                LltError::Numeric(_) => ForwardError::Disconnected,
-                LltError::Generic(_) => ForwardError::TooLarge,
-            })?;
+        let factor = self.factorise(conductivity_s_per_m)?;
         let nodes = self.mesh.nodes_mm.len();
         let driven = self.mesh.electrodes.len() - 1;
         let mut potentials = Mat::zeros(nodes + driven, driven);
@@ -212,12 +205,68 @@ impl ForwardModel {
         })
     }
 
+    /// The inverse of the stiffness between nodes, V/A: column j holds the potentials of all nodes for a unit current
+    /// into node j. Dense, nodes by nodes, in single precision: for coarse meshes only.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    ///
+    /// # Panics
+    /// As [`Self::solve`].
+    pub(super) fn dense_inverse(
+        &self,
+        conductivity_s_per_m: &[f64],
+    ) -> Result<Mat<f32>, ForwardError> {
+        /// Right-hand sides solved at once: enough to use the caches, few enough to fit in them.
+        const BATCH: usize = 32;
+        let factor = self.factorise(conductivity_s_per_m)?;
+        let nodes = self.mesh.nodes_mm.len();
+        let unknowns = nodes + self.mesh.electrodes.len() - 1;
+        let mut inverse = Mat::zeros(nodes, nodes);
+        for first in (0..nodes).step_by(BATCH) {
+            let count = BATCH.min(nodes - first);
+            let mut columns = Mat::<f64>::zeros(unknowns, count);
+            for column in 0..count {
+                columns[(first + column, column)] = 1.0;
+            }
+            factor.solve_in_place(columns.as_mut());
+            for column in 0..count {
+                for node in 0..nodes {
+                    inverse[(node, first + column)] = columns[(node, column)] as f32;
+                }
+            }
+        }
+        Ok(inverse)
+    }
+
+    fn factorise(&self, conductivity_s_per_m: &[f64]) -> Result<Llt<usize, f64>, ForwardError> {
+        assert_eq!(conductivity_s_per_m.len(), self.elements.len());
+        let mut values = self.contact_values.clone();
+        for (element, sigma) in self.elements.iter().zip(conductivity_s_per_m) {
+            for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(element.entries) {
+                values[entry] += sigma * element.stiffness(i, j);
+            }
+        }
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values);
+        Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower).map_err(|error| {
+            match error {
+                LltError::Numeric(_) => ForwardError::Disconnected,
+                LltError::Generic(_) => ForwardError::TooLarge,
+            }
+        })
+    }
+
     /// Solves for the same conductivity everywhere, S/m.
     ///
     /// # Errors
     /// As [`Self::solve`].
     pub fn solve_even(&self, conductivity_s_per_m: f64) -> Result<Fields, ForwardError> {
         self.solve(&vec![conductivity_s_per_m; self.elements.len()])
+    }
+
+    /// What a unit conductivity of a triangle adds between two of its corners (0 to 2), siemens.
+    pub(super) fn stiffness(&self, triangle: usize, i: usize, j: usize) -> f64 {
+        self.elements[triangle].stiffness(i, j)
     }
 
     /// Area x thickness of a triangle, mm2 m: what a conductivity is multiplied by in the stiffness.
@@ -249,6 +298,11 @@ impl Fields {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Potential of a node in a field (the last electrode's is zero everywhere and has none), V/A.
+    pub(super) fn at_node(&self, node: usize, field: usize) -> f64 {
+        self.potentials[(node, field)]
     }
 
     /// Potential of electrode `of` for a unit current into `into` and out of the last electrode, V/A.

@@ -38,19 +38,30 @@ impl Sensitivity {
 
     /// The readings' change for a unit rise of conductivity (V/A per S/m), channel by channel.
     fn channels<'a>(&'a self, protocol: &'a Protocol) -> impl Iterator<Item = f64> + 'a {
-        let term = |k: usize, l: usize| {
-            // The last electrode is ground: its field is zero.
-            if k == self.fields || l == self.fields {
-                0.0
-            } else {
-                self.sums[k * self.fields + l]
-            }
-        };
-        protocol
-            .channels
-            .iter()
-            .map(move |channel| -combine(channel, term))
+        pair_sums(protocol, self.fields, |k, l| {
+            self.sums[k * self.fields + l]
+        })
     }
+}
+
+/// The readings' change from sums over pairs of fields of grad u_k . dsigma grad u_l, channel by channel.
+pub(super) fn pair_sums(
+    protocol: &Protocol,
+    fields: usize,
+    sums: impl Fn(usize, usize) -> f64,
+) -> impl Iterator<Item = f64> {
+    let term = move |k: usize, l: usize| {
+        // The last electrode is ground: its field is zero.
+        if k == fields || l == fields {
+            0.0
+        } else {
+            sums(k, l)
+        }
+    };
+    protocol
+        .channels
+        .iter()
+        .map(move |channel| -combine(channel, &term))
 }
 
 /// Channels by the listed triangles, V/A per S/m.

@@ -5,8 +5,8 @@
 //! the caller declares untouched. While the pad is touched it goes on along its rate and grows less sure of itself, so
 //! that a held press never fades and drift under a long hold is foreseen rather than seen as a touch.
 //!
-//! All channels are measured at the same times, with noise in proportion to what they read, so one covariance serves
-//! them all and a frame costs two multiplications a channel. (Model: Bar-Shalom, Li and Kirubarajan 2001, section 6.2,
+//! A touch in one corner leaves the channels of another as they were: these go on being followed, and what they have in
+//! common moves the rest. How noisy each channel is, is learnt on the way. (Model: Bar-Shalom, Li and Kirubarajan 2001, section 6.2,
 //! the nearly constant velocity model.)
 
 /// Frames whose mean is the first reference.
@@ -26,6 +26,10 @@ const LONGEST_STEP_S: f64 = 0.2;
 const SETTLE_FRAMES: u32 = 3;
 /// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
 const LOOSE_SPREAD: f64 = 20.0;
+/// Share by which the estimate of a channel's noise moves with each frame in which it is free: some seconds.
+const NOISE_FOLLOW: f64 = 0.004;
+/// One channel in so many must be free to tell a gain that all share.
+const LEAST_FREE: usize = 8;
 
 /// The untouched pad's voltages.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,9 +37,9 @@ pub struct Reference {
     volts: Vec<f64>,
     /// Volts a second.
     rates: Vec<f64>,
-    covariance: Covariance,
-    /// Variance of a reading, relative.
-    noise: f64,
+    covariances: Vec<Covariance>,
+    /// Variance of a reading of each channel, relative.
+    noise: Vec<f64>,
     /// Sum over the first frames of the squares of the volts, a channel.
     squares: Vec<f64>,
     /// Channels that are left out.
@@ -60,12 +64,15 @@ impl Reference {
         Self {
             volts: vec![0.0; channels],
             rates: vec![0.0; channels],
-            covariance: Covariance {
-                level: 0.0,
-                cross: 0.0,
-                rate: FIRST_RATE_PER_S * FIRST_RATE_PER_S,
-            },
-            noise: LEAST_NOISE * LEAST_NOISE,
+            covariances: vec![
+                Covariance {
+                    level: 0.0,
+                    cross: 0.0,
+                    rate: FIRST_RATE_PER_S * FIRST_RATE_PER_S,
+                };
+                channels
+            ],
+            noise: vec![LEAST_NOISE * LEAST_NOISE; channels],
             squares: vec![0.0; channels],
             muted: vec![false; channels],
             frames: 0,
@@ -86,16 +93,38 @@ impl Reference {
         &self.volts
     }
 
+    /// Variance of a relative change in the mean over the channels that count: of the noise and of the reference's own doubt.
+    #[must_use]
+    pub fn change_variance(&self) -> f64 {
+        self.mean(|channel| self.noise[channel] + self.covariances[channel].level)
+    }
+
+    /// Deviation of a relative change; see [`Self::change_variance`].
+    #[must_use]
+    pub fn change_noise(&self) -> f64 {
+        libm::sqrt(self.change_variance())
+    }
+
     /// By how much the reference's own doubt widens the noise of a change: 1 when it is certain.
     #[must_use]
     pub fn doubt(&self) -> f64 {
-        libm::sqrt(1.0 + self.covariance.level / self.noise)
+        libm::sqrt(self.change_variance() / self.mean(|channel| self.noise[channel]))
     }
 
-    /// Deviation of a relative change, from the first frames' noise and the reference's own doubt.
+    /// Deviations of the readings from frame to frame, relative, one a channel; infinite for one that is left out.
     #[must_use]
-    pub fn change_noise(&self) -> f64 {
-        libm::sqrt(self.noise) * self.doubt()
+    pub fn deviations(&self) -> Vec<f64> {
+        self.noise
+            .iter()
+            .zip(&self.muted)
+            .map(|(noise, muted)| {
+                if *muted {
+                    f64::INFINITY
+                } else {
+                    libm::sqrt(*noise)
+                }
+            })
+            .collect()
     }
 
     /// Takes one of the first frames into the mean.
@@ -110,7 +139,9 @@ impl Reference {
         self.last_ns = t_ns;
         if self.is_ready() {
             self.judge_first_frames();
-            self.covariance.level = self.noise / self.frames as f64;
+            for (covariance, noise) in self.covariances.iter_mut().zip(&self.noise) {
+                covariance.level = noise / self.frames as f64;
+            }
         }
     }
 
@@ -121,35 +152,59 @@ impl Reference {
         for (level, rate) in self.volts.iter_mut().zip(&self.rates) {
             *level += rate * elapsed_s;
         }
-        let Covariance { level, cross, rate } = self.covariance;
-        self.covariance = Covariance {
-            level: level
-                + elapsed_s * (2.0 * cross + elapsed_s * rate)
-                + LEVEL_WALK * LEVEL_WALK * elapsed_s,
-            cross: cross + elapsed_s * rate,
-            rate: rate + RATE_WALK_PER_S * RATE_WALK_PER_S * elapsed_s,
-        };
+        for covariance in &mut self.covariances {
+            let Covariance { level, cross, rate } = *covariance;
+            *covariance = Covariance {
+                level: level
+                    + elapsed_s * (2.0 * cross + elapsed_s * rate)
+                    + LEVEL_WALK * LEVEL_WALK * elapsed_s,
+                cross: cross + elapsed_s * rate,
+                rate: rate + RATE_WALK_PER_S * RATE_WALK_PER_S * elapsed_s,
+            };
+        }
     }
 
-    /// Measures a frame of the untouched pad, at the time to which it has advanced.
-    pub fn follow(&mut self, volts: &[f32]) {
+    /// Measures a frame at the time to which it has advanced, in the channels that are free of any touch. The others move
+    /// by what the free ones have in common: a gain that all share.
+    pub fn follow(&mut self, volts: &[f32], is_free: impl Fn(usize) -> bool) {
         self.quiet_frames += 1;
         if self.quiet_frames <= SETTLE_FRAMES {
             return;
         }
-        let Covariance { level, cross, rate } = self.covariance;
-        let total = level + self.noise;
-        let (level_gain, rate_gain) = (level / total, cross / total);
-        for ((reference, drift), volt) in self.volts.iter_mut().zip(&mut self.rates).zip(volts) {
-            let surprise = f64::from(*volt) - *reference;
-            *reference += level_gain * surprise;
-            *drift += rate_gain * surprise;
+        let (mut free, mut common, mut common_rate) = (0usize, 0.0, 0.0);
+        for channel in 0..self.volts.len() {
+            if self.muted[channel] || self.volts[channel] == 0.0 || !is_free(channel) {
+                continue;
+            }
+            let Covariance { level, cross, rate } = self.covariances[channel];
+            let total = level + self.noise[channel];
+            let (level_gain, rate_gain) = (level / total, cross / total);
+            let reference = self.volts[channel];
+            let surprise = f64::from(volts[channel]) - reference;
+            self.volts[channel] += level_gain * surprise;
+            self.rates[channel] += rate_gain * surprise;
+            self.covariances[channel] = Covariance {
+                level: level - level_gain * level,
+                cross: cross - level_gain * cross,
+                rate: rate - rate_gain * cross,
+            };
+            let relative = surprise / reference;
+            self.follow_noise(channel, relative * relative - level);
+            free += 1;
+            common += level_gain * relative;
+            common_rate += rate_gain * relative;
         }
-        self.covariance = Covariance {
-            level: level - level_gain * level,
-            cross: cross - level_gain * cross,
-            rate: rate - rate_gain * cross,
-        };
+        if free * LEAST_FREE < self.volts.len() || free == self.volts.len() {
+            return;
+        }
+        let (level, rate) = (common / free as f64, common_rate / free as f64);
+        for channel in 0..self.volts.len() {
+            if !is_free(channel) {
+                let reference = self.volts[channel];
+                self.volts[channel] += level * reference;
+                self.rates[channel] += rate * reference;
+            }
+        }
     }
 
     /// Lets a frame of a touched pad pass.
@@ -157,12 +212,46 @@ impl Reference {
         self.quiet_frames = 0;
     }
 
-    /// Channels that the first frames showed to be dead or loose: they change by nothing.
+    /// Takes a channel out, or takes it back with its level corrected by a share.
+    pub fn mute(&mut self, channel: usize, muted: bool, corrected_by: f64) {
+        self.muted[channel] = muted;
+        self.volts[channel] *= 1.0 + corrected_by;
+    }
+
+    /// Whether a channel is left out.
+    #[must_use]
+    pub fn is_muted(&self, channel: usize) -> bool {
+        self.muted[channel]
+    }
+
+    /// Channels that are left out: they change by nothing.
     #[must_use]
     pub fn muted_channels(&self) -> Vec<usize> {
         (0..self.muted.len())
             .filter(|channel| self.muted[*channel])
             .collect()
+    }
+
+    /// The estimate of a channel's noise goes after what a frame shows of it.
+    fn follow_noise(&mut self, channel: usize, square: f64) {
+        let noise = &mut self.noise[channel];
+        // One wild reading is no noise level.
+        let square = square.clamp(0.0, 10.0 * *noise);
+        *noise = (*noise + NOISE_FOLLOW * (square - *noise)).max(LEAST_NOISE * LEAST_NOISE);
+    }
+
+    /// Mean over the channels that count.
+    fn mean(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let (mut count, mut sum) = (0usize, 0.0);
+        for channel in (0..self.muted.len()).filter(|channel| !self.muted[*channel]) {
+            count += 1;
+            sum += of(channel);
+        }
+        if count == 0 {
+            LEAST_NOISE * LEAST_NOISE
+        } else {
+            sum / count as f64
+        }
     }
 
     /// Relative changes (v - v0) / v0; a muted channel changes by nothing.
@@ -201,13 +290,15 @@ impl Reference {
         sorted.sort_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let least = LEAST_NOISE * LEAST_NOISE;
-        self.noise = if median.is_finite() {
+        // Ten frames tell one channel's noise too badly: to begin with, all have the same.
+        let shared = if median.is_finite() {
             median.max(least)
         } else {
             least
         };
+        self.noise.fill(shared);
         for (muted, variance) in self.muted.iter_mut().zip(variances) {
-            *muted = variance > LOOSE_SPREAD * LOOSE_SPREAD * self.noise;
+            *muted = variance > LOOSE_SPREAD * LOOSE_SPREAD * shared;
         }
     }
 }
@@ -239,7 +330,7 @@ mod tests {
             if touched(frame) {
                 reference.hold();
             } else {
-                reference.follow(&volts);
+                reference.follow(&volts, |_| true);
             }
         }
         reference

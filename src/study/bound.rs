@@ -1,59 +1,163 @@
-//! The Cramer-Rao bound of a touch's place: how well any method, with this pad and this noise, could place a touch.
+//! The Cramer-Rao bound of touches: how well any method, with this pad and this noise, could place and weigh them.
 //!
-//! Four unknowns: x, y, radius and rise of a press. The Fisher information is F = D' W D with D the exact derivative of the
+//! Four unknowns a press: x, y, radius and rise. The Fisher information is F = D' W D with D the exact derivative of the
 //! voltages in the touched state (adjoint fields there times the derivative of the conductivity), W one over the variance
-//! of each reading; the bound of the place is sqrt((F^-1)_xx + (F^-1)_yy). (Kay 1993, theorem 3.2.)
+//! of each reading; the inverse of F is the least covariance of any unbiased estimate. (Kay 1993, theorem 3.2.) The
+//! untouched pad is taken as known, and the small information in the size of the noise itself is left out.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::StudyError;
-use crate::eit::{ForwardModel, element_jacobian};
-use crate::pad::Pad;
+use super::press::UNKNOWNS;
+use super::{Press, StudyError, pressed};
+use crate::eit::{Fields, ForwardModel, element_jacobian};
+use crate::pad::{Pad, TouchSign};
 use crate::types::PointMm;
 
-/// A press as gels show it: the conductivity is multiplied by 1 + rise (1 - (d / radius)^2) within its radius.
+/// The least that any unbiased method errs about one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Press {
-    /// Its middle, mm.
-    pub centre_mm: PointMm,
-    /// Its radius, mm.
-    pub radius_mm: f64,
-    /// Relative rise in its middle.
-    pub rise: f64,
+pub struct PressBound {
+    /// Variances along x and y and their covariance, mm2.
+    place_mm2: [f64; 3],
+    /// Deviation of its volume, as a share of it.
+    pub volume_share: f64,
 }
 
-impl Press {
-    /// The factor at a point.
+impl PressBound {
+    /// Root mean square distance of the estimate from the truth, mm.
     #[must_use]
-    pub fn factor(&self, point: PointMm) -> f64 {
-        1.0 + self.rise * self.bump(point)
+    pub fn rms_mm(&self) -> f64 {
+        (self.place_mm2[0] + self.place_mm2[1]).sqrt()
     }
 
-    fn bump(&self, [x, y]: PointMm) -> f64 {
-        let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
-        (1.0 - (dx * dx + dy * dy) / (self.radius_mm * self.radius_mm)).max(0.0)
+    /// Mean distance of the estimate from the truth if it errs by a Gaussian of the bound's covariance, mm.
+    ///
+    /// In polar form: the mean of Rayleigh's law times the mean over the circle of the ellipse's radius.
+    #[must_use]
+    pub fn mean_mm(&self) -> f64 {
+        const STEPS: usize = 64;
+        let [xx, yy, xy] = self.place_mm2;
+        let (middle, spread) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
+        let mean_radius = (0..STEPS)
+            .map(|step| {
+                let angle = std::f64::consts::TAU * step as f64 / STEPS as f64;
+                (middle + spread * angle.cos()).max(0.0).sqrt()
+            })
+            .sum::<f64>()
+            / STEPS as f64;
+        (std::f64::consts::PI / 2.0).sqrt() * mean_radius
     }
 
-    /// Derivatives of the factor for x, y (1/mm), radius (1/mm) and rise.
-    fn derivatives(&self, [x, y]: PointMm) -> [f64; 4] {
-        let bump = self.bump([x, y]);
-        if bump == 0.0 {
-            return [0.0; 4];
+    /// The bound with so many times the noise.
+    #[must_use]
+    pub fn with_noise(&self, times: f64) -> Self {
+        Self {
+            place_mm2: self.place_mm2.map(|variance| variance * times * times),
+            volume_share: self.volume_share * times,
         }
-        let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
-        let r2 = self.radius_mm * self.radius_mm;
-        [
-            2.0 * self.rise * dx / r2,
-            2.0 * self.rise * dy / r2,
-            2.0 * self.rise * (1.0 - bump) / self.radius_mm,
-            bump,
-        ]
     }
 }
 
-/// The bound of a press' place, mm (root of the summed variances along x and y), for noise of an SNR (dB) in proportion to
-/// each reading.
+/// A pad in its touched state, solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Touched<'a> {
+    /// What was solved.
+    pub model: &'a ForwardModel,
+    /// The solution.
+    pub fields: &'a Fields,
+    /// Conductivity of each triangle without the presses, S/m.
+    pub background: &'a [f64],
+    /// What presses it.
+    pub presses: &'a [Press],
+}
+
+impl Touched<'_> {
+    /// How the readings change with every unknown: for one state and any noise.
+    #[must_use]
+    pub fn slopes(&self, pad: &Pad) -> Slopes {
+        let under = self.under(pad.touch_sign);
+        let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
+        let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
+        let unknowns = UNKNOWNS * self.presses.len();
+        let conductivity =
+            Mat::from_fn(under.len(), unknowns, |row, unknown| under[row].1[unknown]);
+        Slopes {
+            presses: self.presses.to_vec(),
+            derivative: jacobian * conductivity,
+        }
+    }
+
+    /// The triangles that change with the presses, and the derivative of their conductivity for every unknown.
+    fn under(&self, sign: TouchSign) -> Vec<(usize, Vec<f64>)> {
+        let mesh = self.model.mesh();
+        (0..mesh.triangles.len())
+            .filter_map(|triangle| {
+                let points = mesh.quarter_points_mm(triangle);
+                let is_under = |point: &PointMm| self.presses.iter().any(|p| p.bump(*point) > 0.0);
+                points.iter().any(is_under).then(|| {
+                    let mut mean = vec![0.0; UNKNOWNS * self.presses.len()];
+                    for point in points {
+                        let level =
+                            self.background[triangle] * pressed(self.presses, sign, point) / 4.0;
+                        for (part, press) in mean.chunks_exact_mut(UNKNOWNS).zip(self.presses) {
+                            let gain = f64::from(sign.factor()) * level / press.factor(point);
+                            for (sum, slope) in part.iter_mut().zip(press.derivatives(point)) {
+                                *sum += gain * slope;
+                            }
+                        }
+                    }
+                    (triangle, mean)
+                })
+            })
+            .collect()
+    }
+}
+
+/// Readings differentiated by place, radius and rise of every press.
+#[derive(Clone, Debug)]
+pub struct Slopes {
+    presses: Vec<Press>,
+    /// Channels by unknowns, V/A a unit of the unknown.
+    derivative: Mat<f64>,
+}
+
+impl Slopes {
+    /// The bound of each press with all presses unknown, for readings with these deviations (V/A); `None` if the readings
+    /// do not tell the presses at all.
+    ///
+    /// # Panics
+    /// If there is not one deviation a channel.
+    #[must_use]
+    pub fn bounds(&self, deviations: &[f64]) -> Option<Vec<PressBound>> {
+        let (channels, unknowns) = self.derivative.shape();
+        assert_eq!(deviations.len(), channels);
+        // Whitened: divided by the noise of each reading.
+        let whitened = Mat::from_fn(channels, unknowns, |channel, unknown| {
+            self.derivative[(channel, unknown)] / deviations[channel]
+        });
+        let information = whitened.transpose() * &whitened;
+        let told = information.llt(Side::Lower).ok()?;
+        let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
+        let bounds = self.presses.iter().enumerate().map(|(index, press)| {
+            let of = |a: usize, b: usize| covariance[(UNKNOWNS * index + a, UNKNOWNS * index + b)];
+            let (radius, rise) = (press.radius_mm, press.rise);
+            // The volume goes with rise x radius^2.
+            let volume = of(3, 3) / (rise * rise)
+                + 4.0 * of(2, 2) / (radius * radius)
+                + 4.0 * of(2, 3) / (rise * radius);
+            PressBound {
+                place_mm2: [of(0, 0), of(1, 1), of(0, 1)],
+                volume_share: volume.max(0.0).sqrt(),
+            }
+        });
+        let bounds: Vec<PressBound> = bounds.collect();
+        let sound = |bound: &PressBound| bound.rms_mm().is_finite() && bound.rms_mm() > 0.0;
+        bounds.iter().all(sound).then_some(bounds)
+    }
+}
+
+/// The bound of a press' place on the even pad, mm (root of the summed variances along x and y), for noise of an SNR (dB)
+/// in proportion to each reading.
 ///
 /// # Errors
 /// A pad that cannot be solved, or a place that the voltages do not tell at all.
@@ -63,46 +167,178 @@ pub fn place_bound_mm(
     press: &Press,
     snr_db: f64,
 ) -> Result<f64, StudyError> {
-    let background = pad.background_s_per_m;
-    let mesh = model.mesh();
-    let conductivity = mesh.mean_over_triangles(|point| background * press.factor(point));
+    let presses = [*press];
+    let background = vec![pad.background_s_per_m; model.mesh().triangles.len()];
+    let conductivity = model.mesh().mean_over_triangles(|point| {
+        pad.background_s_per_m * pressed(&presses, pad.touch_sign, point)
+    });
     let fields = model.solve(&conductivity)?;
-    let volts = fields.voltages(&pad.protocol);
-    // Only the triangles under the press change with it.
-    let under: Vec<(usize, [f64; 4])> = (0..mesh.triangles.len())
-        .map(|triangle| {
-            let mut mean = [0.0; 4];
-            for point in mesh.quarter_points_mm(triangle) {
-                for (sum, part) in mean.iter_mut().zip(press.derivatives(point)) {
-                    *sum += part * background / 4.0;
-                }
-            }
-            (triangle, mean)
-        })
-        .filter(|(_, mean)| *mean != [0.0; 4])
-        .collect();
-    let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
-    let jacobian = element_jacobian(model, &fields, &pad.protocol, &triangles);
     let noise = 10f64.powf(-snr_db / 20.0);
-    let mut derivative = Mat::<f64>::zeros(volts.len(), 4);
-    for (index, (_, mean)) in under.iter().enumerate() {
-        for (channel, volt) in volts.iter().enumerate() {
-            // Whitened: divided by the noise of that reading.
-            let gain = jacobian[(channel, index)] / (volt * noise);
-            for (parameter, part) in mean.iter().enumerate() {
-                derivative[(channel, parameter)] += gain * part;
-            }
-        }
-    }
-    let information = derivative.transpose() * &derivative;
-    let told = information
-        .llt(Side::Lower)
-        .map_err(|_| StudyError::Refused {
+    let deviations: Vec<f64> = fields
+        .voltages(&pad.protocol)
+        .iter()
+        .map(|volt| volt.abs() * noise)
+        .collect();
+    let touched = Touched {
+        model,
+        fields: &fields,
+        background: &background,
+        presses: &presses,
+    };
+    match touched.slopes(pad).bounds(&deviations) {
+        Some(bounds) => Ok(bounds[0].rms_mm()),
+        None => Err(StudyError::Refused {
             reason: format!(
                 "the voltages do not tell a touch at {:?} mm",
                 press.centre_mm
             ),
-        })?;
-    let covariance = told.solve(Mat::<f64>::identity(4, 4));
-    Ok((covariance[(0, 0)] + covariance[(1, 1)]).sqrt())
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eit::{ContactModel, Mesh, MeshSize};
+    use crate::pad::{DEFAULT_PAD, shipped_pad};
+
+    fn bound(variances: [f64; 3]) -> PressBound {
+        PressBound {
+            place_mm2: variances,
+            volume_share: 0.1,
+        }
+    }
+
+    #[test]
+    fn mean_distances_are_those_of_known_laws() {
+        // Round: Rayleigh's mean. A line: the mean of a half-normal, along any direction.
+        let rayleigh = (std::f64::consts::PI / 2.0).sqrt();
+        assert!((bound([4.0, 4.0, 0.0]).mean_mm() - 2.0 * rayleigh).abs() < 1e-12);
+        let half_normal = (2.0 / std::f64::consts::PI).sqrt();
+        for line in [[4.0, 0.0, 0.0], [2.0, 2.0, 2.0]] {
+            assert!((bound(line).mean_mm() - 2.0 * half_normal).abs() < 2e-3);
+        }
+        assert!((bound([1.0, 3.0, 0.5]).rms_mm() - 2.0).abs() < 1e-12);
+        let louder = bound([1.0, 3.0, 0.5]).with_noise(10.0);
+        assert!(
+            (louder.rms_mm() - 20.0).abs() < 1e-12 && (louder.volume_share - 1.0).abs() < 1e-12
+        );
+    }
+
+    /// A pad with an uneven background, to be solved with presses.
+    struct Bench {
+        pad: Pad,
+        model: ForwardModel,
+        background: Vec<f64>,
+    }
+
+    impl Bench {
+        fn new(touch_sign: TouchSign) -> Self {
+            let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+            let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+            let mesh = Mesh::of_pad(&pad, MeshSize::reconstruction(&pad));
+            let model = ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable");
+            let mesh = model.mesh();
+            let background = (0..mesh.triangles.len())
+                .map(|triangle| 1.0 + 0.001 * mesh.centroid_mm(triangle)[0])
+                .collect();
+            Self {
+                pad: Pad { touch_sign, ..pad },
+                model,
+                background,
+            }
+        }
+
+        fn fields(&self, presses: &[Press]) -> Fields {
+            let mut conductivity = self
+                .model
+                .mesh()
+                .mean_over_triangles(|point| pressed(presses, self.pad.touch_sign, point));
+            for (sigma, background) in conductivity.iter_mut().zip(&self.background) {
+                *sigma *= background;
+            }
+            self.model.solve(&conductivity).expect("solved")
+        }
+
+        fn volts(&self, presses: &[Press]) -> Vec<f64> {
+            self.fields(presses).voltages(&self.pad.protocol)
+        }
+
+        fn with<T>(&self, presses: &[Press], then: impl FnOnce(Touched) -> T) -> T {
+            then(Touched {
+                model: &self.model,
+                fields: &self.fields(presses),
+                background: &self.background,
+                presses,
+            })
+        }
+    }
+
+    fn press(x: f64) -> Press {
+        Press {
+            centre_mm: [x, 40.0],
+            radius_mm: 7.0,
+            rise: 1.0,
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_forward_model() {
+        for sign in [TouchSign::Rise, TouchSign::Fall] {
+            let bench = Bench::new(sign);
+            let presses = [press(30.0), press(40.0)];
+            let exact = bench.with(&presses, |touched| touched.slopes(&bench.pad));
+            let steps = [0.05, 0.05, 0.05, 0.01];
+            for (unknown, step) in steps.into_iter().enumerate() {
+                let volts = |by: f64| {
+                    let [mut first, second] = presses;
+                    match unknown {
+                        0 | 1 => first.centre_mm[unknown] += by,
+                        2 => first.radius_mm += by,
+                        _ => first.rise += by,
+                    }
+                    bench.volts(&[first, second])
+                };
+                let (up, down) = (volts(step), volts(-step));
+                let slopes = up
+                    .iter()
+                    .zip(&down)
+                    .map(|(up, down)| (up - down) / (2.0 * step));
+                let (mut off, mut all) = (0.0, 0.0);
+                for (channel, slope) in slopes.enumerate() {
+                    off += (exact.derivative[(channel, unknown)] - slope).powi(2);
+                    all += slope * slope;
+                }
+                // Four points a triangle stand for its mean on one side, hundreds on the other.
+                assert!(
+                    off < 0.05f64.powi(2) * all,
+                    "{sign:?}, {unknown}: {off} of {all}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_second_unknown_press_costs_more_the_nearer_it_is() {
+        let bench = Bench::new(TouchSign::Rise);
+        let of = |presses: &[Press]| {
+            let deviations: Vec<f64> = bench
+                .volts(presses)
+                .iter()
+                .map(|volt| volt.abs() * 1e-3)
+                .collect();
+            bench
+                .with(presses, |touched| touched.slopes(&bench.pad))
+                .bounds(&deviations)
+                .expect("told")[0]
+                .rms_mm()
+        };
+        let (alone, far, near) = (
+            of(&[press(30.0)]),
+            of(&[press(30.0), press(70.0)]),
+            of(&[press(30.0), press(40.0)]),
+        );
+        assert!(alone < far && far < 1.5 * alone, "{alone} {far}");
+        assert!(near > 2.0 * far, "{far} {near}");
+    }
 }

@@ -105,16 +105,12 @@ impl Folder {
         &self.path
     }
 
-    /// Writes a file whole or not at all: beside its place first, then renamed.
+    /// Writes a file into it, as [`write_whole`].
     ///
     /// # Errors
     /// The disk.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
-        let path = self.path.join(name);
-        let beside = path.with_extension("part");
-        fs::write(&beside, bytes)
-            .and_then(|()| fs::rename(&beside, &path))
-            .map_err(|error| StudyError::file(&path, error))
+        write_whole(&self.path, name, bytes)
     }
 
     fn case_name(id: &str) -> String {
@@ -171,6 +167,18 @@ impl Folder {
     }
 }
 
+/// Writes a file whole or not at all: beside its place first, then renamed.
+///
+/// # Errors
+/// The disk.
+pub fn write_whole(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+    let path = folder.join(name);
+    let beside = path.with_extension("part");
+    fs::write(&beside, bytes)
+        .and_then(|()| fs::rename(&beside, &path))
+        .map_err(|error| StudyError::file(&path, error))
+}
+
 /// Solves the cases of a shard that are not there yet, on all cores, each on one thread. `progress` is told
 /// (done, of how many).
 ///
@@ -199,16 +207,46 @@ where
         .copied()
         .filter(|case| folder.kept::<R>(&id(case)).is_none())
         .collect();
-    let done = AtomicUsize::new(mine.len() - todo.len());
-    progress(done.load(Ordering::Relaxed), mine.len());
-    let next = AtomicUsize::new(0);
+    let already = mine.len() - todo.len();
+    side_by_side(
+        &todo,
+        |case| solve(case).and_then(|result| folder.keep(&id(case), &result)),
+        |done, _| progress(already + done, mine.len()),
+    )?;
+    Ok(())
+}
+
+/// Solves cases on all cores, each on one thread, and gives what each gave, in their order. `progress` is told
+/// (done, of how many).
+///
+/// # Errors
+/// The first case that fails.
+pub fn side_by_side<C, R>(
+    cases: &[C],
+    solve: impl Fn(&C) -> Result<R, StudyError> + Sync,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<Vec<R>, StudyError>
+where
+    C: Sync,
+    R: Send,
+{
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let solved: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::with_capacity(cases.len()));
     let failure: Mutex<Option<StudyError>> = Mutex::new(None);
+    progress(0, cases.len());
     let work = || {
-        while let Some(case) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
-            match solve(case).and_then(|result| folder.keep(&id(case), &result)) {
-                Ok(()) => progress(done.fetch_add(1, Ordering::Relaxed) + 1, mine.len()),
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(case) = cases.get(index) else { return };
+            match solve(case) {
+                Ok(result) => {
+                    if let Ok(mut solved) = solved.lock() {
+                        solved.push((index, result));
+                    }
+                    progress(done.fetch_add(1, Ordering::Relaxed) + 1, cases.len());
+                }
                 Err(error) => {
-                    next.store(todo.len(), Ordering::Relaxed);
+                    next.store(cases.len(), Ordering::Relaxed);
                     if let Ok(mut failure) = failure.lock() {
                         failure.get_or_insert(error);
                     }
@@ -218,15 +256,20 @@ where
     };
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     std::thread::scope(|scope| {
-        for _ in 1..workers.min(todo.len().max(1)) {
+        for _ in 1..workers.min(cases.len().max(1)) {
             scope.spawn(work);
         }
         work();
     });
-    match failure.into_inner() {
-        Ok(Some(error)) => Err(error),
-        _ => Ok(()),
+    if let Ok(Some(error)) = failure.into_inner() {
+        return Err(error);
     }
+    // A lock is poisoned only if a thread panicked, and the scope has passed that on by now.
+    let mut solved = solved
+        .into_inner()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    solved.sort_by_key(|(index, _)| *index);
+    Ok(solved.into_iter().map(|(_, result)| result).collect())
 }
 
 /// What every case gave, in order.

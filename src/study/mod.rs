@@ -1,19 +1,22 @@
 //! Studies: which pad to build, and what it can show. The paper's figures in two dimensions, and what a designer needs
 //! beyond them.
 
+pub mod accuracy;
 mod bound;
 pub mod figure;
 pub mod job;
 mod merit;
 mod phantom;
 pub mod phantoms;
+mod press;
 mod report;
 mod vary;
 pub mod width;
 
-pub use bound::{Press, place_bound_mm};
+pub use bound::{PressBound, Slopes, Touched, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
+pub use press::{Press, pressed};
 pub use vary::Vary;
 
 use std::path::{Path, PathBuf};

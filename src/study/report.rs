@@ -2,10 +2,11 @@
 //! and PNG.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use super::StudyError;
 use super::figure::Figure;
-use super::job::Folder;
+use super::job::write_whole;
 
 /// A table of texts.
 #[derive(Clone, Debug)]
@@ -40,20 +41,28 @@ pub struct Report {
 }
 
 impl Report {
-    /// Writes all files into the study's folder.
+    /// Writes all files into a folder that is there.
     ///
     /// # Errors
     /// The disk.
-    pub fn write(&self, folder: &Folder) -> Result<(), StudyError> {
+    pub fn write(&self, folder: &Path) -> Result<(), StudyError> {
         for table in &self.csvs {
-            folder.write(&format!("{}.csv", table.title), table.csv()?.as_slice())?;
+            write_whole(
+                folder,
+                &format!("{}.csv", table.title),
+                table.csv()?.as_slice(),
+            )?;
         }
         for figure in &self.figures {
-            folder.write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
-            folder.write(&format!("{}.png", figure.name), &figure.png)?;
+            write_whole(
+                folder,
+                &format!("{}.svg", figure.name),
+                figure.svg.as_bytes(),
+            )?;
+            write_whole(folder, &format!("{}.png", figure.name), &figure.png)?;
         }
-        folder.write("report.md", self.markdown().as_bytes())?;
-        folder.write("report.html", self.html().as_bytes())
+        write_whole(folder, "report.md", self.markdown().as_bytes())?;
+        write_whole(folder, "report.html", self.html().as_bytes())
     }
 
     fn made_by(&self) -> String {

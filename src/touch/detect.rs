@@ -1,42 +1,62 @@
-//! One frame of relative changes to touches: image, contacts with hysteresis, tracking.
+//! One frame to touches: reference, image, contacts, tracking; and what to do when a frame cannot be right.
+//!
+//! Where the pad's table of responses is at hand, contacts are located in the voltages and the image is for the eye; a
+//! palm or a forearm, which is no finger, is taken from the image. Without a table (a pad that is too large to be solved),
+//! contacts come from the image.
+//!
+//! Invariant: no touch begins in a frame that no touches can explain. Touches that are down wait for the next frame that can be
+//! explained, though not for long.
 
 use std::sync::Arc;
 
-use super::{Blob, Segmenter, Threshold, Tracker};
-use crate::eit::{Imager, Reconstruction, Reference};
-use crate::types::{Contact, Frame, Image, Touch};
+use super::by_image::ByImage;
+use super::{Locator, Sensing, Tracker};
+use crate::eit::{Faults, Imager, Reconstruction, Reference, Verdict};
+use crate::pad::Protocol;
+use crate::types::{Frame, Image, NANOS_PER_MS, Nanos, Touch};
 
-/// A new touch needs a smoothed peak of this many times the untouched image's: noise at any SNR makes none.
-const DOWN_OVER_NOISE: f32 = 2.2;
-/// On a pad without noise it needs this relative rise of conductivity: below it is what the model cannot tell.
-const LEAST_DOWN: f32 = 0.015;
-/// A touch stays down while its peak is above this share of what a new one needs: it does not stutter. The reference's
-/// doubt, which grows while a press is held, raises what a new one needs but never lifts one that is down.
-const STAY_SHARE: f32 = 0.7;
-/// Doubt counts up to this factor.
-const MOST_DOUBT: f32 = 3.0;
-/// A weaker peak continues a touch that is down within this distance.
-const STAY_WITHIN_MM: f64 = 10.0;
 /// A jump of the mean change against a touch's direction by more than this share, and by more than this many of its
 /// deviations, while nothing is touched: a finger that lay on the pad from the start has left it.
 const REBOUND: (f64, f64) = (0.002, 10.0);
-/// Share by which the estimate of the noise moves with each untouched frame.
-const NOISE_FOLLOW: f32 = 0.01;
+/// A frame is no frame of a touched pad if what no touch explains exceeds what noise and the model's error explain by this
+/// factor.
+const UNEXPLAINED: f64 = 4.0;
+/// Touches that are down wait this long for a frame that can be explained.
+const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
+/// A channel is free, and its reference followed, if the touches change it by less than this many of its deviations.
+const FREE_DEVIATIONS: f64 = 4.0;
+/// Located touches that leave this many times what noise and the model's error explain may be a palm, as may so many
+/// touches at once.
+const POOR_REST: f64 = 4.0;
+const MANY: usize = 5;
+/// Channels are weighed anew when the noise of some (this many) has changed by this factor beside the median's; looked at
+/// every so many frames.
+const NOISIER: (usize, f64) = (4, 2.0);
+const WEIGH_EVERY: u64 = 128;
 
 /// Frames to touches. Holds the reference, the matrix and the tracker.
 #[derive(Clone, Debug)]
 pub struct Detector {
+    sensing: Arc<Sensing>,
     imager: Imager,
+    locator: Option<Locator>,
+    by_image: ByImage,
     reference: Reference,
-    segmenter: Segmenter,
+    faults: Option<Faults>,
     tracker: Tracker,
     changes: Vec<f32>,
+    /// What the touches change in each channel, relative.
+    explained: Vec<f32>,
+    /// The frame less its touches, in the instrument's units.
+    untouched: Vec<f32>,
     image: Image,
-    blobs: Vec<Blob>,
-    contacts: Vec<Contact>,
+    contacts: Vec<crate::types::Contact>,
     first_frames: Vec<Vec<f32>>,
-    /// Mean highest value of an untouched, smoothed image.
-    noise_peak: f32,
+    /// The last frame that was explained.
+    explained_ns: Nanos,
+    frames: u64,
+    /// Weights for which a new matrix is wanted.
+    wanted: Option<Vec<f64>>,
     /// How often the reference was taken anew.
     retaken: u64,
 }
@@ -51,33 +71,66 @@ pub struct FrameTouches<'a> {
 }
 
 impl Detector {
-    /// A detector for a pad's matrix, without a reference yet.
+    /// A detector that finds touches in images alone, without a reference yet.
     #[must_use]
     pub fn new(reconstruction: Arc<Reconstruction>) -> Self {
+        Self::with(Arc::new(Sensing::by_image(reconstruction)), None)
+    }
+
+    /// A detector for all that a pad's frames hold, without a reference yet.
+    #[must_use]
+    pub fn of_pad(sensing: Arc<Sensing>, protocol: &Protocol) -> Self {
+        Self::with(sensing, Some(Faults::new(protocol)))
+    }
+
+    fn with(sensing: Arc<Sensing>, faults: Option<Faults>) -> Self {
+        let channels = sensing.channels();
+        let reconstruction = &sensing.reconstruction;
         Self {
-            reference: Reference::new(reconstruction.channels()),
-            segmenter: Segmenter::new(reconstruction.grid, &reconstruction.coverage),
+            imager: Imager::new(Arc::clone(reconstruction)),
+            locator: sensing.locating.as_deref().map(Locator::new),
+            by_image: ByImage::new(reconstruction),
+            reference: Reference::new(channels),
+            faults,
             tracker: Tracker::default(),
-            changes: vec![0.0; reconstruction.channels()],
+            changes: vec![0.0; channels],
+            explained: vec![0.0; channels],
+            untouched: vec![0.0; channels],
             image: Image::blank(reconstruction.grid),
-            blobs: Vec::new(),
             contacts: Vec::new(),
             first_frames: Vec::new(),
-            noise_peak: 0.0,
+            explained_ns: 0,
+            frames: 0,
+            wanted: None,
             retaken: 0,
-            imager: Imager::new(reconstruction),
+            sensing,
         }
     }
 
-    /// Takes another matrix of the same pad; reference and touches stay.
+    /// Takes another matrix and other weights of the same pad; reference and touches stay.
     ///
     /// # Panics
-    /// If the matrix has another number of channels.
-    pub fn replace_matrix(&mut self, reconstruction: Arc<Reconstruction>) {
-        assert_eq!(reconstruction.channels(), self.changes.len());
-        self.segmenter = Segmenter::new(reconstruction.grid, &reconstruction.coverage);
+    /// If they are for another number of channels.
+    pub fn take(&mut self, sensing: Arc<Sensing>) {
+        assert_eq!(sensing.channels(), self.changes.len());
+        let reconstruction = &sensing.reconstruction;
         self.image = Image::blank(reconstruction.grid);
-        self.imager = Imager::new(reconstruction);
+        self.by_image.take(reconstruction);
+        self.imager = Imager::new(Arc::clone(reconstruction));
+        match (&mut self.locator, sensing.locating.as_deref()) {
+            (Some(locator), Some(locating)) => locator.take(locating),
+            (locator, locating) => *locator = locating.map(Locator::new),
+        }
+        self.sensing = sensing;
+        self.wanted = None;
+        self.want_if_lost();
+    }
+
+    /// The weights for which another matrix is wanted, if one is: relative deviations of the channels, infinite for one to
+    /// leave out.
+    #[must_use]
+    pub fn wanted(&self) -> Option<&[f64]> {
+        self.wanted.as_deref()
     }
 
     /// Takes a frame and appends what became of every touch.
@@ -89,25 +142,186 @@ impl Detector {
             self.begin(frame);
             return;
         }
+        self.frames += 1;
         self.reference.advance(frame.t_ns);
-        let sure = LEAST_DOWN.max(DOWN_OVER_NOISE * self.noise_peak);
-        let doubt = (self.reference.doubt() as f32).min(MOST_DOUBT);
-        let stay = Threshold(STAY_SHARE * sure);
-        let highest = self.look(&frame.volts, stay);
+        self.reference.changes(&frame.volts, &mut self.changes);
         if self.tracker.down().is_empty() && self.has_rebounded() {
             self.retaken += 1;
-            self.reference = Reference::new(frame.volts.len());
-            self.image = Image::blank(self.image.grid);
-            self.begin(frame);
+            self.start_anew(frame);
             return;
         }
-        self.choose_contacts(Threshold(doubt * sure));
+        match self.locator.take() {
+            Some(mut locator) => {
+                self.locate(&mut locator, frame, changed);
+                self.locator = Some(locator);
+                self.weigh_now_and_then();
+            }
+            None => self.find_in_image(frame, changed),
+        }
+    }
+
+    /// Forgets the reference: the pad counts as untouched as it is in the next frames. Touches that are down go up.
+    pub fn rezero(&mut self, changed: &mut Vec<Touch>) {
+        self.tracker.lift_all(changed);
+        if let Some(locator) = &mut self.locator {
+            locator.forget();
+        }
+        self.reference = Reference::new(self.changes.len());
+        self.first_frames.clear();
+        self.image = Image::blank(self.image.grid);
+    }
+
+    /// Touches by the voltages.
+    fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
+        let noise = self.reference.change_variance() / self.sensing.variance();
+        let seen = locator.take_frame(&self.changes, noise);
+        // While other weights are awaited, the present ones explain nothing rightly.
+        let waits_for_weights = self.wanted.as_ref().is_some_and(|wanted| {
+            (0..wanted.len()).any(|c| wanted[c].is_finite() != self.sensing.counts(c))
+        });
+        if seen.outside > UNEXPLAINED || waits_for_weights {
+            locator.explain(&mut self.explained);
+            self.blame(frame);
+            self.make_image();
+            if frame.t_ns.saturating_sub(self.explained_ns) > WAIT_NS {
+                self.tracker.lift_all(changed);
+                locator.forget();
+            } else {
+                self.contacts.clear();
+                let down = self.tracker.down().iter().map(|touch| touch.contact);
+                self.contacts.extend(down);
+                self.tracker.follow(frame.t_ns, &self.contacts, changed);
+            }
+            return;
+        }
+        self.explained_ns = frame.t_ns;
+        let steady = noise * (1.0 - 1.0 / (self.reference.doubt() * self.reference.doubt()));
+        let found = locator.locate(noise, steady);
+        locator.explain(&mut self.explained);
+        self.make_image();
+        self.contacts.clear();
+        self.contacts.extend(locator.contacts());
+        if found.rest > POOR_REST || self.contacts.len() >= MANY {
+            let (doubt, down) = (self.reference.doubt(), self.tracker.down());
+            self.by_image
+                .palm(&self.image, doubt, down, &mut self.contacts);
+        }
+        let were_down = self.tracker.down().len();
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
-        if self.tracker.down().is_empty() && highest < doubt * stay.0 {
-            self.reference.follow(&frame.volts);
-            self.noise_peak += NOISE_FOLLOW * (highest - self.noise_peak);
+        if self.tracker.down().len() < were_down {
+            // The gel springs back.
+            self.reference.hold();
+        }
+        if let Some(faults) = &mut self.faults {
+            faults.explained();
+        }
+        self.watch_lost(frame);
+        self.follow_reference(frame);
+    }
+
+    /// Touches by the image.
+    fn find_in_image(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        self.make_image();
+        let doubt = self.reference.doubt();
+        let down = self.tracker.down();
+        let is_quiet = self
+            .by_image
+            .contacts(&self.image, doubt, down, &mut self.contacts);
+        self.tracker.follow(frame.t_ns, &self.contacts, changed);
+        if self.tracker.down().is_empty() && is_quiet {
+            self.reference.follow(&frame.volts, |_| true);
         } else {
             self.reference.hold();
+        }
+    }
+
+    /// Follows the reference where the touches leave it alone.
+    fn follow_reference(&mut self, frame: &Frame) {
+        let limit = (FREE_DEVIATIONS * self.reference.change_noise()) as f32;
+        for ((untouched, volt), explained) in
+            self.untouched.iter_mut().zip(&frame.volts).zip(&self.explained)
+        {
+            *untouched = volt / (1.0 + explained);
+        }
+        let explained = &self.explained;
+        self.reference
+            .follow(&self.untouched, |channel| explained[channel].abs() < limit);
+    }
+
+    /// Finds the electrode that spoils a frame.
+    fn blame(&mut self, frame: &Frame) {
+        let Some(faults) = &mut self.faults else {
+            return;
+        };
+        let noise = self.reference.change_noise();
+        let (changes, explained) = (&self.changes, &self.explained);
+        let verdict = faults.unexplained(|channel| {
+            f64::from(changes[channel] - explained[channel]) / noise
+        });
+        if let Some(Verdict::Lost(electrode)) = verdict {
+            for channel in faults.channels(electrode) {
+                self.reference.mute(*channel, true, 0.0);
+            }
+        }
+        self.want_if_lost();
+        self.watch_lost(frame);
+    }
+
+    /// Watches the lost electrodes for their return.
+    fn watch_lost(&mut self, frame: &Frame) {
+        let Some(faults) = self.faults.as_mut().filter(|faults| faults.any_lost()) else {
+            return;
+        };
+        let noise = self.reference.change_noise();
+        let (reference, explained) = (self.reference.volts(), &self.explained);
+        let change = |channel: usize| {
+            let volt = f64::from(frame.volts[channel]);
+            let change = volt / reference[channel] - 1.0 - f64::from(explained[channel]);
+            if change.is_finite() { change } else { 1.0 }
+        };
+        let verdict = faults.watch(change, |_| noise);
+        if let Some(Verdict::Back(electrode)) = verdict {
+            for channel in faults.channels(electrode).to_vec() {
+                if !faults.cuts(channel) {
+                    self.reference.mute(channel, false, faults.moved(channel));
+                }
+            }
+        }
+        self.want_if_lost();
+    }
+
+    /// Asks for other weights if the channels that count are not those that should.
+    fn want_if_lost(&mut self) {
+        let differ = (0..self.changes.len())
+            .any(|channel| self.reference.is_muted(channel) == self.sensing.counts(channel));
+        if differ && self.sensing.locating.is_some() {
+            self.wanted = Some(self.reference.deviations());
+        }
+    }
+
+    /// Asks for other weights if some channels have grown noisier beside the others, or quieter.
+    fn weigh_now_and_then(&mut self) {
+        if !self.frames.is_multiple_of(WEIGH_EVERY) || self.wanted.is_some() {
+            return;
+        }
+        let now = self.reference.deviations();
+        let mut ratios: Vec<f64> = now
+            .iter()
+            .zip(&self.sensing.deviations)
+            .filter(|(now, then)| now.is_finite() && then.is_finite())
+            .map(|(now, then)| now / then)
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        let Some(median) = ratios.get(ratios.len() / 2).copied() else {
+            return;
+        };
+        let (some, factor) = NOISIER;
+        let changed = ratios
+            .iter()
+            .filter(|ratio| **ratio > factor * median || **ratio * factor < median)
+            .count();
+        if changed >= some {
+            self.wanted = Some(now);
         }
     }
 
@@ -129,25 +343,14 @@ impl Detector {
                 .max(REBOUND.1 * self.reference.change_noise() / libm::sqrt(count))
     }
 
-    /// Keeps the blobs that continue a touch, each touch once, and of the others those strong enough to be a new one.
-    fn choose_contacts(&mut self, down: Threshold) {
-        let touches = self.tracker.down();
-        let mut claimed = vec![false; touches.len()];
-        self.contacts.clear();
-        for blob in &self.blobs {
-            let near = (0..touches.len())
-                .filter(|index| !claimed[*index])
-                .map(|index| (distance_mm(&touches[index].contact, &blob.contact), index))
-                .filter(|(distance, _)| *distance < STAY_WITHIN_MM)
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((_, index)) = near {
-                claimed[index] = true;
-            }
-            let is_new = blob.peak >= down.0 && !blob.may_be_ringing;
-            if near.is_some() || is_new {
-                self.contacts.push(blob.contact);
-            }
+    /// Takes the reference anew, beginning with this frame.
+    fn start_anew(&mut self, frame: &Frame) {
+        if let Some(locator) = &mut self.locator {
+            locator.forget();
         }
+        self.reference = Reference::new(frame.volts.len());
+        self.image = Image::blank(self.image.grid);
+        self.begin(frame);
     }
 
     /// Takes one of the first frames into the reference; with the last of them, learns how high the noise
@@ -158,34 +361,54 @@ impl Detector {
         if !self.reference.is_ready() {
             return;
         }
+        self.explained_ns = frame.t_ns;
+        self.explained.fill(0.0);
         let first_frames = std::mem::take(&mut self.first_frames);
-        let mut peaks: Vec<f32> = first_frames
-            .iter()
-            .map(|volts| self.look(volts, Threshold(f32::INFINITY)))
-            .collect();
-        // The median: a finger that brushes the pad meanwhile must not deafen it.
-        peaks.sort_by(f32::total_cmp);
-        self.noise_peak = peaks[peaks.len() / 2];
+        let mut peaks = Vec::with_capacity(first_frames.len());
+        for volts in &first_frames {
+            self.reference.changes(volts, &mut self.changes);
+            self.make_image();
+            peaks.push(self.by_image.highest(&self.image));
+        }
+        self.by_image.learn(peaks);
         self.image = Image::blank(self.image.grid);
+        if let Some(faults) = &mut self.faults {
+            let reference = &self.reference;
+            for verdict in faults.begin(|channel| reference.is_muted(channel)) {
+                if let Verdict::Lost(electrode) = verdict {
+                    for channel in faults.channels(electrode) {
+                        self.reference.mute(*channel, true, 0.0);
+                    }
+                }
+            }
+        }
+        self.want_if_lost();
     }
 
-    /// Makes the image and finds its blobs; returns the highest value of the smoothed image.
-    fn look(&mut self, volts: &[f32], threshold: Threshold) -> f32 {
-        self.reference.changes(volts, &mut self.changes);
+    /// Makes the image of the changes; where a channel is left out, the touches say what it would read.
+    fn make_image(&mut self) {
+        for channel in 0..self.changes.len() {
+            if self.reference.is_muted(channel) {
+                self.changes[channel] = self.explained[channel];
+            }
+        }
         self.imager.image(
             &self.changes,
             self.reference.change_noise(),
             &mut self.image,
         );
-        self.blobs.clear();
-        self.segmenter
-            .blobs(&self.image, threshold, &mut self.blobs)
     }
 
-    /// Channels that the first frames showed to be dead or loose, and that are left out since.
+    /// Channels that are left out: dead or loose.
     #[must_use]
     pub fn muted_channels(&self) -> Vec<usize> {
         self.reference.muted_channels()
+    }
+
+    /// Electrodes that are left out, ascending, counted from 0.
+    #[must_use]
+    pub fn lost_electrodes(&self) -> Vec<usize> {
+        self.faults.as_ref().map(Faults::lost).unwrap_or_default()
     }
 
     /// How often the reference was taken anew, because a finger had lain on the pad while it was taken.
@@ -197,6 +420,9 @@ impl Detector {
     /// Lifts every touch: the source is gone.
     pub fn lift_all(&mut self, changed: &mut Vec<Touch>) {
         self.tracker.lift_all(changed);
+        if let Some(locator) = &mut self.locator {
+            locator.forget();
+        }
     }
 
     /// The last frame's image and the touches that are down.
@@ -207,11 +433,6 @@ impl Detector {
             down: self.tracker.down(),
         }
     }
-}
-
-fn distance_mm(a: &Contact, b: &Contact) -> f64 {
-    let [dx, dy] = [0, 1].map(|i| a.centre_mm[i] - b.centre_mm[i]);
-    libm::sqrt(dx * dx + dy * dy)
 }
 
 #[cfg(test)]

@@ -1,9 +1,14 @@
-//! Images to touches: contacts found in one frame, then followed through time.
+//! Images and voltages to touches: contacts found in one frame, then followed through time.
 
+mod by_image;
 mod detect;
+mod locate;
 mod segment;
+mod sensing;
 mod track;
 
 pub use detect::{Detector, FrameTouches};
+pub use locate::{Explained, Locating, Locator};
 pub use segment::{Blob, Segmenter, Threshold};
+pub use sensing::{Sensing, SensingBuilder};
 pub use track::Tracker;

@@ -110,6 +110,15 @@ impl Mesh {
         quarter_points(self.corners_mm(triangle))
     }
 
+    /// The quarter points of its four quarters: points that stand for a sixteenth of its area each.
+    #[must_use]
+    pub fn sixteenth_points_mm(&self, triangle: usize) -> [PointMm; 16] {
+        let [a, b, c] = self.corners_mm(triangle);
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        let quarters = [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]].map(quarter_points);
+        std::array::from_fn(|index| quarters[index / 4][index % 4])
+    }
+
     /// The mean of a function over each triangle, by its quarter points; where these disagree (the edge of a shape runs
     /// through), by quarters of quarters.
     #[must_use]

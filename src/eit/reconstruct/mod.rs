@@ -95,7 +95,7 @@ impl Linearised {
 }
 
 /// The first reading that is nothing beside the others, if there is one.
-fn dead_channel(volts: &[f64]) -> Option<usize> {
+pub(super) fn dead_channel(volts: &[f64]) -> Option<usize> {
     let largest = volts
         .iter()
         .fold(0.0_f64, |most, volt| most.max(volt.abs()));

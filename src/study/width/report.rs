@@ -61,6 +61,7 @@ impl Width {
                 y_label: y_label.to_owned(),
                 places: places.clone(),
                 series,
+                ..Chart::default()
             }
             .draw()
         };
@@ -74,6 +75,7 @@ impl Width {
                         .iter()
                         .map(|one| [figure(&one.phantom(touches, LEVELS.len() - 1)); 3])
                         .collect(),
+                    ..Series::default()
                 })
                 .collect()
         };
@@ -92,6 +94,7 @@ impl Width {
                                 / 3.0; 3]
                         })
                         .collect(),
+                    ..Series::default()
                 })
                 .collect()
         };
@@ -102,6 +105,7 @@ impl Width {
                     .iter()
                     .map(|one| spread(one.places.iter().map(figure)))
                     .collect(),
+                ..Series::default()
             }]
         };
         let percent = |change: &Change| 100.0 * change.relative;
@@ -154,6 +158,7 @@ impl Width {
                             .iter()
                             .map(|one| spread(one.places.iter().map(|c| c.over_proportional_noise)))
                             .collect(),
+                        ..Series::default()
                     },
                     Series {
                         name: "of full scale".to_owned(),
@@ -161,6 +166,7 @@ impl Width {
                             .iter()
                             .map(|one| spread(one.places.iter().map(|c| c.over_full_scale_noise)))
                             .collect(),
+                        ..Series::default()
                     },
                 ],
             )?,
@@ -178,6 +184,7 @@ impl Width {
                             [one.bound_mm(), least, most]
                         })
                         .collect(),
+                    ..Series::default()
                 }],
             )?,
         ];

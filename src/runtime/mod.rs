@@ -9,6 +9,8 @@
 //! panics drops its ends of the queues, and the next in line shuts down as if the source had ended; whatever is still
 //! down is released when the device is dropped.
 
+mod rebuild;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -23,7 +25,9 @@ use crate::engine::{Engine, Input};
 use crate::output::{Device, Held, OutputError};
 use crate::profile::Profile;
 use crate::source::{Pace, Reading, Source, SourceError};
+use crate::touch::SensingBuilder;
 use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+use rebuild::Rebuilder;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -72,6 +76,8 @@ pub struct View {
     pub frames: u64,
     /// Frames that were lost or garbled.
     pub lost_frames: u64,
+    /// Electrodes that are left out.
+    pub lost_electrodes: Vec<usize>,
     /// Frames a second, over the last second or so.
     pub frames_per_s: f64,
     /// From a frame's arrival to its events, median so far, us.
@@ -144,12 +150,13 @@ struct OutputReport {
     error: Option<OutputError>,
 }
 
-/// Starts to play.
+/// Starts to play. The builder makes another matrix when an electrode is lost.
 ///
 /// # Errors
 /// The system gives no thread.
 pub fn start(
     engine: Engine,
+    builder: SensingBuilder,
     source: Box<dyn Source>,
     device: Box<dyn Device>,
 ) -> std::io::Result<Running> {
@@ -168,6 +175,7 @@ pub fn start(
         events: VecDeque::new(),
         frames: 0,
         lost_frames: 0,
+        lost_electrodes: Vec::new(),
         frames_per_s: 0.0,
         latency_us: 0,
     };
@@ -179,8 +187,11 @@ pub fn start(
     let to_output = output.thread().clone();
     let lost_frames = Arc::clone(&lost);
     let engine = Builder::new().name("engine".to_owned()).spawn(move || {
+        // Without a thread to build on, play goes on as it is.
+        let rebuilder = Rebuilder::start(builder, std::thread::current());
         EngineThread {
             engine,
+            rebuilder: rebuilder.ok(),
             frames: frames_out,
             controls: controls_out,
             lost: lost_frames,
@@ -192,7 +203,6 @@ pub fn start(
             latency: new_histogram(),
             pace,
             silent: false,
-            muted_told: false,
             retaken_told: 0,
             last_frame: None,
             second: None,
@@ -398,6 +408,7 @@ fn sleep_until(due: Instant, stop: &AtomicBool) {
 
 struct EngineThread {
     engine: Engine,
+    rebuilder: Option<Rebuilder>,
     frames: Consumer<Arrived>,
     controls: Consumer<Control>,
     lost: Arc<AtomicU64>,
@@ -410,8 +421,6 @@ struct EngineThread {
     pace: Pace,
     /// Whether the board is silent, and its keys up.
     silent: bool,
-    /// Whether loose channels have been told.
-    muted_told: bool,
     /// References that were taken anew and told.
     retaken_told: u64,
     /// Time and arrival of the last frame: how the source's time runs against the clock's.
@@ -490,12 +499,41 @@ impl EngineThread {
             self.retaken_told = retaken;
             tracing::warn!("the pad was touched while its reference was taken: taken anew");
         }
-        if !self.muted_told && self.view.frames > REFERENCE_FRAMES as u64 {
-            self.muted_told = true;
+        if self.view.frames == REFERENCE_FRAMES as u64 {
             let muted = self.engine.muted_channels();
             if !muted.is_empty() {
                 tracing::warn!("dead or loose at the start, left out: channels {muted:?}");
             }
+        }
+        self.tell_electrodes();
+        self.rebuild();
+    }
+
+    /// Says which electrodes were lost, and which are back.
+    fn tell_electrodes(&mut self) {
+        let lost = self.engine.lost_electrodes();
+        if lost == self.view.lost_electrodes {
+            return;
+        }
+        for electrode in lost.iter().filter(|e| !self.view.lost_electrodes.contains(e)) {
+            tracing::warn!("electrode {electrode} is loose, shorted or noisy: play goes on without it");
+        }
+        for electrode in self.view.lost_electrodes.iter().filter(|e| !lost.contains(e)) {
+            tracing::warn!("electrode {electrode} is back");
+        }
+        self.view.lost_electrodes = lost;
+    }
+
+    /// Asks for the matrix that the engine wants, and feeds the one that was built.
+    fn rebuild(&mut self) {
+        let Some(rebuilder) = &mut self.rebuilder else {
+            return;
+        };
+        if let Some(deviations) = self.engine.wanted() {
+            rebuilder.wish(deviations);
+        }
+        if let Some(sensing) = rebuilder.take() {
+            self.input(&Input::Matrix(sensing), None);
         }
     }
 
@@ -508,6 +546,7 @@ impl EngineThread {
 
     /// Sleeps until the next tick is due or a frame is there, and feeds that tick.
     fn wait(&mut self) {
+        self.rebuild();
         let nap = match self.engine.next_due() {
             Some(due) => Duration::from_nanos(due.saturating_sub(self.now_ns())).min(NAP),
             None => NAP,
@@ -589,6 +628,7 @@ impl EngineThread {
         slot.events.clone_from(&self.view.events);
         slot.frames = self.view.frames;
         slot.lost_frames = self.view.lost_frames;
+        slot.lost_electrodes.clone_from(&self.view.lost_electrodes);
         slot.frames_per_s = self.view.frames_per_s;
         slot.latency_us = self.view.latency_us;
         self.views.publish();

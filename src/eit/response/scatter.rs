@@ -1,0 +1,365 @@
+//! What one touch does to every reading, without solving the pad anew.
+//!
+//! A touch changes the conductivity of a few triangles, so the new field follows from the old one by a system of their
+//! nodes alone: with K the stiffness of the untouched pad, D its change and S the nodes that D joins,
+//! u'_S = (I + (K^-1)_SS D)^-1 u_S, and each reading changes by -u_drive' D u'_measure (Woodbury 1950; Hager 1989,
+//! SIAM Review 31, eq. 2). Exact for the mesh, for any strength.
+//!
+//! K^-1 between all nodes fits only a coarse mesh. Its error is nearly all in the linear part, which a fine mesh gives at
+//! the price of a sum (the Jacobian): the response is the fine mesh's linear part plus the coarse mesh's departure
+//! from its own.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
+use crate::eit::forward::{Fields, ForwardModel};
+use crate::eit::jacobian::{element_jacobian, pair_sums};
+use crate::eit::{ContactModel, Mesh, MeshSize, SetupError};
+use crate::pad::{Pad, TouchSign};
+use crate::types::PointMm;
+
+/// The coarse mesh has at most this many nodes: its inverse takes 4 bytes a pair of them.
+const MOST_NODES: usize = 4500;
+/// The coarse mesh starts at this many times the reconstruction's edges, ...
+const COARSE_SCALE: f64 = 2.0;
+/// ... and grows by this factor until it is small enough.
+const COARSER: f64 = 1.15;
+
+/// A press as gels show it: the conductivity is multiplied (or, where touches conduct worse, divided) by
+/// 1 + rise (1 - (d / radius)^2) within its radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Press {
+    /// Its middle, mm.
+    pub centre_mm: PointMm,
+    /// Its radius, mm.
+    pub radius_mm: f64,
+    /// Relative rise in its middle.
+    pub rise: f64,
+}
+
+impl Press {
+    /// The share of the rise at a point, 0 to 1.
+    #[must_use]
+    pub fn share(&self, [x, y]: PointMm) -> f64 {
+        let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
+        (1.0 - (dx * dx + dy * dy) / (self.radius_mm * self.radius_mm)).max(0.0)
+    }
+
+    /// Relative change of conductivity at a point.
+    fn change(&self, point: PointMm, sign: TouchSign) -> f64 {
+        let rise = self.rise * self.share(point);
+        match sign {
+            TouchSign::Rise => rise,
+            TouchSign::Fall => -rise / (1.0 + rise),
+        }
+    }
+}
+
+/// A pad ready to be pressed anywhere.
+#[derive(Clone, Debug)]
+pub struct Scatterer {
+    pad: Pad,
+    coarse: Level,
+    fine: Level,
+    /// Potentials between nodes of the coarse mesh, V/A.
+    inverse: Mat<f32>,
+    /// Channels by fine triangles: relative change of a reading for a relative rise.
+    fine_linear: Mat<f64>,
+}
+
+/// One mesh, solved untouched.
+#[derive(Clone, Debug)]
+struct Level {
+    model: ForwardModel,
+    fields: Fields,
+    volts: Vec<f64>,
+    triangles: Buckets,
+}
+
+impl Scatterer {
+    /// Solves a pad's two meshes.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved, or a channel that reads nothing.
+    pub fn new(pad: &Pad) -> Result<Self, SetupError> {
+        let fine = Level::new(pad, Mesh::of_pad(pad, MeshSize::reconstruction(pad)))?;
+        let coarse = Level::new(pad, coarse_mesh(pad))?;
+        let even = vec![pad.background_s_per_m; coarse.model.mesh().triangles.len()];
+        let inverse = coarse.model.dense_inverse(&even)?;
+        let all: Vec<usize> = (0..fine.model.mesh().triangles.len()).collect();
+        let mut fine_linear = element_jacobian(&fine.model, &fine.fields, &pad.protocol, &all);
+        for triangle in 0..fine_linear.ncols() {
+            for (entry, volt) in fine_linear.col_mut(triangle).iter_mut().zip(&fine.volts) {
+                *entry *= pad.background_s_per_m / volt;
+            }
+        }
+        Ok(Self {
+            pad: pad.clone(),
+            coarse,
+            fine,
+            inverse,
+            fine_linear,
+        })
+    }
+
+    /// Relative changes of all readings for presses that differ in their rise only, one vector a rise.
+    #[must_use]
+    pub fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Vec<Vec<f64>> {
+        let press = |rise| Press {
+            centre_mm,
+            radius_mm,
+            rise,
+        };
+        let slope = f64::from(self.pad.touch_sign.factor());
+        let fine = self.fine_part(|point| slope * press(1.0).share(point), &press(1.0));
+        let local = Local::new(&self.coarse, &self.inverse, &press(1.0));
+        let coarse = {
+            let change = self.stiffness_change(&local, |point| slope * press(1.0).share(point));
+            self.relative(&local, &change, &local.fields)
+        };
+        // The meshes differ in strength as well as in shape.
+        let scale = (norm(&fine) / norm(&coarse).max(f64::MIN_POSITIVE)).min(2.0);
+        rises
+            .iter()
+            .map(|rise| {
+                let press = press(*rise);
+                let change =
+                    self.stiffness_change(&local, |point| press.change(point, self.pad.touch_sign));
+                let exact = self.relative(&local, &change, &local.touched_fields(&change));
+                fine.iter()
+                    .zip(coarse.iter().zip(&exact))
+                    .map(|(fine, (first, exact))| rise * fine + scale * (exact - rise * first))
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// The first-order change on the fine mesh, for a relative change of conductivity at each point.
+    fn fine_part(&self, change: impl Fn(PointMm) -> f64, press: &Press) -> Vec<f64> {
+        let mut sum = vec![0.0; self.fine.volts.len()];
+        let mesh = self.fine.model.mesh();
+        for triangle in self.fine.triangles.near(press.centre_mm, press.radius_mm) {
+            let change = mean_of(mesh, triangle, &change);
+            if change == 0.0 {
+                continue;
+            }
+            let gains = self.fine_linear.col(triangle);
+            for (total, gain) in sum.iter_mut().zip(gains.iter()) {
+                *total += change * gain;
+            }
+        }
+        sum
+    }
+
+    /// What a relative change of conductivity adds to the stiffness between local nodes: (row, column, siemens).
+    fn stiffness_change(
+        &self,
+        local: &Local,
+        change: impl Fn(PointMm) -> f64,
+    ) -> Vec<(usize, usize, f64)> {
+        let model = &self.coarse.model;
+        let mut entries = Vec::with_capacity(9 * local.under.len());
+        for (triangle, places) in &local.under {
+            let siemens = self.pad.background_s_per_m * mean_of(model.mesh(), *triangle, &change);
+            if siemens == 0.0 {
+                continue;
+            }
+            for i in 0..3 {
+                for j in 0..3 {
+                    let entry = siemens * model.stiffness(*triangle, i, j);
+                    entries.push((places[i], places[j], entry));
+                }
+            }
+        }
+        // Triangles share nodes: one entry a pair of nodes. The sort is stable, so sums keep their order.
+        entries.sort_by_key(|(row, column, _)| (*column, *row));
+        entries.dedup_by(|next, kept| {
+            let same = (next.0, next.1) == (kept.0, kept.1);
+            if same {
+                kept.2 += next.2;
+            }
+            same
+        });
+        entries
+    }
+
+    /// Relative changes of the readings from the change of the stiffness and the fields under it.
+    fn relative(
+        &self,
+        local: &Local,
+        change: &[(usize, usize, f64)],
+        touched: &Mat<f64>,
+    ) -> Vec<f64> {
+        let fields = self.coarse.fields.len();
+        let mut weighted = Mat::<f64>::zeros(local.nodes, fields);
+        for (row, column, siemens) in change {
+            for field in 0..fields {
+                weighted[(*row, field)] += siemens * touched[(*column, field)];
+            }
+        }
+        let sums = local.fields.transpose() * &weighted;
+        pair_sums(&self.pad.protocol, fields, |k, l| sums[(k, l)])
+            .zip(&self.coarse.volts)
+            .map(|(change, volt)| change / volt)
+            .collect()
+    }
+}
+
+/// The part of the coarse mesh that one press can reach.
+struct Local {
+    nodes: usize,
+    /// Triangles, and where their corners stand among the nodes.
+    under: Vec<(usize, [usize; 3])>,
+    /// Potentials between the nodes, V/A.
+    inverse: Mat<f64>,
+    /// Nodes by fields of the untouched pad, V/A.
+    fields: Mat<f64>,
+}
+
+impl Local {
+    fn new(level: &Level, inverse: &Mat<f32>, press: &Press) -> Self {
+        let mesh = level.model.mesh();
+        let near = level.triangles.near(press.centre_mm, press.radius_mm);
+        let under: Vec<usize> = near
+            .into_iter()
+            .filter(|triangle| mean_of(mesh, *triangle, |point| press.share(point)) > 0.0)
+            .collect();
+        let mut nodes: Vec<usize> = under
+            .iter()
+            .flat_map(|triangle| mesh.triangles[*triangle])
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let place = |node: usize| nodes.partition_point(|other| *other < node);
+        let count = nodes.len();
+        Self {
+            nodes: count,
+            under: under
+                .iter()
+                .map(|triangle| (*triangle, mesh.triangles[*triangle].map(place)))
+                .collect(),
+            inverse: Mat::from_fn(count, count, |i, j| {
+                f64::from(inverse[(nodes[i], nodes[j])])
+            }),
+            fields: Mat::from_fn(count, level.fields.len(), |i, field| {
+                level.fields.at_node(nodes[i], field)
+            }),
+        }
+    }
+
+    /// The fields with the stiffness changed.
+    fn touched_fields(&self, change: &[(usize, usize, f64)]) -> Mat<f64> {
+        let mut system = Mat::<f64>::identity(self.nodes, self.nodes);
+        for (row, column, siemens) in change {
+            let from = self.inverse.col(*row);
+            let to = system.col_mut(*column);
+            for (sum, value) in to.iter_mut().zip(from.iter()) {
+                *sum += siemens * value;
+            }
+        }
+        system.partial_piv_lu().solve(&self.fields)
+    }
+}
+
+impl Level {
+    fn new(pad: &Pad, mesh: Mesh) -> Result<Self, SetupError> {
+        let triangles = Buckets::new(&mesh);
+        let model = ForwardModel::new(mesh, &ContactModel::of_pad(pad))?;
+        let fields = model.solve_even(pad.background_s_per_m)?;
+        let volts = fields.voltages(&pad.protocol);
+        if let Some(channel) = crate::eit::reconstruct::dead_channel(&volts) {
+            return Err(SetupError::DeadChannel { channel });
+        }
+        Ok(Self {
+            model,
+            fields,
+            volts,
+            triangles,
+        })
+    }
+}
+
+/// The finest mesh that is coarse enough to be inverted.
+fn coarse_mesh(pad: &Pad) -> Mesh {
+    let mut scale = COARSE_SCALE;
+    loop {
+        let mesh = Mesh::of_pad(pad, MeshSize::relative(pad, scale, false));
+        if mesh.nodes_mm.len() <= MOST_NODES || scale > 100.0 {
+            return mesh;
+        }
+        scale *= COARSER;
+    }
+}
+
+/// Mean over a triangle, by the sixteen points that stand for its sixteenths.
+fn mean_of(mesh: &Mesh, triangle: usize, f: impl Fn(PointMm) -> f64) -> f64 {
+    mesh.sixteenth_points_mm(triangle)
+        .into_iter()
+        .map(f)
+        .sum::<f64>()
+        / 16.0
+}
+
+fn norm(values: &[f64]) -> f64 {
+    libm::sqrt(values.iter().map(|value| value * value).sum())
+}
+
+/// Triangles by the square of a grid in which their centre lies.
+#[derive(Clone, Debug)]
+struct Buckets {
+    cell_mm: f64,
+    columns: usize,
+    cells: Vec<Vec<usize>>,
+    /// Furthest corner from a centre, mm.
+    reach_mm: f64,
+    centres_mm: Vec<PointMm>,
+}
+
+impl Buckets {
+    fn new(mesh: &Mesh) -> Self {
+        let far = mesh.nodes_mm.iter().fold([0.0f64; 2], |far, node| {
+            [far[0].max(node[0]), far[1].max(node[1])]
+        });
+        let cell_mm = (far[0].max(far[1]) / 40.0).max(1e-6);
+        let [columns, rows] = far.map(|side| (side / cell_mm) as usize + 1);
+        let centres_mm: Vec<PointMm> = (0..mesh.triangles.len())
+            .map(|triangle| mesh.centroid_mm(triangle))
+            .collect();
+        let mut cells = vec![Vec::new(); columns * rows];
+        let mut reach_mm = 0.0f64;
+        for (triangle, [x, y]) in centres_mm.iter().copied().enumerate() {
+            cells[(y / cell_mm) as usize * columns + (x / cell_mm) as usize].push(triangle);
+            for corner in mesh.corners_mm(triangle) {
+                reach_mm = reach_mm.max(libm::hypot(corner[0] - x, corner[1] - y));
+            }
+        }
+        Self {
+            cell_mm,
+            columns,
+            cells,
+            reach_mm,
+            centres_mm,
+        }
+    }
+
+    /// Triangles that a circle may touch, ascending.
+    fn near(&self, [x, y]: PointMm, radius_mm: f64) -> Vec<usize> {
+        let reach = radius_mm + self.reach_mm;
+        let rows = self.cells.len() / self.columns;
+        let span = |middle: f64, count: usize| {
+            let first = ((middle - reach) / self.cell_mm).max(0.0) as usize;
+            let last = ((middle + reach) / self.cell_mm).max(0.0) as usize;
+            first.min(count)..(last + 1).min(count)
+        };
+        let mut near: Vec<usize> = span(y, rows)
+            .flat_map(|row| span(x, self.columns).map(move |column| row * self.columns + column))
+            .flat_map(|cell| self.cells[cell].iter().copied())
+            .filter(|triangle| {
+                let [cx, cy] = self.centres_mm[*triangle];
+                libm::hypot(cx - x, cy - y) < reach
+            })
+            .collect();
+        near.sort_unstable();
+        near
+    }
+}

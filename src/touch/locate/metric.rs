@@ -1,0 +1,222 @@
+//! How much each reading counts: readings and responses brought to coordinates in which noise has deviation one.
+//!
+//! Responses live in the few dimensions of the table's basis U. With W one over the variance of each channel, the sum of
+//! weighted squares between readings d and a response U c is |z - w(c)|^2 plus what no response explains, where
+//! G = U' W U = L L', z = L^-1 U' W d and w(c) = L' c. While all channels are about equally noisy, L is a number.
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+
+use crate::eit::ResponseTable;
+use crate::eit::response::Response;
+
+/// Channels whose deviations stay within this factor of the median count as equal: then a weight costs nothing.
+const EVEN_WITHIN: f64 = 1.5;
+/// Keeps directions that only dead channels tell from being divided by nothing, as a share of the strongest.
+const RIDGE: f64 = 1e-9;
+
+/// Weights of the channels, and what follows from them.
+#[derive(Clone, Debug)]
+pub struct Metric {
+    rank: usize,
+    channels: usize,
+    /// Rank by channels: readings to whitened coordinates.
+    whitening: Vec<f32>,
+    /// One over the deviation of each channel; 0 for one that is left out.
+    inverse_deviation: Vec<f32>,
+    /// Channels that count.
+    counted: usize,
+    responses: Whitener,
+}
+
+#[derive(Clone, Debug)]
+enum Whitener {
+    /// All channels alike: one over their deviation.
+    Even(f32),
+    /// Rank by rank, upper triangular, by rows: L'.
+    Triangle(Vec<f32>),
+}
+
+/// A frame in whitened coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Whitened {
+    /// The coordinates.
+    pub coordinates: Vec<f32>,
+    /// Weighted sum of squares of all readings.
+    pub energy: f64,
+}
+
+impl Whitened {
+    /// Weighted sum of squares of what no touch explains, wherever it may be.
+    #[must_use]
+    pub fn outside(&self) -> f64 {
+        (self.energy - energy(&self.coordinates)).max(0.0)
+    }
+}
+
+impl Metric {
+    /// Weights for channels of the given relative deviations; one that is not finite or not above zero leaves its channel
+    /// out.
+    ///
+    /// # Panics
+    /// If there is not one deviation a channel.
+    #[must_use]
+    pub fn new(table: &ResponseTable, deviations: &[f64]) -> Self {
+        assert_eq!(deviations.len(), table.channels());
+        let (rank, channels) = (table.rank(), table.channels());
+        let counts = |deviation: f64| deviation.is_finite() && deviation > 0.0;
+        let inverse: Vec<f64> = deviations
+            .iter()
+            .map(|deviation| if counts(*deviation) { 1.0 / deviation } else { 0.0 })
+            .collect();
+        let mut sorted: Vec<f64> = inverse.iter().copied().filter(|i| *i > 0.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let counted = sorted.len();
+        let median = sorted.get(counted / 2).copied().unwrap_or(0.0);
+        let is_even = counted == channels
+            && sorted
+                .iter()
+                .all(|i| (median / EVEN_WITHIN..=median * EVEN_WITHIN).contains(i));
+        let mut metric = Self {
+            rank,
+            channels,
+            whitening: Vec::with_capacity(rank * channels),
+            inverse_deviation: inverse.iter().map(|value| *value as f32).collect(),
+            counted,
+            responses: Whitener::Even(median as f32),
+        };
+        if is_even {
+            metric.inverse_deviation.fill(median as f32);
+            for dimension in 0..rank {
+                let row = table.basis_row(dimension);
+                metric
+                    .whitening
+                    .extend(row.iter().map(|value| value * median as f32));
+            }
+        } else {
+            metric.weigh_unevenly(table, &inverse, median);
+        }
+        metric
+    }
+
+    fn weigh_unevenly(&mut self, table: &ResponseTable, inverse: &[f64], median: f64) {
+        let (rank, channels) = (self.rank, self.channels);
+        // W^1/2 U, channels by rank.
+        let weighted = Mat::from_fn(channels, rank, |channel, dimension| {
+            f64::from(table.basis_row(dimension)[channel]) * inverse[channel]
+        });
+        let mut gram = weighted.transpose() * &weighted;
+        let ridge = RIDGE * (median * median).max(f64::MIN_POSITIVE);
+        for dimension in 0..rank {
+            gram[(dimension, dimension)] += ridge;
+        }
+        // Positive definite by its ridge; were it not, a frame would tell nothing at all.
+        let lower = match gram.llt(Side::Lower) {
+            Ok(factor) => factor.L().to_owned(),
+            Err(_) => Mat::zeros(rank, rank),
+        };
+        let solver = lower.partial_piv_lu();
+        let inverse_lower = solver.inverse();
+        let whitening = &inverse_lower * weighted.transpose();
+        self.whitening.clear();
+        for dimension in 0..rank {
+            self.whitening.extend(
+                (0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32),
+            );
+        }
+        let triangle = (0..rank)
+            .flat_map(|row| (0..rank).map(move |column| (row, column)))
+            .map(|(row, column)| lower[(column, row)] as f32)
+            .collect();
+        self.responses = Whitener::Triangle(triangle);
+    }
+
+    /// Number of channels that count.
+    #[must_use]
+    pub fn counted(&self) -> usize {
+        self.counted
+    }
+
+    /// Whether a channel counts.
+    #[must_use]
+    pub fn counts(&self, channel: usize) -> bool {
+        self.inverse_deviation[channel] > 0.0
+    }
+
+    /// One over the deviation of a channel; 0 for one that is left out.
+    #[must_use]
+    pub fn inverse_deviation(&self, channel: usize) -> f32 {
+        self.inverse_deviation[channel]
+    }
+
+    /// Brings relative changes to whitened coordinates.
+    pub fn whiten(&self, changes: &[f32], whitened: &mut Whitened) {
+        whitened.coordinates.clear();
+        whitened.coordinates.extend(
+            self.whitening
+                .chunks_exact(self.channels)
+                .map(|row| dot(row, changes)),
+        );
+        whitened.energy = changes
+            .iter()
+            .zip(&self.inverse_deviation)
+            .map(|(change, inverse)| {
+                let weighted = if *inverse > 0.0 { f64::from(change * inverse) } else { 0.0 };
+                weighted * weighted
+            })
+            .sum();
+    }
+
+    /// Brings a response and its derivatives to whitened coordinates, in place.
+    pub fn whiten_response(&self, response: &mut Response) {
+        self.whiten_coordinates(&mut response.value);
+        for derivative in &mut response.derivatives {
+            self.whiten_coordinates(derivative);
+        }
+    }
+
+    /// Brings coordinates of the table to whitened ones, in place.
+    pub fn whiten_coordinates(&self, coordinates: &mut [f32]) {
+        match &self.responses {
+            Whitener::Even(factor) => {
+                for value in coordinates {
+                    *value *= factor;
+                }
+            }
+            Whitener::Triangle(triangle) => {
+                // Upper triangular: row k needs only what stands from k on, so it can be done in place.
+                for (row, entries) in triangle.chunks_exact(self.rank).enumerate() {
+                    coordinates[row] = dot(&entries[row..], &coordinates[row..]);
+                }
+            }
+        }
+    }
+}
+
+/// Sum of squares.
+#[must_use]
+pub fn energy(values: &[f32]) -> f64 {
+    values.iter().map(|v| f64::from(*v) * f64::from(*v)).sum()
+}
+
+/// Sum of products, in a fixed order of sixteen running sums.
+#[must_use]
+pub fn dot(a: &[f32], b: &[f32]) -> f32 {
+    const LANES: usize = 16;
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (b_chunks, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0f32; LANES];
+    for (x, y) in a_chunks.iter().zip(b_chunks) {
+        for lane in 0..LANES {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    let mut total = 0.0;
+    for sum in sums {
+        total += sum;
+    }
+    for (x, y) in a_rest.iter().zip(b_rest) {
+        total += x * y;
+    }
+    total
+}

@@ -1,0 +1,192 @@
+//! `gelpad accuracy`: the same seed gives the same files, figures agree with each other and with the bound, and wrong
+//! input is refused.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn accuracy(arguments: &[&str], out: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .arg("accuracy")
+        .args(arguments)
+        .arg("--out")
+        .arg(out)
+        .stdin(Stdio::null())
+        .output()
+        .expect("started")
+}
+
+fn done(arguments: &[&str], out: &Path) -> String {
+    let output = accuracy(arguments, out);
+    let stderr = String::from_utf8(output.stderr).expect("text");
+    assert!(output.status.success(), "{stderr}");
+    let stdout = String::from_utf8(output.stdout).expect("text");
+    assert_eq!(
+        stdout.trim_end(),
+        out.join("report.html").display().to_string()
+    );
+    stderr
+}
+
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| {
+            let path = entry.expect("an entry").path();
+            let name = path
+                .file_name()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned();
+            (name, fs::read(&path).expect("a file"))
+        })
+        .collect()
+}
+
+fn json(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("accuracy.json")).expect("accuracy.json"))
+        .expect("JSON")
+}
+
+/// The findings of a number of touches with proportional noise of an SNR.
+fn at(found: &Value, touches: u64, snr_db: f64) -> Value {
+    found["touches"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .find(|one| {
+            one["touches"] == touches && one["noise"] == "proportional" && one["snr_db"] == snr_db
+        })
+        .expect("asked for")
+        .clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+#[test]
+fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = |name: &str| root.path().join(name);
+    let said = done(&["--quick", "--snr", "80,60", "--seed", "3"], &folder("a"));
+    assert!(said.contains("told apart"), "a table for people: {said}");
+    done(&["--quick", "--snr", "60,80", "--seed", "3"], &folder("b"));
+    done(&["--quick", "--snr", "60", "--seed", "3"], &folder("alone"));
+
+    let (a, b) = (files(&folder("a")), files(&folder("b")));
+    let names: Vec<&str> = a.keys().map(String::as_str).collect();
+    let expected = [
+        "accuracy.csv",
+        "accuracy.json",
+        "accuracy.png",
+        "accuracy.svg",
+        "bound.csv",
+        "discrimination.csv",
+        "images.csv",
+        "report.html",
+        "report.md",
+        "shapes.csv",
+    ];
+    assert_eq!(names, expected);
+    for (name, bytes) in &a {
+        assert!(b.get(name) == Some(bytes), "{name} differs");
+    }
+
+    let (both, alone) = (json(&folder("a")), json(&folder("alone")));
+    for touches in 0..=3 {
+        let [both, alone] = [&both, &alone].map(|found| {
+            let mut one = at(found, touches, 60.0);
+            // The scale of force is taken at the best SNR that was asked for.
+            one.as_object_mut()
+                .expect("an object")
+                .remove("force_error");
+            one
+        });
+        assert_eq!(
+            both, alone,
+            "no figure hangs on which other SNRs were asked for"
+        );
+    }
+    assert_eq!(both["discrimination"], alone["discrimination"]);
+
+    // Single touches at 60 dB: an image's centroid errs by 1 to 2 mm, the bound is 0.10 to 0.16 mm (rms).
+    let one = at(&both, 1, 60.0);
+    assert_eq!(
+        (&one["missed"], &one["false_touches"]),
+        (&0.into(), &0.into())
+    );
+    assert!(number(&one["place_error_mm"]["mean"]) < 2.0);
+    let bound_mm = number(&one["place_bound_mm"]["median"]);
+    assert!((0.05..0.25).contains(&bound_mm), "{bound_mm}");
+    // A tenth of the noise is a tenth of the bound.
+    let at_80 = number(&at(&both, 1, 80.0)["place_bound_mm"]["median"]);
+    assert!((bound_mm / at_80 - 10.0).abs() < 1e-6);
+    // Nothing beats the bound by more than chance.
+    assert!(number(&both["bound"]["ratio"]["median"]) > 0.8);
+    let pairs = both["discrimination"]["pairs"].as_array().expect("a list");
+    let told = |index: usize| number(&pairs[index]["told_apart"]["share"]);
+    assert!(told(pairs.len() - 1) > 0.9, "at 40 mm two are two");
+}
+
+#[test]
+fn round_pads_and_other_protocols_are_judged_too() {
+    let root = tempfile::tempdir().expect("a folder");
+    // A small pad on which fingers shrink, and a tank driven across.
+    let small = include_str!("../pads/edinburgh-solid.toml")
+        .replace("width_mm = 100.0", "width_mm = 60.0")
+        .replace("height_mm = 100.0", "height_mm = 40.0")
+        .replace("width_mm = 3.0", "width_mm = 2.0");
+    let tank = include_str!("../pads/round-tank.toml")
+        .replace("stimulation = \"adjacent\"", "stimulation = \"opposite\"");
+    for (name, text, scale) in [("small", small, 0.4), ("tank", tank, 1.0)] {
+        let pad = root.path().join(format!("{name}.toml"));
+        fs::write(&pad, text).expect("written");
+        let out = root.path().join(name);
+        let pad = pad.display().to_string();
+        done(&["--pad", &pad, "--quick", "--snr", "80"], &out);
+        let found = json(&out);
+        assert_eq!(number(&found["length_scale"]), scale, "{name}");
+        let one = at(&found, 1, 80.0);
+        assert!(
+            number(&one["place_bound_mm"]["median"]) < 1.0,
+            "{name}: {one}"
+        );
+        let places = found["bound"]["places"].as_array().expect("a list");
+        assert!(
+            !places.is_empty(),
+            "{name}: somewhere to compare with the bound"
+        );
+    }
+}
+
+#[test]
+fn wrong_input_is_refused_before_anything_is_solved() {
+    let root = tempfile::tempdir().expect("a folder");
+    let taken = root.path().join("taken");
+    fs::write(&taken, "a file").expect("written");
+    let never = root.path().join("never");
+    let cases: [(&[&str], &Path, i32, &str); 6] = [
+        (&["--snr", "loud"], &never, 2, "a ratio in dB, 0 to 300"),
+        (&["--snr", "60,,40"], &never, 2, "a ratio in dB, 0 to 300"),
+        (&["--snr", "60,-5"], &never, 2, "a ratio in dB, 0 to 300"),
+        (
+            &["--pad", "edinburg-lattice"],
+            &never,
+            1,
+            "did you mean `edinburgh-lattice`?",
+        ),
+        (&["--pad", "./no-such.toml"], &never, 1, "no-such.toml"),
+        (&["--quick"], &taken, 1, "taken"),
+    ];
+    for (arguments, out, code, says) in cases {
+        let output = accuracy(arguments, out);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(says), "{arguments:?}: {stderr}");
+        assert!(!never.exists(), "nothing was begun");
+    }
+}
