@@ -22,7 +22,7 @@ fn profile(key: &str) -> String {
 }
 
 /// Plays a script with a profile of that folder; returns what it says on stderr, line by line.
-fn play(folder: &Path, script: &str) -> (Child, BufReader<ChildStderr>) {
+fn play(folder: &Path, script: &str, more: &[&str]) -> (Child, BufReader<ChildStderr>) {
     let touches = folder.join("touches.txt");
     fs::write(&touches, script).expect("written");
     let mut child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
@@ -31,6 +31,8 @@ fn play(folder: &Path, script: &str) -> (Child, BufReader<ChildStderr>) {
         .arg("--source")
         .arg(format!("simulated:{}", touches.display()))
         .args(["--output", "trace", "--headless"])
+        .args(more)
+        .env("XDG_CONFIG_HOME", folder)
         .env_remove("DISPLAY")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -66,6 +68,7 @@ fn a_saved_profile_is_played_and_a_broken_one_leaves_the_old() {
     let (mut child, mut stderr) = play(
         folder.path(),
         "t:300 down 1 50 50\nt:400 up 1\nt:60000 end\n",
+        &[],
     );
     // The first key shows that it plays; from then on every save is timed.
     let mut stdout = BufReader::new(child.stdout.take().expect("piped"));
@@ -103,7 +106,7 @@ fn a_saved_profile_is_played_and_a_broken_one_leaves_the_old() {
 fn a_key_that_is_held_is_not_stuck_by_a_switch() {
     let folder = tempfile::tempdir().expect("a folder");
     save(folder.path(), &profile("a"));
-    let (mut child, mut stderr) = play(folder.path(), "t:300 down 1 50 50\nt:60000 end\n");
+    let (mut child, mut stderr) = play(folder.path(), "t:300 down 1 50 50\nt:60000 end\n", &[]);
     let mut stdout = BufReader::new(child.stdout.take().expect("piped"));
     let mut line = String::new();
     stdout.read_line(&mut line).expect("an event");
@@ -116,6 +119,31 @@ fn a_key_that_is_held_is_not_stuck_by_a_switch() {
         line.ends_with("release key:a\n"),
         "the finger never lifted: {line}"
     );
+    child.kill().expect("our own child");
+    child.wait().expect("ended");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_program_picks_its_profile_while_it_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    save(folder.path(), &profile("a"));
+    let own = folder.path().join("gelpad/profiles");
+    fs::create_dir_all(&own).expect("made");
+    let matched = format!("{}[match]\nprocess = \"gelpad-tester\"\n", profile("b"));
+    fs::write(own.join("b.toml"), matched).expect("written");
+    let program = folder.path().join("gelpad-tester");
+    fs::copy("/bin/sleep", &program).expect("copied");
+    let (mut child, mut stderr) = play(
+        folder.path(),
+        "t:50 down 1 50 50\nt:90 up 1\nt:60000 end\n",
+        &["--match"],
+    );
+    let mut game = Command::new(&program).arg("60").spawn().expect("started");
+    wait_for(&mut stderr, "playing b,");
+    game.kill().expect("our own child");
+    game.wait().expect("ended");
+    wait_for(&mut stderr, "playing a,");
     child.kill().expect("our own child");
     child.wait().expect("ended");
 }

@@ -60,7 +60,9 @@ impl Bench {
     fn new(seed: u64) -> Self {
         let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+        let table = gelpad::cache::table(&pad, |_, _| ()).expect("solvable");
         let builder = SensingBuilder::new(&pad, Method::default()).expect("sound");
+        let builder = builder.with_table(Arc::new(table));
         let sensing = builder.first().expect("a matrix");
         let profile = Profile::from_toml("rest", PROFILE).expect("sound");
         Self {
@@ -126,7 +128,7 @@ fn the_forearm_covers_a_third_of_the_pad() {
 }
 
 #[test]
-#[ignore = "18 of 20: in the image a large contact leaves a weak ghost on the far side, which keeps a tap down"]
+#[ignore = "an arm that comes later is located as five touches in some frames and seen as a palm in others: src/touch has to stay with one"]
 fn every_tap_beside_a_forearm_is_found_and_nothing_else() {
     for seed in [1, 2, 3] {
         let mut bench = Bench::new(seed);

@@ -211,8 +211,10 @@ pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilde
 }
 
 fn solving_style() -> ProgressStyle {
-    ProgressStyle::with_template("solving this pad's touches, once: {wide_bar} {percent} % {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
+    ProgressStyle::with_template(
+        "solving this pad's touches, once: {wide_bar} {percent} % {eta} left",
+    )
+    .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// What makes a pad's images.

@@ -515,10 +515,20 @@ impl EngineThread {
         if lost == self.view.lost_electrodes {
             return;
         }
-        for electrode in lost.iter().filter(|e| !self.view.lost_electrodes.contains(e)) {
-            tracing::warn!("electrode {electrode} is loose, shorted or noisy: play goes on without it");
+        for electrode in lost
+            .iter()
+            .filter(|e| !self.view.lost_electrodes.contains(e))
+        {
+            tracing::warn!(
+                "electrode {electrode} is loose, shorted or noisy: play goes on without it"
+            );
         }
-        for electrode in self.view.lost_electrodes.iter().filter(|e| !lost.contains(e)) {
+        for electrode in self
+            .view
+            .lost_electrodes
+            .iter()
+            .filter(|e| !lost.contains(e))
+        {
             tracing::warn!("electrode {electrode} is back");
         }
         self.view.lost_electrodes = lost;

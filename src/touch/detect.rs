@@ -238,8 +238,11 @@ impl Detector {
     /// Follows the reference where the touches leave it alone.
     fn follow_reference(&mut self, frame: &Frame) {
         let limit = (FREE_DEVIATIONS * self.reference.change_noise()) as f32;
-        for ((untouched, volt), explained) in
-            self.untouched.iter_mut().zip(&frame.volts).zip(&self.explained)
+        for ((untouched, volt), explained) in self
+            .untouched
+            .iter_mut()
+            .zip(&frame.volts)
+            .zip(&self.explained)
         {
             *untouched = volt / (1.0 + explained);
         }
@@ -255,9 +258,8 @@ impl Detector {
         };
         let noise = self.reference.change_noise();
         let (changes, explained) = (&self.changes, &self.explained);
-        let verdict = faults.unexplained(|channel| {
-            f64::from(changes[channel] - explained[channel]) / noise
-        });
+        let verdict =
+            faults.unexplained(|channel| f64::from(changes[channel] - explained[channel]) / noise);
         if let Some(Verdict::Lost(electrode)) = verdict {
             for channel in faults.channels(electrode) {
                 self.reference.mute(*channel, true, 0.0);

@@ -91,9 +91,10 @@ impl SensingBuilder {
         }
         let reconstruction =
             Reconstruction::from_linearised(&linearised, self.method, LAMBDA, self.touch_sign)?;
-        let locating = self.table.as_ref().map(|table| {
-            Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations))
-        });
+        let locating = self
+            .table
+            .as_ref()
+            .map(|table| Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations)));
         Ok(Sensing {
             reconstruction: Arc::new(reconstruction),
             locating,

@@ -67,7 +67,13 @@ impl Metric {
         let counts = |deviation: f64| deviation.is_finite() && deviation > 0.0;
         let inverse: Vec<f64> = deviations
             .iter()
-            .map(|deviation| if counts(*deviation) { 1.0 / deviation } else { 0.0 })
+            .map(|deviation| {
+                if counts(*deviation) {
+                    1.0 / deviation
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let mut sorted: Vec<f64> = inverse.iter().copied().filter(|i| *i > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
@@ -120,9 +126,8 @@ impl Metric {
         let whitening = &inverse_lower * weighted.transpose();
         self.whitening.clear();
         for dimension in 0..rank {
-            self.whitening.extend(
-                (0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32),
-            );
+            self.whitening
+                .extend((0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32));
         }
         let triangle = (0..rank)
             .flat_map(|row| (0..rank).map(move |column| (row, column)))
@@ -161,7 +166,11 @@ impl Metric {
             .iter()
             .zip(&self.inverse_deviation)
             .map(|(change, inverse)| {
-                let weighted = if *inverse > 0.0 { f64::from(change * inverse) } else { 0.0 };
+                let weighted = if *inverse > 0.0 {
+                    f64::from(change * inverse)
+                } else {
+                    0.0
+                };
                 weighted * weighted
             })
             .sum();

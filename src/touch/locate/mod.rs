@@ -14,7 +14,6 @@ mod search;
 
 use std::sync::Arc;
 
-
 use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, Response};
 use crate::pad::Outline;
@@ -214,17 +213,21 @@ impl Locator {
 
     /// The touches of the last frame, the first found first.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.fit.bumps.iter().zip(&self.fit.responses).map(|(bump, response)| {
-            let radius_mm = libm::exp(bump.log_radius);
-            let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
-            Contact {
-                centre_mm: bump.centre_mm,
-                // The footprint at half of the rise, as an image shows it.
-                area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
-                force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
-                confidence: surplus.clamp(0.0, 1.0),
-            }
-        })
+        self.fit
+            .bumps
+            .iter()
+            .zip(&self.fit.responses)
+            .map(|(bump, response)| {
+                let radius_mm = libm::exp(bump.log_radius);
+                let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+                Contact {
+                    centre_mm: bump.centre_mm,
+                    // The footprint at half of the rise, as an image shows it.
+                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                    force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
+                    confidence: surplus.clamp(0.0, 1.0),
+                }
+            })
     }
 
     /// The touches of the last frame as the table knows them.
@@ -448,7 +451,8 @@ impl Locator {
             let (dx, dy) = (libm::cos(angle), libm::sin(angle));
             for far in SPLITS_MM {
                 let halves = [far, -far].map(|side| {
-                    self.bounds.usual([middle[0] + side * dx, middle[1] + side * dy])
+                    self.bounds
+                        .usual([middle[0] + side * dx, middle[1] + side * dy])
                 });
                 let bumps = with(&self.fit.bumps, &halves, Some(index));
                 self.try_fit(&bumps, SPLIT_STEPS);
@@ -477,7 +481,9 @@ impl Locator {
             bumps.iter().any(|strong| {
                 let apart = distance_mm(weak.centre_mm, strong.centre_mm);
                 let share = volume_mm2(weak) / volume_mm2(strong);
-                SHADOWS.iter().any(|(reach, least)| apart < *reach && share < *least)
+                SHADOWS
+                    .iter()
+                    .any(|(reach, least)| apart < *reach && share < *least)
             })
         });
         let outermost = bumps
