@@ -241,6 +241,34 @@ fn play(profile: &Arc<Profile>, script: &[(Nanos, Vec<Touch>)], batching: Batchi
     events
 }
 
+/// What is still down two seconds after every finger has lifted.
+fn left_down(profile: &Arc<Profile>, script: &[(Nanos, Vec<Touch>)]) -> Vec<Output> {
+    let mut gestures = Gestures::new(Arc::clone(profile), PAD_MM);
+    let mut events = Vec::new();
+    let mut down: Vec<Touch> = Vec::new();
+    let mut end_ns = 0;
+    for (t_ns, changed) in script {
+        gestures.touches(*t_ns, changed, &mut events);
+        for touch in changed {
+            down.retain(|other| other.id != touch.id);
+            if touch.phase != Phase::Up {
+                down.push(*touch);
+            }
+        }
+        end_ns = t_ns + NANOS_PER_MS;
+    }
+    let lifted: Vec<Touch> = down
+        .into_iter()
+        .map(|touch| Touch {
+            phase: Phase::Up,
+            ..touch
+        })
+        .collect();
+    gestures.touches(end_ns, &lifted, &mut events);
+    gestures.tick(end_ns + 2000 * NANOS_PER_MS, &mut events);
+    gestures.held().collect()
+}
+
 /// What is down after each event; errors where something is pressed twice, released while up, or out of time.
 fn follow(events: &[Event], end_ns: Nanos, floor: bool) -> Result<(), TestCaseError> {
     let mut down: Vec<(Output, Nanos)> = Vec::new();
@@ -298,6 +326,10 @@ proptest! {
         let events = play(&profile, &script, Batching::Frames);
         // Every press has its release, nothing is pressed twice, nothing is shorter than the floor.
         follow(&events, end_ns, true)?;
+        // What is not meant to outlast its touches comes up with them, not only at the end.
+        if !["toggle", "sticky"].iter().any(|outlasts| toml.contains(outlasts)) {
+            prop_assert_eq!(left_down(&profile, &script), vec![]);
+        }
         // The same again, bit for bit, however the frames come.
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Frames));
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Ticks));

@@ -109,7 +109,10 @@ fn facts(checked: &Checked) -> String {
             "read from {}, the later over the earlier:",
             checked.texts.join(", ")
         ));
-        for origin in &profile.origins {
+        // What tells the texts apart says nothing about their values.
+        let heads = ["about", "extends", "name", "schema"];
+        let values = profile.origins.iter();
+        for origin in values.filter(|origin| !heads.contains(&origin.key.as_str())) {
             let value = if origin.value.is_empty() {
                 String::new()
             } else {

@@ -214,9 +214,9 @@ impl Reader {
         );
         self.faults.push(match meant {
             Some(term) => {
-                let about =
-                    keys::find(kind, &term).map_or(String::new(), |key| format!(": {}", key.about));
-                fault.help(format!("did you mean `{term}`{about}?"))
+                let about = keys::find(kind, &term)
+                    .map_or(String::new(), |key| format!(" ({})", key.about));
+                fault.help(format!("did you mean `{term}`?{about}"))
             }
             None => {
                 let names: Vec<&str> = keys::of(kind).map(|key| key.name).collect();
