@@ -6,6 +6,7 @@
 #![warn(missing_docs, unreachable_pub, clippy::print_stdout)]
 
 pub mod cache;
+pub mod calibrate;
 pub mod cli;
 pub mod eit;
 pub mod engine;

@@ -19,6 +19,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("cache", &["pad", "eit"]),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
+    ("calibrate", &["types", "pad", "eit", "touch"]),
     ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
@@ -29,8 +30,19 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
-            "runtime", "study", "cache",
+            "types",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "source",
+            "output",
+            "runtime",
+            "cache",
+            "calibrate",
+            "study",
         ],
     ),
 ];

@@ -33,6 +33,8 @@ pub(super) enum Command {
     Play(PlayArgs),
     /// Turn recorded frames into touches or events, as fast as it goes
     Replay(ReplayArgs),
+    /// Learn where a pad is pressed, from presses at known places
+    Calibrate(CalibrateArgs),
     /// Look at pads
     Pad {
         #[command(subcommand)]
@@ -205,6 +207,9 @@ pub(super) struct PlayArgs {
     /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
     #[arg(long)]
     pub method: Option<Method>,
+    /// What `gelpad calibrate` saved: places and force as presses have shown them
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
     /// No live view, even in a terminal
     #[arg(long)]
     pub headless: bool,
@@ -233,9 +238,54 @@ pub(super) struct ReplayArgs {
     /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
     #[arg(long)]
     pub method: Option<Method>,
+    /// What `gelpad calibrate` saved: places and force as presses have shown them
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
     /// touches: a JSON line a frame; events: a text line an event
     #[arg(long, value_enum, default_value_t = PrintArg::Events)]
     pub print: PrintArg,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad calibrate --source serial:/dev/ttyACM0 --points 50 --presses mine.csv
+    press each shown place once; learns from them and saves what play and replay --calibration take
+  gelpad calibrate --presses mine.csv -o mine.json
+    learns again from what was recorded
+  gelpad calibrate --presses train.csv --evaluate test.csv
+    places test.csv by voltages alone; needs no pad, prints one JSON object
+
+Presses are CSV: x_mm,y_mm,d0,d1,... with differences pressed - unpressed in any unit; recordings have
+force,model_x_mm,model_y_mm before d0, and can be saved as a calibration.")]
+pub(super) struct CalibrateArgs {
+    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// Presses to learn from; with --source, where the recorded ones go
+    #[arg(long, value_name = "FILE", required_unless_present = "source")]
+    pub presses: Option<PathBuf>,
+    /// Where the calibration goes [default: PAD.calibration.json beside the pad's file, or here]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Place these presses instead of saving, and print how far off they are
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "output"])]
+    pub evaluate: Option<PathBuf>,
+    /// Record: simulated (a robot presses), serial:PORT or replay:FILE
+    #[arg(long)]
+    pub source: Option<SourceArg>,
+    /// How many places to press
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = points)]
+    pub points: usize,
+    /// How images are made while recording: tikhonov, noser, smooth or l1 [default: what the pad says, else noser]
+    #[arg(long)]
+    pub method: Option<Method>,
+    /// Signal-to-noise ratio of the simulated pad, dB
+    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
+    pub snr: f64,
+    /// Seed of the simulated noise and of the robot's errors
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
 }
 
 #[derive(Debug, Subcommand)]
@@ -361,6 +411,15 @@ pub(super) enum FormatArg {
 pub(super) enum PrintArg {
     Touches,
     Events,
+}
+
+fn points(text: &str) -> Result<usize, String> {
+    let range =
+        crate::calibrate::FEWEST_PRESSES..=crate::touch::correction::MOST_CORRECTION_PRESSES;
+    text.parse::<usize>()
+        .ok()
+        .filter(|points| range.contains(points))
+        .ok_or_else(|| format!("a number of places, {} to {}", range.start(), range.end()))
 }
 
 fn snr(text: &str) -> Result<f64, String> {

@@ -104,6 +104,13 @@ impl Map {
         self
     }
 
+    /// Draws a mark at a place.
+    pub(super) fn marked(mut self, place_mm: PointMm, mark: char) -> Self {
+        let (row, column) = self.cell_at(place_mm);
+        self.cells[row * self.columns + column] = mark;
+        self
+    }
+
     fn write(&mut self, row: usize, column: usize, text: &str) {
         for (offset, character) in text.chars().enumerate() {
             if column + offset < self.columns {

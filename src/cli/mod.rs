@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod args;
+mod calibrate;
 mod changes;
 mod drawing;
 mod exit;
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
+        Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),

@@ -69,6 +69,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let checked = resolve::checked(&args.profile, args.user.as_deref())?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
+    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::calibrate::read_correction;
 use super::exit;
 use crate::cache;
 use crate::eit::Reconstruction;
@@ -15,7 +16,7 @@ use crate::profile::{
     self, Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
     shipped_user,
 };
-use crate::touch::SensingBuilder;
+use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, nearest};
 
 /// No pad, profile or script is larger, bytes.
@@ -182,6 +183,11 @@ pub(super) fn own_folder() -> Option<PathBuf> {
 /// How images are made: the command line's word, else the profile's, else the pad's, else NOSER.
 pub(super) fn method(asked: Option<Method>, profile: &Profile, pad: &Pad) -> Method {
     asked.or(profile.method).or(pad.method).unwrap_or_default()
+}
+
+/// The calibration that the command line names, if it names one.
+pub(super) fn correction(file: Option<&Path>, pad: &Pad) -> anyhow::Result<Option<Correction>> {
+    file.map(|file| read_correction(file, pad)).transpose()
 }
 
 /// What reads a pad's frames. The first time that a pad is used its touches are solved, which is shown.

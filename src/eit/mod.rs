@@ -7,6 +7,7 @@ mod faults;
 mod forward;
 mod jacobian;
 pub mod mesh;
+pub mod order;
 pub mod reconstruct;
 mod reference;
 pub mod response;

@@ -26,6 +26,8 @@ const LONGEST_STEP_S: f64 = 0.2;
 const SETTLE_FRAMES: u32 = 3;
 /// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
 const LOOSE_SPREAD: f64 = 20.0;
+/// Below this share of the smallest readings' variance, a part that all readings share is taken for chance.
+const LEAST_ADDITIVE: f64 = 0.5;
 /// Share by which the estimate of a channel's noise moves with each frame in which it is free: some seconds.
 const NOISE_FOLLOW: f64 = 0.004;
 /// One channel in so many must be free to tell a gain that all share.
@@ -91,6 +93,12 @@ impl Reference {
     #[must_use]
     pub fn volts(&self) -> &[f64] {
         &self.volts
+    }
+
+    /// Variance of a channel's relative change: of the reading itself, and of the reference's own doubt.
+    #[must_use]
+    pub fn variances(&self, channel: usize) -> [f64; 2] {
+        [self.noise[channel], self.covariances[channel].level]
     }
 
     /// Variance of a relative change in the mean over the channels that count: of the noise and of the reference's own doubt.
@@ -271,36 +279,79 @@ impl Reference {
         }
     }
 
-    /// Learns from the spread of the first frames how noisy a reading is (the median over the channels), and which
-    /// channels are no readings at all.
+    /// Learns from the spread of the first frames how noisy readings are, and which channels are no readings at all.
     fn judge_first_frames(&mut self) {
         let count = self.frames as f64;
         let variances: Vec<f64> = self
             .volts
             .iter()
             .zip(&self.squares)
-            .map(|(mean, square)| {
-                if *mean == 0.0 {
-                    return f64::INFINITY;
-                }
-                (square - count * mean * mean).max(0.0) / (count - 1.0) / (mean * mean)
-            })
+            .map(|(mean, square)| (square - count * mean * mean).max(0.0) / (count - 1.0))
             .collect();
-        let mut sorted = variances.clone();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let least = LEAST_NOISE * LEAST_NOISE;
-        // Ten frames tell one channel's noise too badly: to begin with, all have the same.
-        let shared = if median.is_finite() {
-            median.max(least)
-        } else {
-            least
-        };
-        self.noise.fill(shared);
-        for (muted, variance) in self.muted.iter_mut().zip(variances) {
-            *muted = variance > LOOSE_SPREAD * LOOSE_SPREAD * shared;
+        let noise = NoiseModel::of(&self.volts, &variances);
+        for (channel, variance) in variances.iter().enumerate() {
+            let square = self.volts[channel] * self.volts[channel];
+            let expected = noise.variance(square).max(LEAST_NOISE * LEAST_NOISE * square);
+            self.muted[channel] =
+                square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * expected;
+            self.noise[channel] = if square == 0.0 { 1.0 } else { expected / square };
         }
     }
+}
+
+/// Variance of a reading as boards make it: a part in proportion to the reading, a part that is the same for all. Ten frames
+/// tell one channel's noise too badly, but these two numbers well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct NoiseModel {
+    proportional: f64,
+    additive: f64,
+}
+
+impl NoiseModel {
+    /// From the variances of the channels: relative variances are a line in 1 / V^2, laid through the medians of the
+    /// smallest and of the largest third of the readings. Loose channels do not sway it.
+    fn of(volts: &[f64], variances: &[f64]) -> Self {
+        let mut readings: Vec<(f64, f64)> = volts
+            .iter()
+            .zip(variances)
+            .map(|(volt, variance)| (volt * volt, *variance))
+            .filter(|(square, _)| *square > 0.0)
+            .map(|(square, variance)| (1.0 / square, variance / square))
+            .collect();
+        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let third = readings.len().div_ceil(3);
+        let [near, low] = medians(&readings[..third]);
+        let [far, high] = medians(&readings[readings.len() - third..]);
+        let additive = ((high - low) / (far - near).max(f64::MIN_POSITIVE)).max(0.0);
+        if additive * far < LEAST_ADDITIVE * high {
+            return Self {
+                proportional: medians(&readings)[1],
+                additive: 0.0,
+            };
+        }
+        Self {
+            proportional: (low - additive * near).max(0.0),
+            additive,
+        }
+    }
+
+    fn variance(&self, square: f64) -> f64 {
+        self.proportional * square + self.additive
+    }
+}
+
+/// Medians of either part of some pairs.
+fn medians(pairs: &[(f64, f64)]) -> [f64; 2] {
+    let mut parts = [
+        pairs.iter().map(|pair| pair.0).collect::<Vec<_>>(),
+        pairs.iter().map(|pair| pair.1).collect(),
+    ];
+    [median(&mut parts[0]), median(&mut parts[1])]
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 //! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
 //! run backwards. What it had to skip it says, so that nothing is lost in silence.
 
+pub mod eit_text;
 mod frames_csv;
 mod noise;
+mod robot;
 mod script;
 pub mod serial;
 mod simulated;
@@ -12,6 +14,7 @@ pub mod wire;
 
 pub use frames_csv::FramesCsv;
 pub use noise::Noise;
+pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
 pub use simulated::{SimulatedPad, SimulatedSource};
 

@@ -101,7 +101,13 @@ impl ByImage {
     }
 
     /// If the image shows a palm, its contacts replace the located ones.
-    pub fn palm(&mut self, image: &Image, doubt: f64, down: &[Touch], contacts: &mut Vec<Contact>) {
+    pub fn palm(
+        &mut self,
+        image: &Image,
+        doubt: f64,
+        down: &[Touch],
+        contacts: &mut Vec<Contact>,
+    ) {
         let mut seen = Vec::new();
         self.contacts(image, doubt, down, &mut seen);
         if seen.iter().any(|contact| contact.area_mm2 > self.palm_mm2) {

@@ -24,7 +24,7 @@ const UNEXPLAINED: f64 = 4.0;
 /// Touches that are down wait this long for a frame that can be explained.
 const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
 /// A channel is free, and its reference followed, if the touches change it by less than this many of its deviations.
-const FREE_DEVIATIONS: f64 = 4.0;
+const FREE_DEVIATIONS: f64 = 1.0;
 /// Located touches that leave this many times what noise and the model's error explain may be a palm, as may so many
 /// touches at once.
 const POOR_REST: f64 = 4.0;
@@ -47,6 +47,8 @@ pub struct Detector {
     changes: Vec<f32>,
     /// What the touches change in each channel, relative.
     explained: Vec<f32>,
+    /// Channels that the touches leave alone.
+    free: Vec<bool>,
     /// The frame less its touches, in the instrument's units.
     untouched: Vec<f32>,
     image: Image,
@@ -95,6 +97,7 @@ impl Detector {
             tracker: Tracker::default(),
             changes: vec![0.0; channels],
             explained: vec![0.0; channels],
+            free: vec![true; channels],
             untouched: vec![0.0; channels],
             image: Image::blank(reconstruction.grid),
             contacts: Vec::new(),
@@ -173,7 +176,7 @@ impl Detector {
 
     /// Touches by the voltages.
     fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
-        let noise = self.reference.change_variance() / self.sensing.variance();
+        let (noise, steady) = self.noise();
         let seen = locator.take_frame(&self.changes, noise);
         // While other weights are awaited, the present ones explain nothing rightly.
         let waits_for_weights = self.wanted.as_ref().is_some_and(|wanted| {
@@ -195,7 +198,6 @@ impl Detector {
             return;
         }
         self.explained_ns = frame.t_ns;
-        let steady = noise * (1.0 - 1.0 / (self.reference.doubt() * self.reference.doubt()));
         let found = locator.locate(noise, steady);
         locator.explain(&mut self.explained);
         self.make_image();
@@ -235,20 +237,38 @@ impl Detector {
         }
     }
 
+    /// Variance of a reading, in units of the weights', and the part of it that is the reference's doubt.
+    fn noise(&self) -> (f64, f64) {
+        let (mut count, mut sum, mut steady) = (0usize, 0.0, 0.0);
+        for (channel, deviation) in self.sensing.deviations.iter().enumerate() {
+            if !deviation.is_finite() || self.reference.is_muted(channel) {
+                continue;
+            }
+            let [noise, doubt] = self.reference.variances(channel);
+            let square = deviation * deviation;
+            count += 1;
+            sum += (noise + doubt) / square;
+            steady += doubt / square;
+        }
+        let count = count.max(1) as f64;
+        (sum / count, steady / count)
+    }
+
     /// Follows the reference where the touches leave it alone.
     fn follow_reference(&mut self, frame: &Frame) {
-        let limit = (FREE_DEVIATIONS * self.reference.change_noise()) as f32;
-        for ((untouched, volt), explained) in self
-            .untouched
-            .iter_mut()
-            .zip(&frame.volts)
-            .zip(&self.explained)
+        for (channel, is_free) in self.free.iter_mut().enumerate() {
+            let [noise, _] = self.reference.variances(channel);
+            let explained = f64::from(self.explained[channel]);
+            *is_free = explained * explained < FREE_DEVIATIONS * FREE_DEVIATIONS * noise;
+        }
+        for ((untouched, volt), explained) in
+            self.untouched.iter_mut().zip(&frame.volts).zip(&self.explained)
         {
             *untouched = volt / (1.0 + explained);
         }
-        let explained = &self.explained;
+        let free = &self.free;
         self.reference
-            .follow(&self.untouched, |channel| explained[channel].abs() < limit);
+            .follow(&self.untouched, |channel| free[channel]);
     }
 
     /// Finds the electrode that spoils a frame.
@@ -256,10 +276,12 @@ impl Detector {
         let Some(faults) = &mut self.faults else {
             return;
         };
-        let noise = self.reference.change_noise();
         let (changes, explained) = (&self.changes, &self.explained);
-        let verdict =
-            faults.unexplained(|channel| f64::from(changes[channel] - explained[channel]) / noise);
+        let reference = &self.reference;
+        let verdict = faults.unexplained(|channel| {
+            let [noise, doubt] = reference.variances(channel);
+            f64::from(changes[channel] - explained[channel]) / libm::sqrt(noise + doubt)
+        });
         if let Some(Verdict::Lost(electrode)) = verdict {
             for channel in faults.channels(electrode) {
                 self.reference.mute(*channel, true, 0.0);
@@ -274,14 +296,15 @@ impl Detector {
         let Some(faults) = self.faults.as_mut().filter(|faults| faults.any_lost()) else {
             return;
         };
-        let noise = self.reference.change_noise();
-        let (reference, explained) = (self.reference.volts(), &self.explained);
+        let (reference, explained) = (&self.reference, &self.explained);
         let change = |channel: usize| {
             let volt = f64::from(frame.volts[channel]);
-            let change = volt / reference[channel] - 1.0 - f64::from(explained[channel]);
+            let change = volt / reference.volts()[channel] - 1.0 - f64::from(explained[channel]);
             if change.is_finite() { change } else { 1.0 }
         };
-        let verdict = faults.watch(change, |_| noise);
+        let verdict = faults.watch(change, |channel| {
+            libm::sqrt(reference.variances(channel)[0])
+        });
         if let Some(Verdict::Back(electrode)) = verdict {
             for channel in faults.channels(electrode).to_vec() {
                 if !faults.cuts(channel) {
@@ -303,7 +326,13 @@ impl Detector {
 
     /// Asks for other weights if some channels have grown noisier beside the others, or quieter.
     fn weigh_now_and_then(&mut self) {
-        if !self.frames.is_multiple_of(WEIGH_EVERY) || self.wanted.is_some() {
+        if self.frames.is_multiple_of(WEIGH_EVERY) {
+            self.want_if_noisier();
+        }
+    }
+
+    fn want_if_noisier(&mut self) {
+        if self.wanted.is_some() || self.sensing.locating.is_none() {
             return;
         }
         let now = self.reference.deviations();
@@ -385,6 +414,7 @@ impl Detector {
             }
         }
         self.want_if_lost();
+        self.want_if_noisier();
     }
 
     /// Makes the image of the changes; where a channel is left out, the touches say what it would read.
@@ -393,6 +423,7 @@ impl Detector {
             if self.reference.is_muted(channel) {
                 self.changes[channel] = self.explained[channel];
             }
+            self.changes[channel] *= self.sensing.image_weights[channel];
         }
         self.imager.image(
             &self.changes,

@@ -22,6 +22,9 @@ pub struct Sensing {
     pub locating: Option<Arc<Locating>>,
     /// Relative deviation of each channel for which both were made; infinite for one that is left out.
     pub deviations: Vec<f64>,
+    /// What each change is multiplied by before an image is made of it: the median deviation over its own, 0 for a channel
+    /// that is left out. The matrix is made for changes so weighted.
+    pub image_weights: Vec<f32>,
 }
 
 /// Makes a pad's [`Sensing`] for any weights.
@@ -78,27 +81,24 @@ impl SensingBuilder {
     /// If there is not one deviation a channel.
     pub fn build(&self, deviations: &[f64]) -> Result<Sensing, SetupError> {
         assert_eq!(deviations.len(), self.linearised.jacobian.nrows());
-        let left_out = |channel: usize| !deviations[channel].is_finite();
+        let image_weights = image_weights(deviations);
         let mut linearised = self.linearised.clone();
         for pixel in 0..linearised.jacobian.ncols() {
             let column = linearised.jacobian.col_mut(pixel);
-            for (channel, entry) in column.iter_mut().enumerate() {
-                // A channel that nothing changes has no say in any pixel.
-                if left_out(channel) {
-                    *entry = 0.0;
-                }
+            for (entry, weight) in column.iter_mut().zip(&image_weights) {
+                *entry *= f64::from(*weight);
             }
         }
         let reconstruction =
             Reconstruction::from_linearised(&linearised, self.method, LAMBDA, self.touch_sign)?;
-        let locating = self
-            .table
-            .as_ref()
-            .map(|table| Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations)));
+        let locating = self.table.as_ref().map(|table| {
+            Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations))
+        });
         Ok(Sensing {
             reconstruction: Arc::new(reconstruction),
             locating,
             deviations: deviations.to_vec(),
+            image_weights,
         })
     }
 }
@@ -109,6 +109,7 @@ impl Sensing {
     pub fn by_image(reconstruction: Arc<Reconstruction>) -> Self {
         Self {
             deviations: vec![FIRST_DEVIATION; reconstruction.channels()],
+            image_weights: vec![1.0; reconstruction.channels()],
             reconstruction,
             locating: None,
         }
@@ -120,16 +121,26 @@ impl Sensing {
         self.deviations.len()
     }
 
-    /// Mean variance of a channel that counts, relative.
-    #[must_use]
-    pub fn variance(&self) -> f64 {
-        let counted = || self.deviations.iter().filter(|d| d.is_finite());
-        counted().map(|d| d * d).sum::<f64>() / (counted().count().max(1)) as f64
-    }
-
     /// Whether a channel counts.
     #[must_use]
     pub fn counts(&self, channel: usize) -> bool {
         self.deviations[channel].is_finite()
     }
+}
+
+/// One over the deviation of each channel, the median's being one; 0 for a channel that is left out.
+fn image_weights(deviations: &[f64]) -> Vec<f32> {
+    let mut finite: Vec<f64> = deviations.iter().copied().filter(|d| d.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    let median = finite.get(finite.len() / 2).copied().unwrap_or(1.0);
+    deviations
+        .iter()
+        .map(|deviation| {
+            if deviation.is_finite() {
+                (median / deviation) as f32
+            } else {
+                0.0
+            }
+        })
+        .collect()
 }

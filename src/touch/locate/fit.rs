@@ -80,9 +80,7 @@ impl Bounds {
         for (at, size) in bump.centre_mm.iter_mut().zip(self.size_mm) {
             *at = at.clamp(0.0, size);
         }
-        bump.log_radius = bump
-            .log_radius
-            .clamp(self.log_radius[0], self.log_radius[1]);
+        bump.log_radius = bump.log_radius.clamp(self.log_radius[0], self.log_radius[1]);
         bump.strength = bump.strength.clamp(0.0, MOST_STRENGTH);
     }
 
@@ -181,8 +179,7 @@ impl Fit {
         metric: &Metric,
         bounds: &Bounds,
     ) {
-        self.responses
-            .resize_with(self.bumps.len(), Response::default);
+        self.responses.resize_with(self.bumps.len(), Response::default);
         self.residual.clear();
         self.residual.extend_from_slice(&frame.coordinates);
         let mut unusual = 0.0;
@@ -208,8 +205,7 @@ impl Fit {
             for other in 0..=row {
                 self.normal[row * count + other] = f64::from(dot(column(row), column(other)));
             }
-            self.gradient
-                .push(f64::from(dot(column(row), &self.residual)));
+            self.gradient.push(f64::from(dot(column(row), &self.residual)));
         }
         for (index, bump) in self.bumps.iter().enumerate() {
             let usual = [bounds.usual_log_radius(), USUAL_STRENGTH];

@@ -33,7 +33,7 @@ pub struct Metric {
 enum Whitener {
     /// All channels alike: one over their deviation.
     Even(f32),
-    /// Rank by rank, upper triangular, by rows: L'.
+    /// Rank by rank, upper triangular, by columns: L'.
     Triangle(Vec<f32>),
 }
 
@@ -67,13 +67,7 @@ impl Metric {
         let counts = |deviation: f64| deviation.is_finite() && deviation > 0.0;
         let inverse: Vec<f64> = deviations
             .iter()
-            .map(|deviation| {
-                if counts(*deviation) {
-                    1.0 / deviation
-                } else {
-                    0.0
-                }
-            })
+            .map(|deviation| if counts(*deviation) { 1.0 / deviation } else { 0.0 })
             .collect();
         let mut sorted: Vec<f64> = inverse.iter().copied().filter(|i| *i > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
@@ -126,11 +120,12 @@ impl Metric {
         let whitening = &inverse_lower * weighted.transpose();
         self.whitening.clear();
         for dimension in 0..rank {
-            self.whitening
-                .extend((0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32));
+            self.whitening.extend(
+                (0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32),
+            );
         }
         let triangle = (0..rank)
-            .flat_map(|row| (0..rank).map(move |column| (row, column)))
+            .flat_map(|column| (0..rank).map(move |row| (row, column)))
             .map(|(row, column)| lower[(column, row)] as f32)
             .collect();
         self.responses = Whitener::Triangle(triangle);
@@ -166,11 +161,7 @@ impl Metric {
             .iter()
             .zip(&self.inverse_deviation)
             .map(|(change, inverse)| {
-                let weighted = if *inverse > 0.0 {
-                    f64::from(change * inverse)
-                } else {
-                    0.0
-                };
+                let weighted = if *inverse > 0.0 { f64::from(change * inverse) } else { 0.0 };
                 weighted * weighted
             })
             .sum();
@@ -193,9 +184,13 @@ impl Metric {
                 }
             }
             Whitener::Triangle(triangle) => {
-                // Upper triangular: row k needs only what stands from k on, so it can be done in place.
-                for (row, entries) in triangle.chunks_exact(self.rank).enumerate() {
-                    coordinates[row] = dot(&entries[row..], &coordinates[row..]);
+                // Upper triangular: what stands at k goes to the rows up to k only, so it can be done in place.
+                for (column, entries) in triangle.chunks_exact(self.rank).enumerate() {
+                    let value = coordinates[column];
+                    coordinates[column] = 0.0;
+                    for (sum, entry) in coordinates[..=column].iter_mut().zip(entries) {
+                        *sum += value * entry;
+                    }
                 }
             }
         }

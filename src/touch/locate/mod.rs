@@ -14,6 +14,7 @@ mod search;
 
 use std::sync::Arc;
 
+
 use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, Response};
 use crate::pad::Outline;
@@ -213,21 +214,17 @@ impl Locator {
 
     /// The touches of the last frame, the first found first.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.fit
-            .bumps
-            .iter()
-            .zip(&self.fit.responses)
-            .map(|(bump, response)| {
-                let radius_mm = libm::exp(bump.log_radius);
-                let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
-                Contact {
-                    centre_mm: bump.centre_mm,
-                    // The footprint at half of the rise, as an image shows it.
-                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
-                    force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
-                    confidence: surplus.clamp(0.0, 1.0),
-                }
-            })
+        self.fit.bumps.iter().zip(&self.fit.responses).map(|(bump, response)| {
+            let radius_mm = libm::exp(bump.log_radius);
+            let surplus = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+            Contact {
+                centre_mm: bump.centre_mm,
+                // The footprint at half of the rise, as an image shows it.
+                area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                force: (volume_mm2(bump) / FULL_FORCE_MM2).clamp(0.0, 1.0),
+                confidence: surplus.clamp(0.0, 1.0),
+            }
+        })
     }
 
     /// The touches of the last frame as the table knows them.
@@ -294,6 +291,7 @@ impl Locator {
 
     /// Adds touches while another explains enough.
     fn seek(&mut self, noise: f64) {
+        let before = self.fit.bumps.len();
         let least_gain = DOWN_GAIN * noise + self.model_error();
         while self.fit.bumps.len() < MOST_TOUCHES {
             let rest = energy(&self.fit.residual);
@@ -310,7 +308,8 @@ impl Locator {
                 break;
             }
             self.refused_cost = 0.0;
-            if self.settle(noise) {
+            // Touches that begin together may first have been taken for one between them.
+            if self.settle(noise) || self.fit.bumps.len() > before + 1 {
                 self.prune(least_gain);
             }
         }
@@ -324,7 +323,10 @@ impl Locator {
         let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
         let least_gain = DOWN_GAIN * noise + self.model_error();
         let peak = self.templates.peak(self.recent.mean());
-        if peak.is_none_or(|peak| peak.gain < TEMPLATE_SHARE * least_gain) {
+        let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
+            return;
+        };
+        if !self.recent.is_news(peak.gain) {
             return;
         }
         // The frame as it would be with the mean's noise.
@@ -451,8 +453,7 @@ impl Locator {
             let (dx, dy) = (libm::cos(angle), libm::sin(angle));
             for far in SPLITS_MM {
                 let halves = [far, -far].map(|side| {
-                    self.bounds
-                        .usual([middle[0] + side * dx, middle[1] + side * dy])
+                    self.bounds.usual([middle[0] + side * dx, middle[1] + side * dy])
                 });
                 let bumps = with(&self.fit.bumps, &halves, Some(index));
                 self.try_fit(&bumps, SPLIT_STEPS);
@@ -481,9 +482,7 @@ impl Locator {
             bumps.iter().any(|strong| {
                 let apart = distance_mm(weak.centre_mm, strong.centre_mm);
                 let share = volume_mm2(weak) / volume_mm2(strong);
-                SHADOWS
-                    .iter()
-                    .any(|(reach, least)| apart < *reach && share < *least)
+                SHADOWS.iter().any(|(reach, least)| apart < *reach && share < *least)
             })
         });
         let outermost = bumps

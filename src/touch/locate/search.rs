@@ -31,7 +31,12 @@ pub struct Peak {
 impl Templates {
     /// Templates for a metric.
     #[must_use]
-    pub fn new(table: &ResponseTable, metric: &Metric, bounds: &Bounds, outline: &Outline) -> Self {
+    pub fn new(
+        table: &ResponseTable,
+        metric: &Metric,
+        bounds: &Bounds,
+        outline: &Outline,
+    ) -> Self {
         let [width, height] = bounds.size_mm;
         let pitch_mm = width.max(height) / ALONG;
         let steps = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize;

@@ -1,0 +1,176 @@
+//! `gelpad calibrate` from outside: a robot presses the simulated pad, presses are learned from, files are refused.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn gelpad(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("gelpad runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Presses of an instrument that gelpad has no pad for: nine channels, each a bump.
+fn presses(count: usize, from: usize) -> String {
+    let mut text = String::from("x_mm,y_mm,d0,d1,d2,d3,d4,d5,d6,d7,d8\n");
+    for i in from..from + count {
+        let share = |root: f64| (0.5 + i as f64 * root).fract();
+        let (x, y) = (80.0 * share(0.754_877_666), 80.0 * share(0.569_840_29));
+        text.push_str(&format!("{x},{y}"));
+        for channel in 0..9 {
+            let (cx, cy) = (f64::from(channel % 3) * 40.0, f64::from(channel / 3) * 40.0);
+            let change = 500.0 * (-((x - cx).powi(2) + (y - cy).powi(2)) / 1200.0).exp();
+            text.push_str(&format!(",{change}"));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn a_recording_is_learned_from_saved_and_taken_by_replay() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = gelpad(
+        folder.path(),
+        &[
+            "calibrate",
+            "--source",
+            "simulated",
+            "--points",
+            "16",
+            "--presses",
+            "p.csv",
+        ],
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(output.stdout.is_empty(), "words go to stderr");
+    let said = stderr(&output);
+    assert!(said.contains("place 16 of 16"), "{said}");
+    assert!(said.contains("a lone touch, corrected: mean"), "{said}");
+    assert!(said.contains("expected error: 8 presses"), "{said}");
+    let header = std::fs::read_to_string(folder.path().join("p.csv")).expect("presses");
+    assert!(header.starts_with("x_mm,y_mm,force,model_x_mm,model_y_mm,d0,"));
+
+    let again = gelpad(
+        folder.path(),
+        &["calibrate", "--presses", "p.csv", "-o", "again.json"],
+    );
+    assert!(again.status.success(), "{}", stderr(&again));
+    let saved = |name: &str| std::fs::read(folder.path().join(name)).expect(name);
+    assert!(
+        saved("again.json") == saved("edinburgh-lattice.calibration.json"),
+        "the same presses give the same calibration"
+    );
+
+    let over = gelpad(
+        folder.path(),
+        &["calibrate", "--source", "simulated", "--presses", "p.csv"],
+    );
+    assert_eq!(over.status.code(), Some(1));
+    assert!(stderr(&over).contains("would be overwritten"));
+
+    let frames = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/lattice-presses/session.csv"
+    );
+    let replayed = gelpad(
+        folder.path(),
+        &[
+            "replay",
+            frames,
+            "--print",
+            "touches",
+            "--calibration",
+            "again.json",
+        ],
+    );
+    assert!(replayed.status.success(), "{}", stderr(&replayed));
+    let refused = gelpad(
+        folder.path(),
+        &[
+            "replay",
+            frames,
+            "--pad",
+            "openeit-lattice",
+            "--calibration",
+            "again.json",
+        ],
+    );
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr(&refused).contains("208 channels"),
+        "{}",
+        stderr(&refused)
+    );
+}
+
+#[test]
+fn presses_of_any_instrument_are_evaluated_as_one_json_object() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write =
+        |name: &str, text: String| std::fs::write(folder.path().join(name), text).expect(name);
+    write("train.csv", presses(60, 0));
+    write("test.csv", presses(40, 100));
+    let output = gelpad(
+        folder.path(),
+        &[
+            "calibrate",
+            "--presses",
+            "train.csv",
+            "--evaluate",
+            "test.csv",
+        ],
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert_eq!(found["n_train"], 60);
+    assert_eq!(found["n_test"], 40);
+    let mean = found["mean_mm"].as_f64().expect("a number");
+    assert!(mean < 2.0, "{found}");
+    assert!(found["median_mm"].as_f64() <= found["p95_mm"].as_f64());
+
+    let words = gelpad(folder.path(), &["calibrate", "--presses", "train.csv"]);
+    assert!(words.status.success());
+    assert!(
+        stderr(&words).contains("expected error: 15 presses"),
+        "{}",
+        stderr(&words)
+    );
+    let saved = gelpad(
+        folder.path(),
+        &["calibrate", "--presses", "train.csv", "-o", "x.json"],
+    );
+    assert_eq!(saved.status.code(), Some(1));
+    assert!(stderr(&saved).contains("only voltages"));
+}
+
+#[test]
+fn what_is_no_calibration_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (text, told) in [
+        ("[]", "this is no calibration"),
+        ("{\"format\":\"x\"}", "this is no calibration"),
+    ] {
+        std::fs::write(folder.path().join("c.json"), text).expect("written");
+        let output = gelpad(
+            folder.path(),
+            &[
+                "play",
+                "--headless",
+                "--output",
+                "trace",
+                "--calibration",
+                "c.json",
+            ],
+        );
+        assert_eq!(output.status.code(), Some(1));
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    }
+    let output = gelpad(folder.path(), &["calibrate", "--evaluate", "x.csv"]);
+    assert_eq!(output.status.code(), Some(2), "--evaluate needs --presses");
+}

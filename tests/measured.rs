@@ -1,0 +1,331 @@
+//! gelpad on data that others measured: tanks and skins that it was not made for.
+//!
+//! The data has no licence, so it is no part of the repository: it is read from `GELPAD_DATA`. Where that is not set the
+//! trials are ignored, and their kind says why; with `GELPAD_TEST_ALL=1` they fail. `GELPAD_FULL=1` runs all five splits of the
+//! skins at all sizes instead of a sample (minutes; `scripts/hydrogel-presses.sh` does the same through the command line).
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::{Context, Result, ensure};
+use gelpad::calibrate::{Press, Presses, Regression};
+use gelpad::eit::order::{Layout, recognise};
+use gelpad::eit::{Imager, Reconstruction};
+use gelpad::pad::{Pad, TouchSign, shipped_pad};
+use gelpad::source::eit_text::EitFrame;
+use gelpad::types::{Image, Method};
+use libtest_mimic::{Arguments, Failed, Trial};
+
+const ELECTRODES: usize = 16;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let trials = vec![
+        trial("pyeidors_tank", "pyeidors-tank", pyeidors_tank),
+        trial("sciospec_tank", "sciospec-tank", sciospec_tank),
+        trial("hydrogel_presses", "hydrogel-presses", hydrogel_presses),
+    ];
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+/// A trial on a folder of the data, or an ignored one where the data is absent.
+fn trial(name: &str, folder: &'static str, run: fn(&Path) -> Result<()>) -> Trial {
+    let found = env::var_os("GELPAD_DATA")
+        .map(|data| PathBuf::from(data).join(folder))
+        .filter(|path| path.is_dir());
+    let all = env::var_os("GELPAD_TEST_ALL").is_some_and(|value| value == "1");
+    match found {
+        Some(path) => Trial::test(name, move || {
+            run(&path).map_err(|error| Failed::from(format!("{error:#}")))
+        }),
+        None if all => Trial::test(name, move || {
+            Err(Failed::from(format!("no {folder} in GELPAD_DATA")))
+        }),
+        None => Trial::test(name, || Ok(()))
+            .with_kind(format!("no {folder} in GELPAD_DATA"))
+            .with_ignored_flag(true),
+    }
+}
+
+/// The round tank with an image of both signs: conductors rise where `touch_sign` is a rise.
+fn tank(touch_sign: TouchSign) -> Result<(Pad, Imager)> {
+    let shipped = shipped_pad("round-tank").context("no round tank")?;
+    let pad = Pad {
+        touch_sign,
+        ..Pad::from_toml(shipped.name, shipped.toml)?
+    };
+    let matrix = Reconstruction::of_pad(&pad, Method::Smooth)?;
+    Ok((pad, Imager::new(Arc::new(matrix))))
+}
+
+fn changes(volts: &[f64], reference: &[f64]) -> Vec<f32> {
+    volts
+        .iter()
+        .zip(reference)
+        .map(|(v, v0)| ((v - v0) / v0) as f32)
+        .collect()
+}
+
+/// Metal and plastic stand in a tank, in files whose order gelpad is not told: each is found beside the electrode that the
+/// file's name says, metal as a rise and plastic as a fall of the same image.
+fn pyeidors_tank(folder: &Path) -> Result<()> {
+    let (pad, mut imager) = tank(TouchSign::Rise)?;
+    let mut files: Vec<PathBuf> = fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|extension| extension == "csv"))
+        .collect();
+    files.sort();
+    ensure!(files.len() == 4, "{} files", files.len());
+    for path in files {
+        let name = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let mut columns = [Vec::new(), Vec::new()];
+        for row in csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_path(&path)?
+            .deserialize()
+        {
+            let [reference, _, target, _]: [f64; 4] = row?;
+            columns[0].push(reference);
+            columns[1].push(target);
+        }
+        let order = recognise(&columns[0], ELECTRODES)?;
+        let error = order.error.context("208 readings show reciprocity")?;
+        ensure!(
+            order.rotated && order.layout == Layout::Adjacent,
+            "{name}: {order:?}"
+        );
+        ensure!(error < 0.05, "{name}: reciprocity error {error}");
+        let [reference, target] = columns.map(|volts| order.apply(&volts));
+        let mut image = Image::blank(imager.reconstruction().grid);
+        imager.uncut(&changes(&target, &reference), 0.0, &mut image);
+        let expected = |material: &str| -> Vec<usize> {
+            let words: Vec<&str> = name.split('_').collect();
+            let mut electrodes: Vec<usize> = words
+                .chunks(2)
+                .filter(|pair| pair[1] == material)
+                .filter_map(|pair| pair[0].strip_prefix("electrode")?.parse().ok())
+                .collect();
+            electrodes.sort_unstable();
+            electrodes
+        };
+        for (material, sign) in [("metal", 1.0), ("plastic", -1.0)] {
+            let wanted = expected(material);
+            let mut found = nearest_electrodes(&pad, &image, sign, wanted.len());
+            found.sort_unstable();
+            println!(
+                "{name}: reciprocity error {:.1} %, {material} at {found:?}",
+                error * 100.0
+            );
+            ensure!(
+                found == wanted,
+                "{name}: {material} at {found:?} instead of {wanted:?}"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The electrodes (from 1) next to an image's highest places, or lowest for a sign of -1, that lie apart.
+fn nearest_electrodes(pad: &Pad, image: &Image, sign: f32, count: usize) -> Vec<usize> {
+    const APART_MM: f64 = 50.0;
+    let mut values: Vec<f32> = image.values.iter().map(|value| sign * value).collect();
+    (0..count)
+        .filter_map(|_| {
+            let peak = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
+            let [x, y] = image.grid.centre_mm(peak);
+            for (pixel, value) in values.iter_mut().enumerate() {
+                let [px, py] = image.grid.centre_mm(pixel);
+                if (px - x).hypot(py - y) < APART_MM {
+                    *value = f32::NEG_INFINITY;
+                }
+            }
+            (0..ELECTRODES)
+                .min_by(|a, b| {
+                    let distance = |electrode: &usize| {
+                        let [ex, ey] = pad.electrodes[*electrode].centre_mm(&pad.outline);
+                        (ex - x).hypot(ey - y)
+                    };
+                    distance(a).total_cmp(&distance(b))
+                })
+                .map(|electrode| electrode + 1)
+        })
+        .collect()
+}
+
+/// A glass cup is moved about in a tank by hand: its track is smooth. Smooth means that each place lies near the middle of
+/// the places one frame before and after: a hand hardly changes its speed in 50 ms, while noise and wrong peaks do.
+fn sciospec_tank(folder: &Path) -> Result<()> {
+    const EMPTY_FRAMES: usize = 20;
+    /// An object is there where the image's peak is this many times the empty tank's.
+    const THERE: f32 = 10.0;
+    let (pad, mut imager) = tank(TouchSign::Fall)?;
+    let radius_mm = pad.outline.size_mm()[0] / 2.0;
+    let mut files: Vec<PathBuf> = fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|extension| extension == "eit"))
+        .collect();
+    files.sort();
+    let frames: Vec<Vec<f64>> = files
+        .iter()
+        .map(|path| Ok(EitFrame::open(path)?.adjacent()))
+        .collect::<Result<_>>()?;
+    ensure!(frames.len() == 255, "{} frames", frames.len());
+    let order = recognise(&frames[0], ELECTRODES)?;
+    let error = order.error.context("208 readings show reciprocity")?;
+    ensure!(!order.rotated && error < 0.05, "{order:?}");
+    let frames: Vec<Vec<f64>> = frames.iter().map(|frame| order.apply(frame)).collect();
+    let reference: Vec<f64> = (0..frames[0].len())
+        .map(|channel| {
+            frames[..EMPTY_FRAMES]
+                .iter()
+                .map(|frame| frame[channel])
+                .sum::<f64>()
+                / EMPTY_FRAMES as f64
+        })
+        .collect();
+    let mut image = Image::blank(imager.reconstruction().grid);
+    let mut empty_peak = 0.0_f32;
+    let mut track: Vec<Option<[f64; 2]>> = Vec::new();
+    for (index, frame) in frames.iter().enumerate() {
+        imager.image(&changes(frame, &reference), 0.0, &mut image);
+        if index < EMPTY_FRAMES {
+            empty_peak = empty_peak.max(image.peak());
+        }
+        let there = index >= EMPTY_FRAMES && image.peak() > THERE * empty_peak;
+        track.push(there.then(|| centroid(&image)));
+    }
+    let seen = track.iter().flatten().count();
+    let mut bends: Vec<f64> = track
+        .windows(3)
+        .filter_map(|places| {
+            let [a, b, c] = [places[0]?, places[1]?, places[2]?];
+            let [x, y] = [0, 1].map(|axis| b[axis] - 0.5 * (a[axis] + c[axis]));
+            Some(x.hypot(y) / radius_mm)
+        })
+        .collect();
+    bends.sort_by(f64::total_cmp);
+    ensure!(
+        !bends.is_empty(),
+        "no object seen in {} frames",
+        frames.len()
+    );
+    let [median, p95, worst] =
+        [0.5, 0.95, 1.0].map(|share| bends[((bends.len() - 1) as f64 * share) as usize]);
+    let reach = |axis: usize| {
+        let values = || track.iter().flatten().map(|place| place[axis]);
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    let travelled = reach(0).max(reach(1)) / radius_mm;
+    println!(
+        "sciospec-tank: reciprocity error {:.1} %; object in {seen} of {} frames, travels {travelled:.2} radii; off the middle of its neighbours by {median:.4} radii (median), {p95:.4} (p95), {worst:.4} (worst)",
+        error * 100.0,
+        frames.len() - EMPTY_FRAMES
+    );
+    ensure!(seen >= 150, "seen in {seen} frames");
+    ensure!(travelled > 0.5, "travels {travelled} radii");
+    ensure!(
+        median < 0.005 && p95 < 0.02,
+        "a rough track: {median} {p95} {worst}"
+    );
+    Ok(())
+}
+
+/// Middle of the pixels over half of the peak.
+fn centroid(image: &Image) -> [f64; 2] {
+    let floor = 0.5 * image.peak();
+    let mut sums = [0.0; 3];
+    for (pixel, value) in image
+        .values
+        .iter()
+        .enumerate()
+        .filter(|(_, value)| **value > floor)
+    {
+        let [x, y] = image.grid.centre_mm(pixel);
+        let weight = f64::from(*value);
+        sums = [sums[0] + weight, sums[1] + weight * x, sums[2] + weight * y];
+    }
+    [sums[1] / sums[0], sums[2] / sums[0]]
+}
+
+/// Two measured skins with other electrodes, drive and unit: random splits, errors of presses never seen.
+fn hydrogel_presses(folder: &Path) -> Result<()> {
+    /// Training presses and the largest mean error, mm, of noPattern and parallel.
+    const GOALS: [(usize, [f64; 2]); 3] =
+        [(50, [4.2, 5.0]), (500, [1.8, 2.1]), (2000, [1.25, 1.4])];
+    let full = env::var_os("GELPAD_FULL").is_some_and(|value| value == "1");
+    for (skin, name) in ["noPattern", "parallel"].into_iter().enumerate() {
+        let all = skin_presses(folder, name)?;
+        for (count, goals) in GOALS {
+            // Two thousand take half a minute a split; fifty scatter most, and cost nothing.
+            let splits = match (full, count) {
+                (true, _) | (_, 50) => 5,
+                (false, 500) => 1,
+                (false, _) => 0,
+            };
+            let mut errors = Vec::new();
+            for seed in 1..=splits {
+                let (train, test) = split(&all, count, seed)?;
+                let regression = Regression::fit(&train, &mut |_| {})?;
+                errors.push(regression.evaluate(&test).mean_mm);
+            }
+            if splits > 0 {
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                println!("{name}, {count} presses: mean error {mean:.2} mm of {errors:.2?}");
+                // One split scatters about the mean of five.
+                let allowed = if splits == 5 { 1.0 } else { 1.05 };
+                ensure!(
+                    mean <= allowed * goals[skin],
+                    "{name} with {count} presses: {mean:.3} mm, wanted {}",
+                    goals[skin]
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+fn skin_presses(folder: &Path, name: &str) -> Result<Vec<Press>> {
+    let rows = |kind: &str| -> Result<Vec<Vec<f64>>> {
+        csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_path(folder.join(format!("{kind}_{name}.csv")))?
+            .deserialize()
+            .map(|row| Ok(row?))
+            .collect()
+    };
+    Ok(rows("inp")?
+        .into_iter()
+        .zip(rows("out")?)
+        .map(|(changes, place_m)| Press {
+            place_mm: [place_m[0] * 1000.0, place_m[1] * 1000.0],
+            modelled: None,
+            changes,
+        })
+        .collect())
+}
+
+/// Shuffles and parts presses: the same seed gives the same split.
+fn split(all: &[Press], count: usize, seed: u64) -> Result<(Presses, Presses)> {
+    let mut presses = all.to_vec();
+    let mut state = seed;
+    for last in (1..presses.len()).rev() {
+        // Knuth's MMIX generator; its high bits are good enough to shuffle with.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        presses.swap(last, (state >> 33) as usize % (last + 1));
+    }
+    let test = presses.split_off(count);
+    Ok((Presses::new("train", presses)?, Presses::new("test", test)?))
+}
