@@ -8,12 +8,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use gelpad::cache;
 use gelpad::eit::REFERENCE_FRAMES;
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use gelpad::source::{FramesCsv, Reading, Source};
-use gelpad::touch::SensingBuilder;
+use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source};
+use gelpad::touch::Detector;
 use gelpad::types::{Frame, Method};
 
 fn pad() -> Pad {
@@ -45,12 +46,14 @@ fn now() -> Instant {
 fn set_up(criterion: &mut Criterion) {
     let pad = pad();
     let frames = frames(&pad);
-    criterion.bench_function("set-up to first image", |bencher| {
+    // The first time solves the pad's touches; from then on they are read.
+    cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
+    criterion.bench_function("set-up to first image, responses cached", |bencher| {
         bencher.iter(|| {
             let pad = self::pad();
-            let builder = SensingBuilder::new(&pad, Method::default()).expect("sound");
-            let sensing = builder.first().expect("a matrix");
-            let mut engine = Engine::new(&pad, Arc::new(sensing), profile());
+            let builder = cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
+            let sensing = Arc::new(builder.first().expect("a matrix"));
+            let mut engine = Engine::new(&pad, sensing, profile());
             let mut events = Vec::new();
             for frame in &frames[..=REFERENCE_FRAMES] {
                 engine.input(&Input::Frame(frame.clone()), &mut events);
@@ -58,13 +61,27 @@ fn set_up(criterion: &mut Criterion) {
             black_box(engine.touches().image.peak())
         });
     });
+    let builder = cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
+    let mut deviations = vec![1e-3; pad.channels()];
+    // One electrode's channels are out.
+    for (deviation, channel) in deviations.iter_mut().zip(&pad.protocol.channels) {
+        if [channel.drive, channel.measure]
+            .iter()
+            .any(|pair| pair.0 == 5 || pair.1 == 5)
+        {
+            *deviation = f64::INFINITY;
+        }
+    }
+    criterion.bench_function("matrix without an electrode", |bencher| {
+        bencher.iter(|| builder.build(&deviations).expect("a matrix"));
+    });
 }
 
 fn frame_to_events(criterion: &mut Criterion) {
     let pad = pad();
     let inputs: Vec<Input> = frames(&pad).into_iter().map(Input::Frame).collect();
     for method in Method::ALL {
-        let builder = SensingBuilder::new(&pad, *method).expect("sound");
+        let builder = cache::sensing(&pad, *method, |_, _| ()).expect("solvable");
         let sensing = Arc::new(builder.first().expect("a matrix"));
         let fresh = Engine::new(&pad, sensing, profile());
         let name = format!("frame to events, {}", method.name());
@@ -90,20 +107,83 @@ fn frame_to_events(criterion: &mut Criterion) {
                 took_us.push(start.elapsed().as_secs_f64() * 1e6);
             }
         }
-        took_us.sort_by(f64::total_cmp);
-        let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
-        println!(
-            "{name}: median {:.1} us, p99 {:.1} us, of {} frames",
-            at(0.5),
-            at(0.99),
-            took_us.len()
-        );
+        tell(&name, took_us);
     }
+}
+
+/// One, two and three touches that go down one after the other, stay, and lift: frames of static.csv's kind at 60 dB.
+fn frame_to_touches(criterion: &mut Criterion) {
+    let pad = pad();
+    let builder = cache::sensing(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
+    let simulated = SimulatedPad::new(&pad).expect("solvable");
+    let places = [[30.0, 40.0], [70.0, 35.0], [50.0, 75.0]];
+    let finger = |index: usize| Finger {
+        id: index as u64,
+        centre_mm: places[index],
+        radius_mm: 7.0,
+        rise: 1.0,
+    };
+    let mut noise = Noise::new(60.0, 1);
+    for touches in 1..=places.len() {
+        let mut frames = Vec::new();
+        let mut play = |down: usize, count: usize, frames: &mut Vec<Frame>| {
+            let fingers: Vec<Finger> = (0..down).map(finger).collect();
+            let volts = simulated.volts(&fingers).expect("solvable");
+            for _ in 0..count {
+                let t_ns = frames.len() as u64 * 10_000_000;
+                frames.push(Frame {
+                    t_ns,
+                    volts: noise.read(&volts),
+                });
+            }
+        };
+        play(0, 50, &mut frames);
+        for down in 1..=touches {
+            play(down, if down == touches { 300 } else { 20 }, &mut frames);
+        }
+        let sensing = Arc::new(builder.first().expect("a matrix"));
+        let fresh = Detector::of_pad(sensing, &pad.protocol);
+        let name = format!("frame to touches, tikhonov, {touches} down");
+        criterion.bench_function(&format!("{name} (x {})", frames.len()), |bencher| {
+            bencher.iter_batched(
+                || (fresh.clone(), Vec::with_capacity(4096)),
+                |(mut detector, mut changed)| {
+                    for frame in &frames {
+                        detector.frame(frame, &mut changed);
+                    }
+                    changed.len()
+                },
+                BatchSize::LargeInput,
+            );
+        });
+        let mut took_us = Vec::new();
+        for _ in 0..5 {
+            let (mut detector, mut changed) = (fresh.clone(), Vec::with_capacity(4096));
+            for frame in &frames {
+                let start = now();
+                detector.frame(frame, &mut changed);
+                took_us.push(start.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        tell(&name, took_us);
+    }
+}
+
+/// Median and p99 of times of single frames.
+fn tell(name: &str, mut took_us: Vec<f64>) {
+    took_us.sort_by(f64::total_cmp);
+    let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
+    println!(
+        "{name}: median {:.1} us, p99 {:.1} us, of {} frames",
+        at(0.5),
+        at(0.99),
+        took_us.len()
+    );
 }
 
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = set_up, frame_to_events
+    targets = set_up, frame_to_events, frame_to_touches
 }
 criterion_main!(benches);

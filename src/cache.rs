@@ -6,6 +6,7 @@
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crc::{CRC_64_XZ, Crc};
@@ -13,6 +14,8 @@ use crc::{CRC_64_XZ, Crc};
 use crate::eit::response::ResponseRow;
 use crate::eit::{ResponseBuilder, ResponseTable, SetupError};
 use crate::pad::Pad;
+use crate::touch::SensingBuilder;
+use crate::types::Method;
 
 /// Where tables are kept if this variable does not say: the user's cache folder.
 pub const FOLDER_VARIABLE: &str = "GELPAD_CACHE";
@@ -91,6 +94,24 @@ pub fn store(table: &ResponseTable, folder: &Path) -> std::io::Result<()> {
     file.write_all(&table.to_bytes())?;
     file.persist(folder.join(file_name(table.key())))?;
     Ok(())
+}
+
+/// What reads a pad's frames: its matrix, made while its table is read from the cache or solved.
+///
+/// # Errors
+/// A pad that cannot be solved.
+pub fn sensing(
+    pad: &Pad,
+    method: Method,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<SensingBuilder, SetupError> {
+    let (table, builder) = std::thread::scope(|scope| {
+        let table = scope.spawn(|| table(pad, &progress));
+        let builder = SensingBuilder::new(pad, method);
+        (table.join(), builder)
+    });
+    let table = table.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+    Ok(builder?.with_table(Arc::new(table)))
 }
 
 /// A pad's table: from the cache, or solved and put there.

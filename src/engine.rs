@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::gesture::Gestures;
 use crate::pad::Pad;
 use crate::profile::Profile;
-use crate::touch::{Detector, FrameTouches, Sensing};
+use crate::touch::{Correction, Detector, FrameTouches, Sensing};
 use crate::types::{Event, Frame, Nanos, Output, Touch};
 
 /// Everything that can change what the engine does next.
@@ -76,6 +76,13 @@ impl Engine {
             changed: Vec::new(),
             lost_frames: 0,
         }
+    }
+
+    /// Moves contacts to where a calibration's presses have shown them to be.
+    #[must_use]
+    pub fn corrected(mut self, correction: Option<Correction>) -> Self {
+        self.detector = self.detector.corrected(correction);
+        self
     }
 
     /// Takes one input and appends the events that follow from it, in the order of their times.

@@ -16,7 +16,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "engine",
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
-    ("cache", &["pad", "eit"]),
+    ("cache", &["types", "pad", "eit", "touch"]),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
     ("calibrate", &["types", "pad", "eit", "touch"]),

@@ -23,6 +23,7 @@ use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
 use crate::runtime::{self, Control, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source};
+use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, Output};
 
 /// How often signals are looked at, and the live view drawn.
@@ -47,15 +48,9 @@ pub(super) fn level() -> anyhow::Result<Ending> {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
     };
-    run(
-        &pad,
-        profile,
-        Method::default(),
-        Box::new(source),
-        device,
-        live.then_some(title),
-        None,
-    )
+    let made = engine(&pad, profile, Method::default(), None)?;
+    let title = live.then_some(title);
+    run(&pad, made, Box::new(source), device, title, None)
 }
 
 /// Whether there is a terminal that can be drawn on.
@@ -69,7 +64,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let checked = resolve::checked(&args.profile, args.user.as_deref())?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
-    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
+    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;
@@ -96,7 +91,8 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     };
     let method = resolve::method(args.method, &profile, &pad);
     let title = live.then_some(title);
-    run(&pad, profile, method, source, device, title, Some(changes))
+    let made = engine(&pad, profile, method, correction)?;
+    run(&pad, made, source, device, title, Some(changes))
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
@@ -185,19 +181,28 @@ impl Takes {
     }
 }
 
-/// Plays until the source ends or a signal comes; shows it if a title is given.
-fn run(
+/// An engine, and what remakes its matrices.
+fn engine(
     pad: &Pad,
     profile: Arc<Profile>,
     method: Method,
+    correction: Option<Correction>,
+) -> anyhow::Result<(Engine, SensingBuilder)> {
+    let builder = resolve::sensing(pad, method)?;
+    let sensing = Arc::new(builder.first()?);
+    let engine = Engine::new(pad, sensing, profile).corrected(correction);
+    Ok((engine, builder))
+}
+
+/// Plays until the source ends or a signal comes; shows it if a title is given.
+fn run(
+    pad: &Pad,
+    (engine, builder): (Engine, SensingBuilder),
     source: Box<dyn Source>,
     device: Box<dyn Device>,
     title: Option<Title>,
     changes: Option<Changes>,
 ) -> anyhow::Result<Ending> {
-    let builder = resolve::sensing(pad, method)?;
-    let sensing = Arc::new(builder.first()?);
-    let engine = Engine::new(pad, sensing, profile);
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad)?),
         None => None,

@@ -15,11 +15,11 @@ use crate::types::{Event, Frame, Touch, ms_from_nanos};
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile, args.user.as_deref())?;
-    let _correction = resolve::correction(args.calibration.as_deref(), &pad)?;
+    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let mut source = FramesCsv::open(&args.file, pad.channels())?;
     let method = resolve::method(args.method, &profile, &pad);
     let builder = resolve::sensing(&pad, method)?;
-    let mut engine = Engine::new(&pad, Arc::new(builder.first()?), profile);
+    let mut engine = Engine::new(&pad, Arc::new(builder.first()?), profile).corrected(correction);
     let mut stdout = BufWriter::new(std::io::stdout().lock());
     let mut events = Vec::new();
     let mut last_ns = 0;

@@ -201,19 +201,9 @@ pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilde
         }
         bar.set_position(done as u64);
     };
-    // The table is read while the matrix is made.
-    let (table, builder) = std::thread::scope(|scope| {
-        let table = scope.spawn(|| cache::table(pad, progress));
-        let builder = SensingBuilder::new(pad, method);
-        (table.join(), builder)
-    });
+    let builder = cache::sensing(pad, method, progress);
     bar.finish_and_clear();
-    let named = || format!("the pad {} gives no image", pad.name);
-    let table = match table {
-        Ok(table) => table.with_context(named)?,
-        Err(panic) => std::panic::resume_unwind(panic),
-    };
-    Ok(builder.with_context(named)?.with_table(Arc::new(table)))
+    builder.with_context(|| format!("the pad {} gives no image", pad.name))
 }
 
 fn solving_style() -> ProgressStyle {

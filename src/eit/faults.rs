@@ -117,7 +117,10 @@ impl Faults {
         let mut verdicts = Vec::new();
         for electrode in 0..self.states.len() {
             let channels = &self.channels[electrode];
-            let muted = channels.iter().filter(|channel| is_muted(**channel)).count();
+            let muted = channels
+                .iter()
+                .filter(|channel| is_muted(**channel))
+                .count();
             if !channels.is_empty() && 5 * muted >= 4 * channels.len() {
                 self.states[electrode] = State::Out { still: 0 };
                 verdicts.push(Verdict::Lost(electrode));
@@ -138,7 +141,11 @@ impl Faults {
     /// A frame that no touch explains: `deviation` is what the touches leave of each channel, in deviations of its noise.
     /// May find an electrode lost.
     pub fn unexplained(&mut self, deviation: impl Fn(usize) -> f64) -> Option<Verdict> {
-        let usable = self.states.iter().filter(|state| !matches!(state, State::Out { .. })).count();
+        let usable = self
+            .states
+            .iter()
+            .filter(|state| !matches!(state, State::Out { .. }))
+            .count();
         let (electrode, mean) = (0..self.states.len())
             .filter(|electrode| !self.is_out(*electrode))
             .map(|electrode| (electrode, self.mean_deviation(electrode, &deviation)))

@@ -38,9 +38,7 @@ impl Sensitivity {
 
     /// The readings' change for a unit rise of conductivity (V/A per S/m), channel by channel.
     fn channels<'a>(&'a self, protocol: &'a Protocol) -> impl Iterator<Item = f64> + 'a {
-        pair_sums(protocol, self.fields, |k, l| {
-            self.sums[k * self.fields + l]
-        })
+        pair_sums(protocol, self.fields, |k, l| self.sums[k * self.fields + l])
     }
 }
 

@@ -179,40 +179,45 @@ impl Reference {
         if self.quiet_frames <= SETTLE_FRAMES {
             return;
         }
+        let channels = self.volts.len();
         let (mut free, mut common, mut common_rate) = (0usize, 0.0, 0.0);
-        for channel in 0..self.volts.len() {
+        for (channel, volt) in volts.iter().enumerate() {
             if self.muted[channel] || self.volts[channel] == 0.0 || !is_free(channel) {
                 continue;
             }
-            let Covariance { level, cross, rate } = self.covariances[channel];
-            let total = level + self.noise[channel];
-            let (level_gain, rate_gain) = (level / total, cross / total);
-            let reference = self.volts[channel];
-            let surprise = f64::from(volts[channel]) - reference;
-            self.volts[channel] += level_gain * surprise;
-            self.rates[channel] += rate_gain * surprise;
-            self.covariances[channel] = Covariance {
-                level: level - level_gain * level,
-                cross: cross - level_gain * cross,
-                rate: rate - rate_gain * cross,
-            };
-            let relative = surprise / reference;
-            self.follow_noise(channel, relative * relative - level);
+            let (level, rate) = self.measure(channel, f64::from(*volt));
             free += 1;
-            common += level_gain * relative;
-            common_rate += rate_gain * relative;
+            common += level;
+            common_rate += rate;
         }
-        if free * LEAST_FREE < self.volts.len() || free == self.volts.len() {
+        if free * LEAST_FREE < channels || free == channels {
             return;
         }
         let (level, rate) = (common / free as f64, common_rate / free as f64);
-        for channel in 0..self.volts.len() {
-            if !is_free(channel) {
-                let reference = self.volts[channel];
-                self.volts[channel] += level * reference;
-                self.rates[channel] += rate * reference;
-            }
+        for channel in (0..channels).filter(|channel| !is_free(*channel)) {
+            let reference = self.volts[channel];
+            self.volts[channel] += level * reference;
+            self.rates[channel] += rate * reference;
         }
+    }
+
+    /// Measures one channel; returns by which shares its level and its rate moved.
+    fn measure(&mut self, channel: usize, volt: f64) -> (f64, f64) {
+        let Covariance { level, cross, rate } = self.covariances[channel];
+        let total = level + self.noise[channel];
+        let (level_gain, rate_gain) = (level / total, cross / total);
+        let reference = self.volts[channel];
+        let surprise = volt - reference;
+        self.volts[channel] += level_gain * surprise;
+        self.rates[channel] += rate_gain * surprise;
+        self.covariances[channel] = Covariance {
+            level: level - level_gain * level,
+            cross: cross - level_gain * cross,
+            rate: rate - rate_gain * cross,
+        };
+        let relative = surprise / reference;
+        self.follow_noise(channel, relative * relative - level);
+        (level_gain * relative, rate_gain * relative)
     }
 
     /// Lets a frame of a touched pad pass.
@@ -291,10 +296,16 @@ impl Reference {
         let noise = NoiseModel::of(&self.volts, &variances);
         for (channel, variance) in variances.iter().enumerate() {
             let square = self.volts[channel] * self.volts[channel];
-            let expected = noise.variance(square).max(LEAST_NOISE * LEAST_NOISE * square);
+            let expected = noise
+                .variance(square)
+                .max(LEAST_NOISE * LEAST_NOISE * square);
             self.muted[channel] =
                 square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * expected;
-            self.noise[channel] = if square == 0.0 { 1.0 } else { expected / square };
+            self.noise[channel] = if square == 0.0 {
+                1.0
+            } else {
+                expected / square
+            };
         }
     }
 }

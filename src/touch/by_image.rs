@@ -24,7 +24,7 @@ const PALM_SHARE: f64 = 0.09;
 
 /// Finds contacts in images.
 #[derive(Clone, Debug)]
-pub struct ByImage {
+pub(super) struct ByImage {
     segmenter: Segmenter,
     blobs: Vec<Blob>,
     /// Mean highest value of an untouched, smoothed image.
@@ -33,7 +33,7 @@ pub struct ByImage {
 }
 
 impl ByImage {
-    pub fn new(reconstruction: &Arc<Reconstruction>) -> Self {
+    pub(super) fn new(reconstruction: &Arc<Reconstruction>) -> Self {
         let grid = reconstruction.grid;
         let pixel_mm2 = grid.pixel_mm * grid.pixel_mm;
         Self {
@@ -45,19 +45,19 @@ impl ByImage {
     }
 
     /// Goes on with another matrix of the same pad.
-    pub fn take(&mut self, reconstruction: &Reconstruction) {
+    pub(super) fn take(&mut self, reconstruction: &Reconstruction) {
         self.segmenter = Segmenter::new(reconstruction.grid, &reconstruction.coverage);
     }
 
     /// The highest value of the smoothed image.
-    pub fn highest(&mut self, image: &Image) -> f32 {
+    pub(super) fn highest(&mut self, image: &Image) -> f32 {
         self.blobs.clear();
         self.segmenter
             .blobs(image, Threshold(f32::INFINITY), &mut self.blobs)
     }
 
     /// Learns the noise from the highest values of the untouched pad's first images.
-    pub fn learn(&mut self, mut highest: Vec<f32>) {
+    pub(super) fn learn(&mut self, mut highest: Vec<f32>) {
         // The median: a finger that brushes the pad meanwhile must not deafen it.
         highest.sort_by(f32::total_cmp);
         self.noise_peak = highest[highest.len() / 2];
@@ -65,7 +65,7 @@ impl ByImage {
 
     /// Finds an image's contacts: those that continue a touch that is down, each touch once, and of the others those strong
     /// enough to be a new one. Returns whether the image is that of an untouched pad.
-    pub fn contacts(
+    pub(super) fn contacts(
         &mut self,
         image: &Image,
         doubt: f64,
@@ -101,7 +101,7 @@ impl ByImage {
     }
 
     /// If the image shows a palm, its contacts replace the located ones.
-    pub fn palm(
+    pub(super) fn palm(
         &mut self,
         image: &Image,
         doubt: f64,

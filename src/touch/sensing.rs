@@ -91,9 +91,10 @@ impl SensingBuilder {
         }
         let reconstruction =
             Reconstruction::from_linearised(&linearised, self.method, LAMBDA, self.touch_sign)?;
-        let locating = self.table.as_ref().map(|table| {
-            Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations))
-        });
+        let locating = self
+            .table
+            .as_ref()
+            .map(|table| Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations)));
         Ok(Sensing {
             reconstruction: Arc::new(reconstruction),
             locating,
@@ -130,7 +131,11 @@ impl Sensing {
 
 /// One over the deviation of each channel, the median's being one; 0 for a channel that is left out.
 fn image_weights(deviations: &[f64]) -> Vec<f32> {
-    let mut finite: Vec<f64> = deviations.iter().copied().filter(|d| d.is_finite()).collect();
+    let mut finite: Vec<f64> = deviations
+        .iter()
+        .copied()
+        .filter(|d| d.is_finite())
+        .collect();
     finite.sort_by(f64::total_cmp);
     let median = finite.get(finite.len() / 2).copied().unwrap_or(1.0);
     deviations

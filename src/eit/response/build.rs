@@ -66,10 +66,7 @@ impl ResponseBuilder {
         } = pad;
         format!(
             "{VERSION} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {:?} {protocol:?}",
-            pad.thickness_mm,
-            pad.background_s_per_m,
-            pad.contact_impedance_ohm_m2,
-            pad.touch_sign,
+            pad.thickness_mm, pad.background_s_per_m, pad.contact_impedance_ohm_m2, pad.touch_sign,
         )
     }
 
@@ -158,7 +155,10 @@ impl ResponseBuilder {
                 let square: f32 = sample.iter().map(|change| change * change).sum();
                 f64::from(square).max(f64::MIN_POSITIVE)
             };
-            let lengths: Vec<f64> = batch.iter().map(|sample| libm::sqrt(length(sample))).collect();
+            let lengths: Vec<f64> = batch
+                .iter()
+                .map(|sample| libm::sqrt(length(sample)))
+                .collect();
             let matrix = Mat::from_fn(self.channels, batch.len(), |channel, sample| {
                 f64::from(batch[sample][channel]) / lengths[sample]
             });
@@ -198,5 +198,7 @@ fn powers_through_strengths() -> Mat<f64> {
     let design = Mat::from_fn(POWERS, POWERS, |power, sample| {
         (0..power).fold(1.0, |product, _| product * STRENGTHS[sample])
     });
-    design.partial_piv_lu().solve(Mat::<f64>::identity(POWERS, POWERS))
+    design
+        .partial_piv_lu()
+        .solve(Mat::<f64>::identity(POWERS, POWERS))
 }

@@ -67,7 +67,9 @@ impl ResponseTable {
         let [key, channels, rank, columns, rows, terms] = [(); 6].map(|()| reader.dimension());
         let dimensions = [key?, channels?, rank?, columns?, rows?];
         let [key, channels, rank, columns, rows] = dimensions;
-        if terms? != SAMPLES || dimensions.iter().any(|value| *value > MOST) || columns < 4
+        if terms? != SAMPLES
+            || dimensions.iter().any(|value| *value > MOST)
+            || columns < 4
             || rows < 4
             || rank % LANES != 0
         {
@@ -118,6 +120,9 @@ impl<'a> Reader<'a> {
     fn values(&mut self, count: usize) -> Result<Vec<f32>, TableError> {
         let bytes = self.bytes(4 * count)?;
         let (values, _) = bytes.as_chunks::<4>();
-        Ok(values.iter().map(|value| f32::from_le_bytes(*value)).collect())
+        Ok(values
+            .iter()
+            .map(|value| f32::from_le_bytes(*value))
+            .collect())
     }
 }

@@ -162,7 +162,10 @@ impl ResponseTable {
     /// # Panics
     /// If a slice has not the table's rank or channels.
     pub fn expand(&self, coordinates: &[f32], changes: &mut [f32]) {
-        assert_eq!((coordinates.len(), changes.len()), (self.rank, self.channels));
+        assert_eq!(
+            (coordinates.len(), changes.len()),
+            (self.rank, self.channels)
+        );
         changes.fill(0.0);
         for (dimension, coordinate) in coordinates.iter().enumerate() {
             add_scaled(changes, self.basis_row(dimension), *coordinate);
@@ -218,11 +221,7 @@ impl ResponseTable {
 }
 
 /// A place's response and its derivatives by log radius and by strength, in a few dimensions.
-fn sized(
-    terms: &[f32],
-    rank: usize,
-    factors: &[[f32; 3]; 4 * POWERS],
-) -> [[f32; LANES]; 3] {
+fn sized(terms: &[f32], rank: usize, factors: &[[f32; 3]; 4 * POWERS]) -> [[f32; LANES]; 3] {
     let mut sums = [[0.0f32; LANES]; 3];
     for (index, [value, by_radius, by_strength]) in factors.iter().enumerate() {
         let Some(row) = terms[index * rank..].first_chunk::<LANES>() else {

@@ -9,7 +9,7 @@ use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, MOST_STRENGTH, Response};
 
 /// Unknowns of a touch.
-pub const UNKNOWNS: usize = 4;
+pub(super) const UNKNOWNS: usize = 4;
 /// What fingers usually are: log of the radius as a share of the table's middle one, and strength, ...
 const USUAL_STRENGTH: f64 = 0.42;
 /// ... with these deviations.
@@ -33,15 +33,15 @@ const LONGEST: f64 = 0.4;
 
 /// A frame and what explains it, with scratch memory.
 #[derive(Clone, Debug, Default)]
-pub struct Fit {
+pub(super) struct Fit {
     /// The touches.
-    pub bumps: Vec<Bump>,
+    pub(super) bumps: Vec<Bump>,
     /// Their responses, whitened.
-    pub responses: Vec<Response>,
+    pub(super) responses: Vec<Response>,
     /// What they leave unexplained, whitened.
-    pub residual: Vec<f32>,
+    pub(super) residual: Vec<f32>,
     /// Sum of the residual's squares and of the squared deviations from what fingers usually are.
-    pub cost: f64,
+    pub(super) cost: f64,
     normal: Vec<f64>,
     gradient: Vec<f64>,
     step: Vec<f64>,
@@ -50,25 +50,25 @@ pub struct Fit {
 
 /// Where touches are sought, and how large.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub(super) struct Bounds {
     /// The pad's width and height, mm.
-    pub size_mm: [f64; 2],
+    pub(super) size_mm: [f64; 2],
     /// Smallest and largest log radius.
-    pub log_radius: [f64; 2],
+    pub(super) log_radius: [f64; 2],
     /// How much a deviation from a usual finger costs: the variance of the noise in the metric's units.
-    pub usual_weight: f64,
+    pub(super) usual_weight: f64,
 }
 
 impl Bounds {
     /// Log radius of a usual finger.
     #[must_use]
-    pub fn usual_log_radius(&self) -> f64 {
+    pub(super) fn usual_log_radius(&self) -> f64 {
         0.5 * (self.log_radius[0] + self.log_radius[1])
     }
 
     /// A usual finger at a place.
     #[must_use]
-    pub fn usual(&self, centre_mm: [f64; 2]) -> Bump {
+    pub(super) fn usual(&self, centre_mm: [f64; 2]) -> Bump {
         Bump {
             centre_mm,
             log_radius: self.usual_log_radius(),
@@ -80,7 +80,9 @@ impl Bounds {
         for (at, size) in bump.centre_mm.iter_mut().zip(self.size_mm) {
             *at = at.clamp(0.0, size);
         }
-        bump.log_radius = bump.log_radius.clamp(self.log_radius[0], self.log_radius[1]);
+        bump.log_radius = bump
+            .log_radius
+            .clamp(self.log_radius[0], self.log_radius[1]);
         bump.strength = bump.strength.clamp(0.0, MOST_STRENGTH);
     }
 
@@ -94,7 +96,7 @@ impl Bounds {
 
 impl Fit {
     /// Takes touches as they are and explains a frame by them.
-    pub fn start(
+    pub(super) fn start(
         &mut self,
         bumps: &[Bump],
         frame: &Whitened,
@@ -111,7 +113,7 @@ impl Fit {
     }
 
     /// Moves the touches to where the cost is least; returns the number of steps.
-    pub fn descend(
+    pub(super) fn descend(
         &mut self,
         most_steps: usize,
         frame: &Whitened,
@@ -160,7 +162,7 @@ impl Fit {
     }
 
     /// The touch whose response is least in the frame, and which share of it is: 1 as it was, 0 if it has gone.
-    pub fn least_left(&self) -> Option<(usize, f64)> {
+    pub(super) fn least_left(&self) -> Option<(usize, f64)> {
         self.responses
             .iter()
             .map(|response| {
@@ -179,7 +181,8 @@ impl Fit {
         metric: &Metric,
         bounds: &Bounds,
     ) {
-        self.responses.resize_with(self.bumps.len(), Response::default);
+        self.responses
+            .resize_with(self.bumps.len(), Response::default);
         self.residual.clear();
         self.residual.extend_from_slice(&frame.coordinates);
         let mut unusual = 0.0;
@@ -205,7 +208,8 @@ impl Fit {
             for other in 0..=row {
                 self.normal[row * count + other] = f64::from(dot(column(row), column(other)));
             }
-            self.gradient.push(f64::from(dot(column(row), &self.residual)));
+            self.gradient
+                .push(f64::from(dot(column(row), &self.residual)));
         }
         for (index, bump) in self.bumps.iter().enumerate() {
             let usual = [bounds.usual_log_radius(), USUAL_STRENGTH];

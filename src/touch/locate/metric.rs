@@ -17,7 +17,7 @@ const RIDGE: f64 = 1e-9;
 
 /// Weights of the channels, and what follows from them.
 #[derive(Clone, Debug)]
-pub struct Metric {
+pub(super) struct Metric {
     rank: usize,
     channels: usize,
     /// Rank by channels: readings to whitened coordinates.
@@ -39,17 +39,17 @@ enum Whitener {
 
 /// A frame in whitened coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Whitened {
+pub(super) struct Whitened {
     /// The coordinates.
-    pub coordinates: Vec<f32>,
+    pub(super) coordinates: Vec<f32>,
     /// Weighted sum of squares of all readings.
-    pub energy: f64,
+    pub(super) energy: f64,
 }
 
 impl Whitened {
     /// Weighted sum of squares of what no touch explains, wherever it may be.
     #[must_use]
-    pub fn outside(&self) -> f64 {
+    pub(super) fn outside(&self) -> f64 {
         (self.energy - energy(&self.coordinates)).max(0.0)
     }
 }
@@ -61,13 +61,19 @@ impl Metric {
     /// # Panics
     /// If there is not one deviation a channel.
     #[must_use]
-    pub fn new(table: &ResponseTable, deviations: &[f64]) -> Self {
+    pub(super) fn new(table: &ResponseTable, deviations: &[f64]) -> Self {
         assert_eq!(deviations.len(), table.channels());
         let (rank, channels) = (table.rank(), table.channels());
         let counts = |deviation: f64| deviation.is_finite() && deviation > 0.0;
         let inverse: Vec<f64> = deviations
             .iter()
-            .map(|deviation| if counts(*deviation) { 1.0 / deviation } else { 0.0 })
+            .map(|deviation| {
+                if counts(*deviation) {
+                    1.0 / deviation
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let mut sorted: Vec<f64> = inverse.iter().copied().filter(|i| *i > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
@@ -120,9 +126,8 @@ impl Metric {
         let whitening = &inverse_lower * weighted.transpose();
         self.whitening.clear();
         for dimension in 0..rank {
-            self.whitening.extend(
-                (0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32),
-            );
+            self.whitening
+                .extend((0..channels).map(|c| (whitening[(dimension, c)] * inverse[c]) as f32));
         }
         let triangle = (0..rank)
             .flat_map(|column| (0..rank).map(move |row| (row, column)))
@@ -133,24 +138,12 @@ impl Metric {
 
     /// Number of channels that count.
     #[must_use]
-    pub fn counted(&self) -> usize {
+    pub(super) fn counted(&self) -> usize {
         self.counted
     }
 
-    /// Whether a channel counts.
-    #[must_use]
-    pub fn counts(&self, channel: usize) -> bool {
-        self.inverse_deviation[channel] > 0.0
-    }
-
-    /// One over the deviation of a channel; 0 for one that is left out.
-    #[must_use]
-    pub fn inverse_deviation(&self, channel: usize) -> f32 {
-        self.inverse_deviation[channel]
-    }
-
     /// Brings relative changes to whitened coordinates.
-    pub fn whiten(&self, changes: &[f32], whitened: &mut Whitened) {
+    pub(super) fn whiten(&self, changes: &[f32], whitened: &mut Whitened) {
         whitened.coordinates.clear();
         whitened.coordinates.extend(
             self.whitening
@@ -161,14 +154,18 @@ impl Metric {
             .iter()
             .zip(&self.inverse_deviation)
             .map(|(change, inverse)| {
-                let weighted = if *inverse > 0.0 { f64::from(change * inverse) } else { 0.0 };
+                let weighted = if *inverse > 0.0 {
+                    f64::from(change * inverse)
+                } else {
+                    0.0
+                };
                 weighted * weighted
             })
             .sum();
     }
 
     /// Brings a response and its derivatives to whitened coordinates, in place.
-    pub fn whiten_response(&self, response: &mut Response) {
+    pub(super) fn whiten_response(&self, response: &mut Response) {
         self.whiten_coordinates(&mut response.value);
         for derivative in &mut response.derivatives {
             self.whiten_coordinates(derivative);
@@ -176,7 +173,7 @@ impl Metric {
     }
 
     /// Brings coordinates of the table to whitened ones, in place.
-    pub fn whiten_coordinates(&self, coordinates: &mut [f32]) {
+    pub(super) fn whiten_coordinates(&self, coordinates: &mut [f32]) {
         match &self.responses {
             Whitener::Even(factor) => {
                 for value in coordinates {
@@ -199,13 +196,13 @@ impl Metric {
 
 /// Sum of squares.
 #[must_use]
-pub fn energy(values: &[f32]) -> f64 {
+pub(super) fn energy(values: &[f32]) -> f64 {
     values.iter().map(|v| f64::from(*v) * f64::from(*v)).sum()
 }
 
 /// Sum of products, in a fixed order of sixteen running sums.
 #[must_use]
-pub fn dot(a: &[f32], b: &[f32]) -> f32 {
+pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     const LANES: usize = 16;
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (b_chunks, b_rest) = b.as_chunks::<LANES>();

@@ -1,7 +1,7 @@
 //! What the last few frames left unexplained, while the same touches were down.
 
 /// Rests kept.
-const KEPT: usize = super::MEAN_FRAMES;
+const KEPT: usize = super::seek::MEAN_FRAMES;
 
 /// Frames after a change of the touches in which the reference is still finding its level: no faint touch can be told from
 /// what it is off by.
@@ -9,7 +9,7 @@ const SETTLING: usize = 20;
 
 /// The last rests, and their mean.
 #[derive(Clone, Debug, Default)]
-pub struct Recent {
+pub(super) struct Recent {
     touches: usize,
     taken: usize,
     rests: [Vec<f32>; KEPT],
@@ -20,14 +20,14 @@ pub struct Recent {
 
 impl Recent {
     /// Forgets all.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.taken = 0;
         self.refused_gain = 0.0;
     }
 
     /// Whether a gain is far more than was last asked for; a try that follows is expected to fail.
-    pub fn is_news(&mut self, gain: f64) -> bool {
-        let is_news = gain > super::REFUSED_GROWTH * self.refused_gain;
+    pub(super) fn is_news(&mut self, gain: f64) -> bool {
+        let is_news = gain > super::seek::REFUSED_GROWTH * self.refused_gain;
         if is_news {
             self.refused_gain = gain;
         }
@@ -36,7 +36,7 @@ impl Recent {
 
     /// Takes the rest of a frame with so many touches; returns how many rests the mean is of, none while the reference
     /// settles.
-    pub fn take(&mut self, touches: usize, rest: &[f32]) -> usize {
+    pub(super) fn take(&mut self, touches: usize, rest: &[f32]) -> usize {
         if touches != self.touches {
             self.touches = touches;
             self.clear();
@@ -59,7 +59,7 @@ impl Recent {
     }
 
     /// The mean of the rests that were taken.
-    pub fn mean(&self) -> &[f32] {
+    pub(super) fn mean(&self) -> &[f32] {
         &self.mean
     }
 }

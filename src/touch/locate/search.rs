@@ -12,7 +12,7 @@ const ALONG: f64 = 20.0;
 
 /// Whitened responses of a usual finger, of length one.
 #[derive(Clone, Debug)]
-pub struct Templates {
+pub(super) struct Templates {
     rank: usize,
     places_mm: Vec<PointMm>,
     /// Places by rank.
@@ -21,17 +21,17 @@ pub struct Templates {
 
 /// The best place and what a touch there would explain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
+pub(super) struct Peak {
     /// Where.
-    pub place_mm: PointMm,
+    pub(super) place_mm: PointMm,
     /// By how much the cost would fall at most, squared deviations.
-    pub gain: f64,
+    pub(super) gain: f64,
 }
 
 impl Templates {
     /// Templates for a metric.
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         table: &ResponseTable,
         metric: &Metric,
         bounds: &Bounds,
@@ -68,7 +68,7 @@ impl Templates {
 
     /// The place where a touch would explain most of a rest, if it would explain anything anywhere.
     #[must_use]
-    pub fn peak(&self, rest: &[f32]) -> Option<Peak> {
+    pub(super) fn peak(&self, rest: &[f32]) -> Option<Peak> {
         let mut best = (0.0f32, None);
         for (place, template) in self.responses.chunks_exact(self.rank).enumerate() {
             let along = dot(template, rest);

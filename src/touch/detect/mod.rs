@@ -7,12 +7,14 @@
 //! Invariant: no touch begins in a frame that no touches can explain. Touches that are down wait for the next frame that can be
 //! explained, though not for long.
 
+mod weights;
+
 use std::sync::Arc;
 
-use super::by_image::ByImage;
-use super::{Locator, Sensing, Tracker};
+use super::{Correction, Locator, Sensing, Tracker};
 use crate::eit::{Faults, Imager, Reconstruction, Reference, Verdict};
 use crate::pad::Protocol;
+use crate::touch::by_image::ByImage;
 use crate::types::{Frame, Image, NANOS_PER_MS, Nanos, Touch};
 
 /// A jump of the mean change against a touch's direction by more than this share, and by more than this many of its
@@ -29,11 +31,6 @@ const FREE_DEVIATIONS: f64 = 1.0;
 /// touches at once.
 const POOR_REST: f64 = 4.0;
 const MANY: usize = 5;
-/// Channels are weighed anew when the noise of some (this many) has changed by this factor beside the median's; looked at
-/// every so many frames.
-const NOISIER: (usize, f64) = (4, 2.0);
-const WEIGH_EVERY: u64 = 128;
-
 /// Frames to touches. Holds the reference, the matrix and the tracker.
 #[derive(Clone, Debug)]
 pub struct Detector {
@@ -41,6 +38,7 @@ pub struct Detector {
     imager: Imager,
     locator: Option<Locator>,
     by_image: ByImage,
+    correction: Option<Correction>,
     reference: Reference,
     faults: Option<Faults>,
     tracker: Tracker,
@@ -92,6 +90,7 @@ impl Detector {
             imager: Imager::new(Arc::clone(reconstruction)),
             locator: sensing.locating.as_deref().map(Locator::new),
             by_image: ByImage::new(reconstruction),
+            correction: None,
             reference: Reference::new(channels),
             faults,
             tracker: Tracker::default(),
@@ -108,6 +107,13 @@ impl Detector {
             retaken: 0,
             sensing,
         }
+    }
+
+    /// Moves located contacts to where presses at known places have shown them to be.
+    #[must_use]
+    pub fn corrected(mut self, correction: Option<Correction>) -> Self {
+        self.correction = correction;
+        self
     }
 
     /// Takes another matrix and other weights of the same pad; reference and touches stay.
@@ -200,9 +206,12 @@ impl Detector {
         self.explained_ns = frame.t_ns;
         let found = locator.locate(noise, steady);
         locator.explain(&mut self.explained);
-        self.make_image();
         self.contacts.clear();
         self.contacts.extend(locator.contacts());
+        if let Some(correction) = &mut self.correction {
+            correction.apply(&self.changes, &mut self.contacts);
+        }
+        self.make_image();
         if found.rest > POOR_REST || self.contacts.len() >= MANY {
             let (doubt, down) = (self.reference.doubt(), self.tracker.down());
             self.by_image
@@ -261,99 +270,17 @@ impl Detector {
             let explained = f64::from(self.explained[channel]);
             *is_free = explained * explained < FREE_DEVIATIONS * FREE_DEVIATIONS * noise;
         }
-        for ((untouched, volt), explained) in
-            self.untouched.iter_mut().zip(&frame.volts).zip(&self.explained)
+        for ((untouched, volt), explained) in self
+            .untouched
+            .iter_mut()
+            .zip(&frame.volts)
+            .zip(&self.explained)
         {
             *untouched = volt / (1.0 + explained);
         }
         let free = &self.free;
         self.reference
             .follow(&self.untouched, |channel| free[channel]);
-    }
-
-    /// Finds the electrode that spoils a frame.
-    fn blame(&mut self, frame: &Frame) {
-        let Some(faults) = &mut self.faults else {
-            return;
-        };
-        let (changes, explained) = (&self.changes, &self.explained);
-        let reference = &self.reference;
-        let verdict = faults.unexplained(|channel| {
-            let [noise, doubt] = reference.variances(channel);
-            f64::from(changes[channel] - explained[channel]) / libm::sqrt(noise + doubt)
-        });
-        if let Some(Verdict::Lost(electrode)) = verdict {
-            for channel in faults.channels(electrode) {
-                self.reference.mute(*channel, true, 0.0);
-            }
-        }
-        self.want_if_lost();
-        self.watch_lost(frame);
-    }
-
-    /// Watches the lost electrodes for their return.
-    fn watch_lost(&mut self, frame: &Frame) {
-        let Some(faults) = self.faults.as_mut().filter(|faults| faults.any_lost()) else {
-            return;
-        };
-        let (reference, explained) = (&self.reference, &self.explained);
-        let change = |channel: usize| {
-            let volt = f64::from(frame.volts[channel]);
-            let change = volt / reference.volts()[channel] - 1.0 - f64::from(explained[channel]);
-            if change.is_finite() { change } else { 1.0 }
-        };
-        let verdict = faults.watch(change, |channel| {
-            libm::sqrt(reference.variances(channel)[0])
-        });
-        if let Some(Verdict::Back(electrode)) = verdict {
-            for channel in faults.channels(electrode).to_vec() {
-                if !faults.cuts(channel) {
-                    self.reference.mute(channel, false, faults.moved(channel));
-                }
-            }
-        }
-        self.want_if_lost();
-    }
-
-    /// Asks for other weights if the channels that count are not those that should.
-    fn want_if_lost(&mut self) {
-        let differ = (0..self.changes.len())
-            .any(|channel| self.reference.is_muted(channel) == self.sensing.counts(channel));
-        if differ && self.sensing.locating.is_some() {
-            self.wanted = Some(self.reference.deviations());
-        }
-    }
-
-    /// Asks for other weights if some channels have grown noisier beside the others, or quieter.
-    fn weigh_now_and_then(&mut self) {
-        if self.frames.is_multiple_of(WEIGH_EVERY) {
-            self.want_if_noisier();
-        }
-    }
-
-    fn want_if_noisier(&mut self) {
-        if self.wanted.is_some() || self.sensing.locating.is_none() {
-            return;
-        }
-        let now = self.reference.deviations();
-        let mut ratios: Vec<f64> = now
-            .iter()
-            .zip(&self.sensing.deviations)
-            .filter(|(now, then)| now.is_finite() && then.is_finite())
-            .map(|(now, then)| now / then)
-            .collect();
-        ratios.sort_by(f64::total_cmp);
-        let Some(median) = ratios.get(ratios.len() / 2).copied() else {
-            return;
-        };
-        let (some, factor) = NOISIER;
-        let changed = ratios
-            .iter()
-            .filter(|ratio| **ratio > factor * median || **ratio * factor < median)
-            .count();
-        if changed >= some {
-            self.wanted = Some(now);
-        }
     }
 
     /// Whether the pad suddenly reads as if it were touched less than not at all: the reference was taken under a finger
@@ -465,100 +392,5 @@ impl Detector {
             image: &self.image,
             down: self.tracker.down(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
-    use crate::source::{Finger, Noise, SimulatedPad};
-    use crate::types::{Method, Phase};
-
-    const FRAME_NS: u64 = 10_000_000;
-
-    struct Bench {
-        pad: SimulatedPad,
-        detector: Detector,
-        noise: Noise,
-        frame: u64,
-    }
-
-    impl Bench {
-        fn new(snr_db: f64, seed: u64) -> Self {
-            let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
-            let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-            let matrix = Reconstruction::of_pad(&pad, Method::default()).expect("a matrix");
-            Self {
-                pad: SimulatedPad::new(&pad).expect("solvable"),
-                detector: Detector::new(Arc::new(matrix)),
-                noise: Noise::new(snr_db, seed),
-                frame: 0,
-            }
-        }
-
-        /// Plays frames of one state; returns how often touches went down and up.
-        fn play(&mut self, fingers: &[Finger], frames: u64) -> (usize, usize) {
-            let volts = self.pad.volts(fingers).expect("solved");
-            let mut changed = Vec::new();
-            for _ in 0..frames {
-                let volts = self.noise.read(&volts);
-                let t_ns = self.frame * FRAME_NS;
-                self.detector.frame(&Frame { t_ns, volts }, &mut changed);
-                self.frame += 1;
-            }
-            let count = |phase| changed.iter().filter(|touch| touch.phase == phase).count();
-            (count(Phase::Down), count(Phase::Up))
-        }
-    }
-
-    fn finger(id: u64, centre_mm: [f64; 2], radius_mm: f64, rise: f64) -> Finger {
-        Finger {
-            id,
-            centre_mm,
-            radius_mm,
-            rise,
-        }
-    }
-
-    #[test]
-    fn a_press_held_for_a_minute_right_after_the_start_stays_one_press() {
-        for seed in [1, 7] {
-            let mut bench = Bench::new(60.0, seed);
-            assert_eq!(bench.play(&[], 20), (0, 0));
-            let press = finger(1, [80.0, 50.0], 7.0, 1.2);
-            assert_eq!(bench.play(&[press], 6000), (1, 0), "seed {seed}");
-            assert_eq!(
-                bench.play(&[], 500),
-                (0, 1),
-                "seed {seed}: and leaves no ghost"
-            );
-        }
-    }
-
-    #[test]
-    fn a_finger_that_lay_there_at_the_start_leaves_no_ghost() {
-        for seed in [1, 2, 3] {
-            let mut bench = Bench::new(60.0, seed);
-            let early = finger(1, [80.0, 30.0], 7.0, 1.2);
-            bench.play(&[early], 30);
-            assert_eq!(bench.play(&[], 300), (0, 0), "seed {seed}");
-            assert_eq!(bench.detector.retaken(), 1);
-            let press = finger(2, [20.0, 50.0], 7.0, 1.2);
-            assert_eq!(bench.play(&[press], 20), (1, 0));
-            assert_eq!(bench.play(&[], 300), (0, 1));
-        }
-    }
-
-    #[test]
-    fn a_hard_press_does_not_lift_a_light_one() {
-        let mut bench = Bench::new(60.0, 1);
-        bench.play(&[], 50);
-        let light = finger(1, [13.0, 57.0], 6.0, 0.3);
-        let hard = finger(2, [80.0, 50.0], 9.0, 3.0);
-        assert_eq!(bench.play(&[light], 50), (1, 0));
-        assert_eq!(bench.play(&[light, hard], 50), (1, 0));
-        assert_eq!(bench.play(&[light], 50), (0, 1));
-        assert_eq!(bench.play(&[], 50), (0, 1));
     }
 }

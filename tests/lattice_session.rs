@@ -1,0 +1,320 @@
+//! Thirty seconds of play of an independent simulator, as they are and worse: every press found, none made up.
+
+mod lattice;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+
+use gelpad::pad::DEFAULT_PAD;
+use gelpad::source::{FramesCsv, Noise, Reading, Source};
+use gelpad::touch::Detector;
+use gelpad::types::{Frame, Nanos, TouchId};
+use lattice::{Press, builder, data, pad, session_presses};
+use serde::Deserialize;
+
+/// A touch within this distance of a press is that press, mm.
+const FOUND_MM: f64 = 10.0;
+const NANOS_PER_MS: f64 = 1e6;
+/// When an electrode comes off.
+const HALF_WAY_NS: Nanos = 15_000_000_000;
+/// Presses that overlap this long after it need not be found.
+const EXEMPT_S: f64 = 1.0;
+
+fn session() -> Vec<Frame> {
+    let mut source = FramesCsv::open(&data("session.csv"), pad().channels()).expect("the session");
+    let mut frames = Vec::new();
+    while let Reading::Frame(frame) = source.read().expect("a frame") {
+        frames.push(frame);
+    }
+    frames
+}
+
+/// A touch from its first frame to its last.
+#[derive(Clone, Debug)]
+struct Track {
+    first_ms: f64,
+    last_ms: f64,
+    frames: usize,
+    sum_mm: [f64; 2],
+}
+
+impl Track {
+    fn off_mm(&self, press: &Press) -> f64 {
+        let [x, y] = self.sum_mm.map(|sum| sum / self.frames as f64);
+        (x - press.x).hypot(y - press.y)
+    }
+}
+
+/// Electrodes that are out, from a time on, ms.
+type Lost = Vec<(f64, Vec<usize>)>;
+
+/// What the detector makes of frames.
+fn played(frames: &[Frame]) -> (BTreeMap<TouchId, Track>, Lost) {
+    let first = builder().first().expect("a matrix");
+    let mut detector = Detector::of_pad(Arc::new(first), &pad().protocol);
+    let mut tracks = BTreeMap::new();
+    let mut lost = Lost::new();
+    let mut changed = Vec::new();
+    for frame in frames {
+        detector.frame(frame, &mut changed);
+        if let Some(deviations) = detector.wanted() {
+            let sensing = builder().build(deviations).expect("a matrix");
+            detector.take(Arc::new(sensing));
+        }
+        let t_ms = frame.t_ns as f64 / NANOS_PER_MS;
+        let out = detector.lost_electrodes();
+        if lost.last().map(|(_, out)| out) != Some(&out) {
+            lost.push((t_ms, out));
+        }
+        for touch in detector.state().down {
+            let track = tracks.entry(touch.id).or_insert(Track {
+                first_ms: t_ms,
+                last_ms: t_ms,
+                frames: 0,
+                sum_mm: [0.0; 2],
+            });
+            track.last_ms = t_ms;
+            track.frames += 1;
+            for (sum, at) in track.sum_mm.iter_mut().zip(touch.contact.centre_mm) {
+                *sum += at;
+            }
+        }
+    }
+    (tracks, lost)
+}
+
+/// Holds the tracks of frames at these times against the presses: each is one track, in the frames in which it was down,
+/// give or take one at either end; no track is left over.
+fn hold_against(
+    label: &str,
+    frames: &[Frame],
+    mut tracks: BTreeMap<TouchId, Track>,
+    presses: &[Press],
+    exempt: impl Fn(&Press) -> bool,
+) {
+    let frame_ms = (frames[1].t_ns - frames[0].t_ns) as f64 / NANOS_PER_MS;
+    let (mut found, mut worst_frames, mut worst_mm) = (0, 0, 0.0f64);
+    for press in presses {
+        let (t0_ms, t1_ms) = (press.t0 * 1e3, press.t1 * 1e3);
+        let during: Vec<f64> = frames
+            .iter()
+            .map(|frame| frame.t_ns as f64 / NANOS_PER_MS)
+            .filter(|t_ms| (t0_ms..t1_ms).contains(t_ms))
+            .collect();
+        let own: Vec<TouchId> = tracks
+            .iter()
+            .filter(|(_, track)| {
+                track.first_ms < t1_ms + 1.5 * frame_ms
+                    && track.last_ms > t0_ms - 1.5 * frame_ms
+                    && track.off_mm(press) < FOUND_MM
+            })
+            .map(|(id, _)| *id)
+            .collect();
+        if exempt(press) || during.len() < 2 {
+            for id in own {
+                tracks.remove(&id);
+            }
+            continue;
+        }
+        let [id] = own[..] else {
+            panic!(
+                "{label}: the {} press at {t0_ms} ms is {} touches",
+                press.kind,
+                own.len()
+            );
+        };
+        let track = tracks.remove(&id).expect("just found");
+        let held = ((track.last_ms - track.first_ms) / frame_ms).round() as usize + 1;
+        assert_eq!(
+            track.frames, held,
+            "{label}: the touch at {t0_ms} ms has no hole"
+        );
+        let off = held.abs_diff(during.len());
+        assert!(
+            off <= 1,
+            "{label}: {off} frames off in length at {t0_ms} ms"
+        );
+        found += 1;
+        worst_frames = worst_frames.max(off);
+        worst_mm = worst_mm.max(track.off_mm(press));
+    }
+    println!(
+        "{label}: {found} of {} presses, none false; at worst {worst_frames} frame off in length, {worst_mm:.2} mm off",
+        presses.len()
+    );
+    assert!(tracks.is_empty(), "{label}: made up: {tracks:?}");
+}
+
+fn holds(label: &str, frames: &[Frame]) {
+    let (tracks, lost) = played(frames);
+    assert!(
+        lost.iter().all(|(_, out)| out.is_empty()),
+        "{label}: {lost:?}"
+    );
+    hold_against(label, frames, tracks, &session_presses(), |_| false);
+}
+
+#[test]
+fn as_it_is_also_through_the_command() {
+    let frames = session();
+    holds("as it is", &frames);
+
+    #[derive(Deserialize)]
+    struct Line {
+        t_ms: f64,
+        touches: Vec<Seen>,
+    }
+    #[derive(Deserialize)]
+    struct Seen {
+        id: u64,
+        x_mm: f64,
+        y_mm: f64,
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args(["replay", "--pad", DEFAULT_PAD, "--print", "touches"])
+        .arg(data("session.csv"))
+        .output()
+        .expect("started");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let mut tracks = BTreeMap::new();
+    for line in String::from_utf8(output.stdout).expect("text").lines() {
+        let line: Line = serde_json::from_str(line).expect("a JSON line");
+        for seen in line.touches {
+            let track = tracks.entry(TouchId(seen.id)).or_insert(Track {
+                first_ms: line.t_ms,
+                last_ms: line.t_ms,
+                frames: 0,
+                sum_mm: [0.0; 2],
+            });
+            track.last_ms = line.t_ms;
+            track.frames += 1;
+            track.sum_mm[0] += seen.x_mm;
+            track.sum_mm[1] += seen.y_mm;
+        }
+    }
+    hold_against("gelpad replay", &frames, tracks, &session_presses(), |_| {
+        false
+    });
+}
+
+#[test]
+fn with_forty_five_decibels() {
+    for seed in [1, 2, 3] {
+        let mut noise = Noise::new(45.0, seed);
+        let frames: Vec<Frame> = session()
+            .into_iter()
+            .map(|frame| Frame {
+                volts: noise.read(
+                    &frame
+                        .volts
+                        .iter()
+                        .map(|v| f64::from(*v))
+                        .collect::<Vec<_>>(),
+                ),
+                ..frame
+            })
+            .collect();
+        holds(&format!("45 dB, seed {seed}"), &frames);
+    }
+}
+
+#[test]
+fn with_ten_per_cent_of_drift_a_minute() {
+    let drifting = |of_channel: &dyn Fn(usize) -> f64| -> Vec<Frame> {
+        let drifted = |frame: Frame| {
+            let minutes = frame.t_ns as f64 / NANOS_PER_MS / 60e3;
+            let volts =
+                frame.volts.iter().enumerate().map(|(channel, volt)| {
+                    volt * (1.0 + 0.1 * minutes * of_channel(channel)) as f32
+                });
+            Frame {
+                t_ns: frame.t_ns,
+                volts: volts.collect(),
+            }
+        };
+        session().into_iter().map(drifted).collect()
+    };
+    holds("a gain that all channels share", &drifting(&|_| 1.0));
+    holds("a gain that all channels lose", &drifting(&|_| -1.0));
+    // Somewhere between -1 and 1 for each channel, in no order.
+    let own = |channel: usize| ((channel * 7919) % 208) as f64 / 104.0 - 1.0;
+    holds("each channel its own", &drifting(&own));
+}
+
+#[test]
+fn thinned_to_slow_boards() {
+    let all = session();
+    for step in [2, 5, 10] {
+        for first in 0..step {
+            let frames: Vec<Frame> = all.iter().skip(first).step_by(step).cloned().collect();
+            holds(
+                &format!("{} frames/s, from frame {first}", 100 / step),
+                &frames,
+            );
+        }
+    }
+}
+
+#[test]
+fn with_any_electrode_disconnected_half_way() {
+    let all = session();
+    let protocol = pad().protocol;
+    let full_scale = all[0]
+        .volts
+        .iter()
+        .fold(0.0f32, |most, volt| most.max(volt.abs()));
+    for electrode in 0..protocol.electrodes {
+        // Readings of one with noise of one, less one: noise alone.
+        let mut noise = Noise::new(0.0, electrode as u64);
+        let frames: Vec<Frame> = all
+            .iter()
+            .cloned()
+            .map(|mut frame| {
+                if frame.t_ns >= HALF_WAY_NS {
+                    let wild = noise.read(&vec![1.0; frame.volts.len()]);
+                    for (index, channel) in protocol.channels.iter().enumerate() {
+                        let pairs = [channel.drive, channel.measure];
+                        if pairs
+                            .iter()
+                            .any(|pair| pair.0 == electrode || pair.1 == electrode)
+                        {
+                            frame.volts[index] = (wild[index] - 1.0) * full_scale;
+                        }
+                    }
+                }
+                frame
+            })
+            .collect();
+        let (tracks, lost) = played(&frames);
+        let label = format!("electrode {electrode}");
+        let half_way_ms = HALF_WAY_NS as f64 / NANOS_PER_MS;
+        let [(_, before), (at_ms, after)] = &lost[..] else {
+            panic!("{label}: {lost:?}");
+        };
+        assert!(
+            before.is_empty() && *after == [electrode],
+            "{label}: {lost:?}"
+        );
+        assert!(
+            *at_ms - half_way_ms <= 1000.0,
+            "{label}: named after {at_ms} ms"
+        );
+        let exempt = |press: &Press| {
+            let half_way_s = half_way_ms / 1e3;
+            press.t0 < half_way_s + EXEMPT_S && press.t1 > half_way_s
+        };
+        hold_against(&label, &frames, tracks, &session_presses(), exempt);
+    }
+}
+
+#[test]
+fn the_session_is_where_it_should_be() {
+    assert!(Path::new(&data("session.csv")).is_file());
+    assert_eq!((session().len(), session_presses().len()), (3000, 42));
+}

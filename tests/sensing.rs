@@ -1,0 +1,294 @@
+//! What a detector makes of presses on the simulated pad, over time: by images alone, and in the voltages.
+
+mod lattice;
+
+use std::sync::Arc;
+
+use gelpad::eit::Reconstruction;
+use gelpad::pad::Pad;
+use gelpad::source::{Finger, Noise, SimulatedPad};
+use gelpad::touch::Detector;
+use gelpad::types::{Frame, Method, Nanos, Phase, Touch};
+use lattice::{builder, pad};
+
+const FRAME_NS: Nanos = 10_000_000;
+const FRAMES_A_MINUTE: u64 = 6000;
+
+struct Bench {
+    pad: Pad,
+    simulated: SimulatedPad,
+    detector: Detector,
+    noise: Noise,
+    frame: u64,
+    /// Of each channel by its reading: what the board makes of it.
+    board: Box<dyn Fn(usize, f32, u64) -> f32>,
+}
+
+impl Bench {
+    fn by_image(snr_db: f64, seed: u64) -> Self {
+        let matrix = Reconstruction::of_pad(&pad(), Method::default()).expect("a matrix");
+        Self::new(Detector::new(Arc::new(matrix)), snr_db, seed)
+    }
+
+    fn located(snr_db: f64, seed: u64) -> Self {
+        let first = builder().first().expect("a matrix");
+        let detector = Detector::of_pad(Arc::new(first), &pad().protocol);
+        Self::new(detector, snr_db, seed)
+    }
+
+    fn new(detector: Detector, snr_db: f64, seed: u64) -> Self {
+        let pad = pad();
+        Self {
+            simulated: SimulatedPad::new(&pad).expect("solvable"),
+            pad,
+            detector,
+            noise: Noise::new(snr_db, seed),
+            frame: 0,
+            board: Box::new(|_, volt, _| volt),
+        }
+    }
+
+    /// Plays frames of one state; returns how often touches went down and up.
+    fn play(&mut self, fingers: &[Finger], frames: u64) -> (usize, usize) {
+        let volts = self.simulated.volts(fingers).expect("solvable");
+        let mut changed = Vec::new();
+        for _ in 0..frames {
+            let volts = self.noise.read(&volts).into_iter().enumerate();
+            let volts = volts
+                .map(|(c, volt)| (self.board)(c, volt, self.frame))
+                .collect();
+            let t_ns = self.frame * FRAME_NS;
+            self.detector.frame(&Frame { t_ns, volts }, &mut changed);
+            if let Some(deviations) = self.detector.wanted() {
+                let sensing = builder().build(deviations).expect("a matrix");
+                self.detector.take(Arc::new(sensing));
+            }
+            self.frame += 1;
+        }
+        let count = |phase| changed.iter().filter(|touch| touch.phase == phase).count();
+        (count(Phase::Down), count(Phase::Up))
+    }
+
+    /// From now on the board reads otherwise; told the channels that use an electrode.
+    fn board(
+        &mut self,
+        electrode: usize,
+        reading: impl Fn(bool, usize, f32, u64) -> f32 + 'static,
+    ) {
+        let uses: Vec<bool> = self
+            .pad
+            .protocol
+            .channels
+            .iter()
+            .map(|channel| {
+                let pairs = [channel.drive, channel.measure];
+                pairs
+                    .iter()
+                    .any(|pair| pair.0 == electrode || pair.1 == electrode)
+            })
+            .collect();
+        self.board =
+            Box::new(move |channel, volt, frame| reading(uses[channel], channel, volt, frame));
+    }
+
+    fn down(&self) -> &[Touch] {
+        self.detector.state().down
+    }
+}
+
+/// Something between -1 and 1 that no frame repeats.
+fn wild(channel: usize, frame: u64) -> f32 {
+    let mixed = (channel as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ (frame + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
+    ((mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as f32) / (1u64 << 23) as f32 - 1.0
+}
+
+fn finger(id: u64, centre_mm: [f64; 2], radius_mm: f64, rise: f64) -> Finger {
+    Finger {
+        id,
+        centre_mm,
+        radius_mm,
+        rise,
+    }
+}
+
+#[test]
+fn a_press_held_for_a_minute_right_after_the_start_stays_one_press_by_image() {
+    for seed in [1, 7] {
+        let mut bench = Bench::by_image(60.0, seed);
+        assert_eq!(bench.play(&[], 20), (0, 0));
+        let press = finger(1, [80.0, 50.0], 7.0, 1.2);
+        assert_eq!(bench.play(&[press], FRAMES_A_MINUTE), (1, 0), "seed {seed}");
+        let after = bench.play(&[], 500);
+        assert_eq!(after, (0, 1), "seed {seed}: and leaves no ghost");
+    }
+}
+
+#[test]
+fn a_press_held_for_ten_minutes_of_drift_stays_a_press_in_its_place() {
+    for percent_a_minute in [0.0, 1.0, -2.0] {
+        let mut bench = Bench::located(60.0, 3);
+        bench.board = Box::new(move |_, volt, frame| {
+            let minutes = frame as f32 / FRAMES_A_MINUTE as f32;
+            volt * (1.0 + 0.01 * percent_a_minute * minutes)
+        });
+        assert_eq!(bench.play(&[], 200), (0, 0));
+        let press = finger(1, [70.0, 40.0], 7.0, 1.0);
+        let (downs, ups) = bench.play(&[press], 10 * FRAMES_A_MINUTE);
+        assert_eq!((downs, ups), (1, 0), "{percent_a_minute} % a minute");
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        let off_mm = (x - 70.0).hypot(y - 40.0);
+        println!("{percent_a_minute} % a minute: {off_mm:.2} mm off after ten minutes");
+        assert!(
+            off_mm < 3.0,
+            "{percent_a_minute} % a minute: ({x:.1}, {y:.1})"
+        );
+        let after = bench.play(&[], 500);
+        assert_eq!(
+            after,
+            (0, 1),
+            "{percent_a_minute} % a minute: and leaves no ghost"
+        );
+    }
+}
+
+#[test]
+fn a_finger_that_lay_there_at_the_start_leaves_no_ghost() {
+    for seed in [1, 2, 3] {
+        for mut bench in [Bench::by_image(60.0, seed), Bench::located(60.0, seed)] {
+            let early = finger(1, [80.0, 30.0], 7.0, 1.2);
+            bench.play(&[early], 30);
+            assert_eq!(bench.play(&[], 300), (0, 0), "seed {seed}");
+            assert_eq!(bench.detector.retaken(), 1);
+            let press = finger(2, [20.0, 50.0], 7.0, 1.2);
+            assert_eq!(bench.play(&[press], 20), (1, 0));
+            assert_eq!(bench.play(&[], 300), (0, 1));
+        }
+    }
+}
+
+#[test]
+fn a_hard_press_does_not_lift_a_light_one() {
+    for mut bench in [Bench::by_image(60.0, 1), Bench::located(60.0, 1)] {
+        bench.play(&[], 50);
+        let light = finger(1, [13.0, 57.0], 6.0, 0.3);
+        let hard = finger(2, [80.0, 50.0], 9.0, 3.0);
+        assert_eq!(bench.play(&[light], 50), (1, 0));
+        assert_eq!(bench.play(&[light, hard], 50), (1, 0));
+        assert_eq!(bench.play(&[light], 50), (0, 1));
+        assert_eq!(bench.play(&[], 50), (0, 1));
+    }
+}
+
+#[test]
+fn force_grows_with_the_press() {
+    let mut bench = Bench::located(60.0, 1);
+    bench.play(&[], 50);
+    let mut last = 0.0;
+    for rise in [0.3, 0.6, 1.0, 1.5] {
+        bench.play(&[finger(1, [40.0, 60.0], 7.0, rise)], 20);
+        let force = bench.down()[0].contact.force;
+        assert!(force > 1.2 * last, "{force} after {last}");
+        last = force;
+    }
+}
+
+#[test]
+fn a_rezeroed_pad_counts_as_untouched_as_it_is() {
+    let mut bench = Bench::located(60.0, 1);
+    bench.play(&[], 50);
+    let stuck = finger(1, [30.0, 30.0], 7.0, 1.0);
+    assert_eq!(bench.play(&[stuck], 50), (1, 0));
+    let mut changed = Vec::new();
+    bench.detector.rezero(&mut changed);
+    assert_eq!(changed.len(), 1, "the touch goes up");
+    assert_eq!(bench.play(&[stuck], 200), (0, 0));
+    let other = finger(2, [75.0, 60.0], 7.0, 1.0);
+    assert_eq!(bench.play(&[stuck, other], 20), (1, 0));
+}
+
+#[test]
+fn an_electrode_that_is_off_at_the_start_is_left_out_and_named() {
+    let mut bench = Bench::located(60.0, 1);
+    bench.board(
+        7,
+        |uses, channel, volt, frame| if uses { wild(channel, frame) } else { volt },
+    );
+    assert_eq!(bench.play(&[], 50), (0, 0));
+    assert_eq!(bench.detector.lost_electrodes(), [7]);
+    assert_eq!(bench.play(&[finger(1, [60.0, 60.0], 7.0, 1.0)], 20), (1, 0));
+    let [x, y] = bench.down()[0].contact.centre_mm;
+    assert!((x - 60.0).hypot(y - 60.0) < 1.5, "({x:.1}, {y:.1})");
+}
+
+#[test]
+fn a_loose_electrode_is_taken_out_while_a_touch_is_held_and_taken_back() {
+    for electrode in [0, 5, 10, 15] {
+        let mut bench = Bench::located(60.0, 2);
+        assert_eq!(bench.play(&[], 100), (0, 0));
+        let held = finger(1, [35.0, 45.0], 7.0, 1.0);
+        assert_eq!(bench.play(&[held], 50), (1, 0));
+        bench.board(
+            electrode,
+            |uses, channel, volt, frame| {
+                if uses { wild(channel, frame) } else { volt }
+            },
+        );
+        assert_eq!(
+            bench.play(&[held], 100),
+            (0, 0),
+            "electrode {electrode}: play goes on"
+        );
+        assert_eq!(bench.detector.lost_electrodes(), [electrode]);
+        bench.board = Box::new(|_, volt, _| volt);
+        assert_eq!(bench.play(&[held], 100), (0, 0));
+        assert!(
+            bench.detector.lost_electrodes().is_empty(),
+            "electrode {electrode} is back"
+        );
+        assert_eq!(bench.play(&[], 100), (0, 1));
+    }
+}
+
+#[test]
+fn a_noisy_electrode_is_taken_out_or_weighed_down_and_makes_no_touch() {
+    let mut bench = Bench::located(60.0, 2);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    // Thirty times the others' noise.
+    bench.board(4, |uses, channel, volt, frame| {
+        volt * if uses {
+            1.0 + 0.05 * wild(channel, frame)
+        } else {
+            1.0
+        }
+    });
+    assert_eq!(bench.play(&[], 1000), (0, 0));
+    assert_eq!(bench.play(&[finger(1, [60.0, 30.0], 7.0, 1.0)], 50), (1, 0));
+    assert_eq!(bench.play(&[], 50), (0, 1));
+}
+
+#[test]
+fn a_short_between_neighbours_makes_no_touch_and_play_goes_on() {
+    let mut bench = Bench::located(60.0, 2);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    let protocol = bench.pad.protocol.clone();
+    // Drives and measurements between 8 and 9 read nothing.
+    bench.board = Box::new(move |channel, volt, _| {
+        let pairs = [
+            protocol.channels[channel].drive,
+            protocol.channels[channel].measure,
+        ];
+        if pairs.iter().any(|pair| [pair.0, pair.1] == [8, 9]) {
+            1e-4 * volt
+        } else {
+            volt
+        }
+    });
+    assert_eq!(bench.play(&[], 300), (0, 0));
+    let lost = bench.detector.lost_electrodes();
+    assert!(
+        !lost.is_empty() && lost.iter().all(|e| [8, 9].contains(e)),
+        "{lost:?}"
+    );
+    assert_eq!(bench.play(&[finger(1, [30.0, 50.0], 7.0, 1.0)], 50), (1, 0));
+}

@@ -1,0 +1,156 @@
+//! Two near touches are two, one odd touch is one. `GELPAD_FULL=1` draws 400 of each instead of 40.
+
+mod lattice;
+
+use std::sync::Arc;
+
+use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
+use gelpad::source::Noise;
+use gelpad::touch::Detector;
+use gelpad::types::{Frame, Nanos, PointMm};
+use lattice::{builder, pad};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Uniform};
+
+const FRAME_NS: Nanos = 10_000_000;
+const APART_MM: f64 = 18.0;
+const RADIUS_MM: f64 = 7.0;
+const WITHIN_MM: f64 = 4.5;
+
+/// The pad on a mesh that is not the reconstruction's, and a detector that has rested on it.
+struct Bench {
+    model: ForwardModel,
+    rested: Detector,
+    noise: Noise,
+    draw: ChaCha8Rng,
+    t_ns: Nanos,
+}
+
+impl Bench {
+    fn new(seed: u64) -> Self {
+        let pad = pad();
+        let mesh = Mesh::of_pad(&pad, MeshSize::simulation(&pad));
+        let first = builder().first().expect("a matrix");
+        let mut bench = Self {
+            model: ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable"),
+            rested: Detector::of_pad(Arc::new(first), &pad.protocol),
+            noise: Noise::new(60.0, seed),
+            draw: ChaCha8Rng::seed_from_u64(seed),
+            t_ns: 0,
+        };
+        let untouched = bench.volts(|_| 0.0);
+        for _ in 0..50 {
+            let volts = bench.noise.read(&untouched);
+            bench.t_ns += FRAME_NS;
+            let frame = Frame {
+                t_ns: bench.t_ns,
+                volts,
+            };
+            bench.rested.frame(&frame, &mut Vec::new());
+        }
+        bench
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        Uniform::new(low, high)
+            .expect("a range")
+            .sample(&mut self.draw)
+    }
+
+    fn volts(&self, rise: impl Fn(PointMm) -> f64) -> Vec<f64> {
+        let pad = pad();
+        let conductivity = self
+            .model
+            .mesh()
+            .mean_over_triangles(|point| pad.background_s_per_m * (1.0 + rise(point)));
+        let fields = self.model.solve(&conductivity).expect("solvable");
+        fields.voltages(&pad.protocol)
+    }
+
+    /// Where one frame of a rise shows touches.
+    fn touched(&mut self, rise: impl Fn(PointMm) -> f64) -> Vec<PointMm> {
+        let volts = self.noise.read(&self.volts(rise));
+        let mut detector = self.rested.clone();
+        let frame = Frame {
+            t_ns: self.t_ns + FRAME_NS,
+            volts,
+        };
+        detector.frame(&frame, &mut Vec::new());
+        let down = detector.state().down.iter();
+        down.map(|touch| touch.contact.centre_mm).collect()
+    }
+}
+
+/// The rise at a point of the touch's own axes, mm, as a share of its greatest.
+type Shape<'a> = &'a dyn Fn(f64, f64) -> f64;
+
+fn draws() -> usize {
+    if std::env::var_os("GELPAD_FULL").is_some() {
+        400
+    } else {
+        40
+    }
+}
+
+fn apart_mm(a: PointMm, b: PointMm) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[test]
+fn two_touches_eighteen_millimetres_apart_are_two_and_in_their_places() {
+    let mut bench = Bench::new(11);
+    let draws = draws();
+    let mut told_apart = 0;
+    for _ in 0..draws {
+        let angle = bench.between(0.0, std::f64::consts::PI);
+        let half = [angle.cos(), angle.sin()].map(|part| part * APART_MM / 2.0);
+        let edge = 8.0 + APART_MM / 2.0;
+        let middle = [(); 2].map(|()| bench.between(edge, 100.0 - edge));
+        let places = [-1.0, 1.0].map(|side| [0, 1].map(|i| middle[i] + side * half[i]));
+        // Each multiplies the conductivity by 1 + (1 - (d/r)^2).
+        let factor = |point: PointMm, place: PointMm| {
+            1.0 + (1.0 - (apart_mm(point, place) / RADIUS_MM).powi(2)).max(0.0)
+        };
+        let seen = bench.touched(|p| factor(p, places[0]) * factor(p, places[1]) - 1.0);
+        let near = |place: PointMm| seen.iter().any(|at| apart_mm(*at, place) < WITHIN_MM);
+        told_apart += usize::from(seen.len() == 2 && places.into_iter().all(near));
+    }
+    println!("{told_apart} of {draws} pairs told apart");
+    assert!(told_apart * 100 >= draws * 95);
+}
+
+#[test]
+fn one_odd_touch_is_one() {
+    let mut bench = Bench::new(12);
+    let draws = draws();
+    let disc = |radius_mm: f64| move |x: f64, y: f64| f64::from(x.hypot(y) < radius_mm);
+    let gaussian =
+        |sd_mm: f64| move |x: f64, y: f64| (-(x * x + y * y) / (2.0 * sd_mm * sd_mm)).exp();
+    let ellipse = |x: f64, y: f64| f64::from((x / 10.0).hypot(y / 6.0) < 1.0);
+    let shapes: [(&str, Shape); 5] = [
+        ("disc of 7 mm", &disc(7.0)),
+        ("disc of 9 mm", &disc(9.0)),
+        ("Gaussian of 4 mm", &gaussian(4.0)),
+        ("Gaussian of 5 mm", &gaussian(5.0)),
+        ("ellipse of 10 x 6 mm", &ellipse),
+    ];
+    for (name, shape) in shapes {
+        let mut split = 0;
+        for _ in 0..draws {
+            let middle = [(); 2].map(|()| bench.between(12.0, 88.0));
+            let (rise, angle) = (
+                bench.between(0.5, 2.0),
+                bench.between(0.0, std::f64::consts::PI),
+            );
+            let seen = bench.touched(|[x, y]| {
+                let (x, y) = (x - middle[0], y - middle[1]);
+                let (sin, cos) = angle.sin_cos();
+                rise * shape(cos * x + sin * y, cos * y - sin * x)
+            });
+            split += usize::from(seen.len() > 1);
+        }
+        println!("{name}: {split} of {draws} split");
+        assert!(split * 50 <= draws, "{name}");
+    }
+}
