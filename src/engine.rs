@@ -21,12 +21,17 @@ pub enum Input {
         /// That time, never the clock's.
         due_ns: Nanos,
     },
-    /// Another profile from now on; what the old one holds is released.
+    /// Another profile, as soon as the outputs are up: a second later at most, and then they are released.
     Profile {
         /// When it takes over.
         t_ns: Nanos,
         /// The profile.
         profile: Arc<Profile>,
+    },
+    /// The player pauses, or goes on.
+    Pause {
+        /// When.
+        t_ns: Nanos,
     },
     /// Another matrix and other weights of the same pad from now on: an electrode was lost, or is back.
     Matrix(Arc<Sensing>),
@@ -50,7 +55,6 @@ pub enum Input {
 /// The stages and their state.
 #[derive(Clone, Debug)]
 pub struct Engine {
-    pad_mm: [f64; 2],
     detector: Detector,
     gestures: Gestures,
     changed: Vec<Touch>,
@@ -67,7 +71,6 @@ impl Engine {
         assert_eq!(pad.channels(), sensing.channels());
         let pad_mm = pad.outline.size_mm();
         Self {
-            pad_mm,
             detector: Detector::of_pad(sensing, &pad.protocol),
             gestures: Gestures::new(profile, pad_mm),
             changed: Vec::new(),
@@ -95,9 +98,12 @@ impl Engine {
             }
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
             Input::Profile { t_ns, profile } => {
+                self.gestures.replace(Arc::clone(profile), *t_ns, events);
+            }
+            Input::Pause { t_ns } => {
                 self.gestures.tick(*t_ns, events);
-                self.gestures.release_all(*t_ns, events);
-                self.gestures = Gestures::new(Arc::clone(profile), self.pad_mm);
+                self.gestures
+                    .pause(*t_ns, !self.gestures.is_paused(), events);
             }
             Input::Matrix(sensing) => self.detector.take(Arc::clone(sensing)),
             Input::Rezero { t_ns } => {
@@ -129,6 +135,18 @@ impl Engine {
     /// The outputs that are down.
     pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
         self.gestures.held()
+    }
+
+    /// Whether the player has paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.gestures.is_paused()
+    }
+
+    /// The profile in force.
+    #[must_use]
+    pub fn profile(&self) -> &Arc<Profile> {
+        self.gestures.profile()
     }
 
     /// The weights for which an [`Input::Matrix`] is wanted, if one is: see [`Detector::wanted`].

@@ -105,7 +105,7 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
                     shipped.replacen("min_gap_ms", "min_gap", 1).as_bytes(),
                 ),
             ],
-            "key.toml:23:1: unknown field `min_gap`",
+            "no key is named `min_gap` in a profile",
         ),
         (
             vec![
@@ -196,6 +196,7 @@ fn every_subcommand_has_an_example_in_its_help() {
         &["profile", "--help"],
         &["profile", "show", "--help"],
         &["profile", "check", "--help"],
+        &["profile", "schema", "--help"],
     ] {
         let (code, stdout, _) = ended(arguments);
         assert_eq!(code, 0);
@@ -214,6 +215,80 @@ fn what_show_prints_can_be_copied_edited_and_used() {
         assert_eq!(code, 0);
         assert!(stdout.contains("sound"), "{stdout}");
     }
+}
+
+#[test]
+fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let [svg, png, print] = ["a.svg", "a.png", "b.svg"].map(path);
+    let drawn = ended(&[
+        "profile",
+        "show",
+        "one-handed",
+        "--svg",
+        &svg,
+        "--png",
+        &png,
+        "--print",
+        &print,
+    ]);
+    assert_eq!((drawn.0, drawn.1.as_str()), (0, ""), "{}", drawn.2);
+    let read = |path: &str| fs::read_to_string(path).expect("drawn");
+    assert!(read(&svg).contains(">jump</text>"));
+    assert!(fs::read(&png).expect("drawn").starts_with(b"\x89PNG"));
+    // The sheet is counted in millimetres: one unit is one, and the square of this profile is 50 of them wide.
+    let sheet = read(&print);
+    assert!(
+        sheet.contains("width=\"210mm\" height=\"297mm\" viewBox=\"0 0 210 297\""),
+        "{sheet}"
+    );
+    assert!(
+        sheet.contains("width=\"100\" height=\"100\" fill=\"none\""),
+        "the pad's outline"
+    );
+    assert!(
+        sheet.contains("<polygon points=\"80.00,105.00 130.00,105.00"),
+        "`down`: from 25 to 75 mm of the pad"
+    );
+    let (code, _, stderr) = ended(&["profile", "show", "--print", "/no-such-folder/a.svg"]);
+    assert_eq!(code, 1);
+    assert!(
+        stderr.contains("/no-such-folder/a.svg cannot be written"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn a_person_lies_over_a_profile_and_show_tells_where_each_value_comes_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let user = folder.path().join("anna.toml");
+    fs::write(&user, "slow_keys_ms = 80\nreach_w = 0.5\n").expect("written");
+    let user = user.display().to_string();
+    let (code, stdout, stderr) = ended(&["profile", "check", "super-mario", "--user", &user]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(
+        stdout.contains("sound") && stdout.contains("warnings"),
+        "{stdout}"
+    );
+    assert!(
+        stderr.contains("the region `jump` lies out of reach"),
+        "{stderr}"
+    );
+    let (_, stdout, _) = ended(&["profile", "show", "one-handed", "--user", &user]);
+    for line in [
+        ("slow_keys_ms = 80", "anna.toml"),
+        ("area_x = 0.25", "one-handed"),
+        ("min_gap_ms = 34", "super-mario"),
+    ] {
+        let told = stdout
+            .lines()
+            .any(|text| text.contains(line.0) && text.ends_with(line.1));
+        assert!(told, "{line:?} in\n{stdout}");
+    }
+    let (code, _, stderr) = ended(&["profile", "check", "super-mario", "--user", "tremro"]);
+    assert_eq!(code, 1);
+    assert!(stderr.contains("did you mean `tremor`?"), "{stderr}");
 }
 
 #[test]

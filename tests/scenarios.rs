@@ -2,10 +2,14 @@
 //!
 //! ```text
 //! --- profile            a profile's TOML, or `shipped: NAME`
+//! --- user               (may be left out) a person's TOML, or `shipped: NAME`
+//! --- switch T           (may be left out) another profile's TOML, saved at T ms
 //! --- script             a touch script; times are exact, no frame rounds them
 //! --- events             what must come out, a line an event
 //! ```
-//! A trial a file, named after it. To write a new one, leave the events empty, run, and copy what was got if it is right.
+//! A finger's area is that of its radius (7 mm: 154 mm2), its force is its rise / 2.4 (1.2: 0.5). A trial a file, named
+//! after it. The examples of docs/profiles.md are trials too: each `toml` block must be sound, and a `scenario` block below it
+//! is played with it. To write a new one, leave the events empty, run, and copy what was got if it is right.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,12 +17,13 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use gelpad::gesture::Gestures;
-use gelpad::profile::{Profile, shipped_profile};
+use gelpad::profile::{self, Profile, Source, shipped_profile, shipped_user};
 use gelpad::source::{Script, StepKind};
-use gelpad::types::{Contact, Event, Phase, PointMm, Touch, TouchId};
+use gelpad::types::{Contact, Event, Nanos, Phase, Touch, TouchId, nanos_from_ms};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
+const GUIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/profiles.md");
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -26,16 +31,69 @@ fn main() -> ExitCode {
     let mut files = Vec::new();
     texts(&root, &mut files);
     assert!(!files.is_empty(), "no scenario under {}", root.display());
-    let trials = files
-        .into_iter()
-        .map(|path| {
-            let name = path.strip_prefix(&root).expect("inside").with_extension("");
-            Trial::test(name.display().to_string(), move || {
-                run(&path).map_err(Failed::from)
-            })
+    let examples = examples(&fs::read_to_string(GUIDE).expect("the guide"));
+    assert!(examples.len() > 10, "no examples in {GUIDE}");
+    let scenarios = files.into_iter().map(|path| {
+        let name = path.strip_prefix(&root).expect("inside").with_extension("");
+        Trial::test(name.display().to_string(), move || {
+            let text = fs::read_to_string(&path).map_err(|error| error.to_string())?;
+            run(&text).map_err(Failed::from)
         })
-        .collect();
-    libtest_mimic::run(&arguments, trials).exit_code()
+    });
+    let guide = examples.into_iter().map(|(line, text)| {
+        Trial::test(format!("docs/profiles.md:{line}"), move || {
+            run(&text).map_err(Failed::from)
+        })
+    });
+    libtest_mimic::run(&arguments, scenarios.chain(guide).collect()).exit_code()
+}
+
+/// The guide's examples as scenarios, each with the line on which it begins. An example that leaves out the head, the
+/// regions or the bindings gets those that the guide begins with.
+fn examples(guide: &str) -> Vec<(usize, String)> {
+    let mut examples: Vec<(usize, String)> = Vec::new();
+    let mut lines = guide.lines().enumerate();
+    while let Some((number, line)) = lines.next() {
+        let kind = match line.trim() {
+            "```toml" => "toml",
+            "```scenario" => "scenario",
+            _ => continue,
+        };
+        let block: String = lines
+            .by_ref()
+            .map(|(_, line)| line)
+            .take_while(|line| line.trim() != "```")
+            .map(|line| format!("{line}\n"))
+            .collect();
+        match (kind, examples.last_mut()) {
+            ("scenario", Some((_, text))) => {
+                let profile = text.split("--- script").next().unwrap_or_default();
+                *text = format!("{profile}{block}");
+            }
+            _ => examples.push((
+                number + 1,
+                format!(
+                    "--- profile\n{}--- script\nt:0 down 1 0 99\nt:50 up 1\n--- events\n",
+                    whole(&block)
+                ),
+            )),
+        }
+    }
+    examples
+}
+
+fn whole(block: &str) -> String {
+    let head = if block.contains("schema =") {
+        ""
+    } else {
+        "schema = 1\nname = \"example\"\n"
+    };
+    let regions = if block.contains("[[region]]") || block.contains("extends") {
+        ""
+    } else {
+        "[[region]]\nname = \"left\"\nx = 0\ny = 0\nw = 0.48\nh = 0.98\n[[region]]\nname = \"jump\"\nx = 0.5\ny = 0\nw = 0.5\nh = 0.98\n"
+    };
+    format!("{head}{block}{regions}")
 }
 
 fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -53,8 +111,7 @@ fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-fn run(path: &Path) -> Result<(), String> {
-    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+fn run(text: &str) -> Result<(), String> {
     let section = |name: &str| -> Result<&str, String> {
         let head = format!("--- {name}\n");
         let (_, rest) = text
@@ -62,14 +119,27 @@ fn run(path: &Path) -> Result<(), String> {
             .ok_or(format!("no section `{name}`"))?;
         Ok(rest.split("\n--- ").next().unwrap_or(rest))
     };
-    let profile = profile(section("profile")?)?;
+    let own = |name: &str| section(name).ok().map(source).transpose();
+    let profile = profile(source(section("profile")?)?, own("user")?)?;
+    let switch = match text.split_once("--- switch ") {
+        Some((_, rest)) => {
+            let (ms, toml) = rest.split_once('\n').ok_or("a time and a profile")?;
+            let ms: f64 = ms.trim().parse().map_err(|_| "no time to switch")?;
+            let toml = toml.split("\n--- ").next().unwrap_or(toml);
+            Some((
+                nanos_from_ms(ms),
+                self::profile(source(toml)?, own("user")?)?,
+            ))
+        }
+        None => None,
+    };
     let script = Script::parse("script", section("script")?).map_err(|error| error.to_string())?;
     let expected: Vec<&str> = section("events")?
         .lines()
         .map(|line| line.split('#').next().unwrap_or_default().trim())
         .filter(|line| !line.is_empty())
         .collect();
-    let got: Vec<String> = play(profile, &script)
+    let got: Vec<String> = play(profile, switch, &script)
         .iter()
         .map(Event::to_string)
         .collect();
@@ -84,48 +154,79 @@ fn run(path: &Path) -> Result<(), String> {
     }
 }
 
-fn profile(text: &str) -> Result<Arc<Profile>, String> {
-    let toml = match text.trim().strip_prefix("shipped:") {
-        Some(name) => {
-            shipped_profile(name.trim())
-                .ok_or("no such shipped profile")?
-                .toml
-        }
-        None => text,
+/// A text as it stands, or a shipped one.
+fn source(text: &str) -> Result<Source, String> {
+    let Some(name) = text.trim().strip_prefix("shipped:") else {
+        return Ok(Source {
+            name: "profile".to_owned(),
+            toml: text.to_owned(),
+        });
     };
-    Profile::from_toml("profile", toml)
-        .map(Arc::new)
+    let name = name.trim();
+    let shipped = shipped_profile(name).or_else(|| shipped_user(name));
+    let toml = shipped.ok_or("no such shipped text")?.toml;
+    Ok(Source {
+        name: name.to_owned(),
+        toml: toml.to_owned(),
+    })
+}
+
+fn profile(profile: Source, user: Option<Source>) -> Result<Arc<Profile>, String> {
+    profile::read(profile, user, &profile::find_shipped)
+        .map(|checked| Arc::new(checked.profile))
         .map_err(|error| error.to_string())
 }
 
 /// Touches exactly as the script says, with every tick at its time; the source ends with the script.
-fn play(profile: Arc<Profile>, script: &Script) -> Vec<Event> {
+fn play(
+    profile: Arc<Profile>,
+    mut switch: Option<(Nanos, Arc<Profile>)>,
+    script: &Script,
+) -> Vec<Event> {
     let mut gestures = Gestures::new(profile, PAD_MM);
     let mut down: Vec<Touch> = Vec::new();
     let mut events = Vec::new();
     for step in script.steps() {
-        let touch = |id: u64, centre_mm: PointMm, phase| Touch {
-            id: TouchId(id),
-            phase,
-            since_ns: step.t_ns,
-            contact: Contact {
-                centre_mm,
-                area_mm2: 150.0,
-                force: 0.5,
-                confidence: 1.0,
-            },
-        };
+        if let Some((at, next)) = switch.take_if(|(at, _)| *at <= step.t_ns) {
+            gestures.replace(next, at, &mut events);
+        }
         let changed = match step.kind {
             StepKind::Down(finger) => {
-                let new = touch(finger.id, finger.centre_mm, Phase::Down);
-                down.push(new);
-                new
+                let touch = Touch {
+                    id: TouchId(finger.id),
+                    phase: Phase::Down,
+                    since_ns: step.t_ns,
+                    contact: Contact {
+                        centre_mm: finger.centre_mm,
+                        area_mm2: area_mm2(finger.radius_mm),
+                        force: force(finger.rise),
+                        confidence: 1.0,
+                    },
+                };
+                down.push(touch);
+                touch
             }
-            StepKind::Move { id, centre_mm } => touch(id, centre_mm, Phase::Move),
+            StepKind::Move {
+                id,
+                centre_mm,
+                radius_mm,
+                rise,
+            } => {
+                let touch = down
+                    .iter_mut()
+                    .find(|touch| touch.id.0 == id)
+                    .expect("checked by the script");
+                touch.phase = Phase::Move;
+                let contact = &mut touch.contact;
+                contact.centre_mm = centre_mm;
+                contact.area_mm2 = radius_mm.map_or(contact.area_mm2, area_mm2);
+                contact.force = rise.map_or(contact.force, force);
+                *touch
+            }
             StepKind::Up { id } => {
                 let index = down
                     .iter()
-                    .position(|t| t.id.0 == id)
+                    .position(|touch| touch.id.0 == id)
                     .expect("checked by the script");
                 Touch {
                     phase: Phase::Up,
@@ -135,7 +236,19 @@ fn play(profile: Arc<Profile>, script: &Script) -> Vec<Event> {
         };
         gestures.touches(step.t_ns, &[changed], &mut events);
     }
+    if let Some((at, next)) = switch {
+        gestures.replace(next, at, &mut events);
+    }
     gestures.tick(script.end_ns(), &mut events);
     gestures.release_all(script.end_ns(), &mut events);
     events
+}
+
+fn area_mm2(radius_mm: f64) -> f64 {
+    std::f64::consts::PI * radius_mm * radius_mm
+}
+
+/// The default finger presses half as hard as can be told.
+fn force(rise: f64) -> f64 {
+    (rise / 2.4).min(1.0)
 }

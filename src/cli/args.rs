@@ -186,6 +186,12 @@ pub(super) struct PlayArgs {
     /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`)
     #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
     pub profile: String,
+    /// One person's settings over the profile: a name (users/NAME.toml here, among your own, or shipped) or a file
+    #[arg(long, value_name = "NAME")]
+    pub user: Option<String>,
+    /// Play another profile while the program that its `[match]` names runs (Linux)
+    #[arg(long = "match")]
+    pub follow: bool,
     /// A shipped pad, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
@@ -226,6 +232,9 @@ pub(super) struct ReplayArgs {
     /// A shipped profile, or a file
     #[arg(long, default_value = crate::profile::DEFAULT_PROFILE)]
     pub profile: String,
+    /// One person's settings over the profile
+    #[arg(long, value_name = "NAME")]
+    pub user: Option<String>,
     /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
     #[arg(long)]
     pub method: Option<Method>,
@@ -308,23 +317,50 @@ pub(super) enum PadCommand {
 pub(super) enum ProfileCommand {
     /// The shipped profiles
     List,
-    /// Whether a profile is sound
-    #[command(after_help = "Example: gelpad profile check ./mine.toml")]
+    /// Whether a profile is sound, and what is odd about it
+    #[command(after_help = "Example: gelpad profile check ./mine.toml --user anna")]
     Check {
         /// A shipped profile, or a file
         #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
         profile: String,
+        /// With one person's settings
+        #[arg(long, value_name = "NAME")]
+        user: Option<String>,
     },
-    /// What a profile does: a map and its bindings; --toml prints its text, to copy and edit
-    #[command(after_help = "Example: gelpad profile show super-mario --toml > mine.toml")]
-    Show {
-        /// A shipped profile, or a file
-        #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
-        profile: String,
-        /// Its text
-        #[arg(long)]
-        toml: bool,
-    },
+    /// The JSON schema of profiles, for editors
+    #[command(after_help = "Example: gelpad profile schema > profile.schema.json")]
+    Schema,
+    /// What a profile does: a map, its bindings, and where each value comes from
+    #[command(after_help = "\
+Examples:
+  gelpad profile show super-mario --toml > mine.toml      its text, to copy and edit
+  gelpad profile show ./mine.toml --print regions.svg     to print, cut out and lay on the pad")]
+    Show(ShowArgs),
+}
+
+#[derive(Args, Debug)]
+pub(super) struct ShowArgs {
+    /// A shipped profile, or a file
+    #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
+    pub profile: String,
+    /// With one person's settings
+    #[arg(long, value_name = "NAME")]
+    pub user: Option<String>,
+    /// Its text
+    #[arg(long)]
+    pub toml: bool,
+    /// Draw the regions as SVG
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Draw the regions as PNG
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// Draw the regions as SVG at true scale on a sheet of A4, with a ruler
+    #[arg(long, value_name = "FILE")]
+    pub print: Option<PathBuf>,
+    /// The pad whose size the drawings have
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
 }
 
 /// What `--source` says.

@@ -3,7 +3,9 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource};
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity,
+};
 
 use crate::types::{Fault, Faulty};
 
@@ -45,13 +47,22 @@ fn print(error: &anyhow::Error) {
     let mut stderr = std::io::stderr().lock();
     // Nothing can be done about a closed stderr.
     let _ = match error.downcast_ref::<Faulty>() {
-        Some(faulty) => write!(stderr, "{}", drawn(faulty)),
+        Some(faulty) => write!(stderr, "{}", drawn(faulty, Severity::Error)),
         None => writeln!(stderr, "error: {error:#}"),
     };
 }
 
+/// Prints what is odd about a text that can be used.
+pub(super) fn warn(faulty: &Faulty) {
+    let _ = write!(
+        std::io::stderr().lock(),
+        "{}",
+        drawn(faulty, Severity::Warning)
+    );
+}
+
 /// Every fault under the user's own line.
-fn drawn(faulty: &Faulty) -> String {
+pub(super) fn drawn(faulty: &Faulty, severity: Severity) -> String {
     use std::io::IsTerminal as _;
 
     let theme = if std::io::stderr().is_terminal() {
@@ -67,6 +78,7 @@ fn drawn(faulty: &Faulty) -> String {
             title: format!("{}:{line}:{column}: {}", faulty.name, fault.message),
             source: NamedSource::new(&faulty.name, faulty.text.clone()),
             fault,
+            severity,
         };
         // Writing to a String cannot fail.
         let _ = handler.render_report(&mut text, &shown);
@@ -80,6 +92,7 @@ struct Shown<'a> {
     title: String,
     source: NamedSource<String>,
     fault: &'a Fault,
+    severity: Severity,
 }
 
 impl std::fmt::Display for Shown<'_> {
@@ -91,6 +104,10 @@ impl std::fmt::Display for Shown<'_> {
 impl std::error::Error for Shown<'_> {}
 
 impl Diagnostic for Shown<'_> {
+    fn severity(&self) -> Option<Severity> {
+        Some(self.severity)
+    }
+
     fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
         let help = self.fault.help.as_ref()?;
         Some(Box::new(help))

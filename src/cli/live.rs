@@ -2,7 +2,6 @@
 //! frames a second and latency.
 
 use std::io::Stdout;
-use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -18,7 +17,7 @@ use ratatui::widgets::{Block, Paragraph, Widget};
 use super::log;
 use super::map::Map;
 use crate::pad::Pad;
-use crate::profile::Profile;
+use crate::profile::{Profile, Target};
 use crate::runtime::View;
 use crate::types::{Action, Event, Image, Output, Touch, heat, ms_from_nanos};
 
@@ -43,6 +42,8 @@ pub(super) enum Wish {
     End,
     /// Ctrl-C.
     Interrupt,
+    /// p: pause, or go on.
+    Pause,
 }
 
 /// A terminal in raw mode on its alternate screen; dropping it gives the terminal back.
@@ -51,14 +52,15 @@ pub(super) struct LiveView {
     title: Title,
     pad: String,
     pad_mm: [f64; 2],
-    profile: Arc<Profile>,
+    /// The last thing that the player should know.
+    notice: String,
     /// NO_COLOR: the image as shades of characters.
     plain: bool,
 }
 
 impl LiveView {
     /// Takes the terminal.
-    pub(super) fn open(title: Title, pad: &Pad, profile: Arc<Profile>) -> anyhow::Result<Self> {
+    pub(super) fn open(title: Title, pad: &Pad) -> anyhow::Result<Self> {
         terminal::enable_raw_mode().context("the terminal gives no raw mode: use --headless")?;
         log::hold_back(true);
         let mut stdout = std::io::stdout();
@@ -77,9 +79,14 @@ impl LiveView {
             title,
             pad: pad.name.clone(),
             pad_mm: pad.outline.size_mm(),
-            profile,
+            notice: String::new(),
             plain: std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()),
         })
+    }
+
+    /// Shows a line beneath until another one comes.
+    pub(super) fn tell(&mut self, notice: String) {
+        self.notice = notice;
     }
 
     /// Draws a view, then waits for a while for what the player wants.
@@ -92,7 +99,8 @@ impl LiveView {
             title: &self.title,
             pad: &self.pad,
             pad_mm: self.pad_mm,
-            profile: &self.profile,
+            profile: &view.profile,
+            notice: &self.notice,
             plain: self.plain,
         };
         self.terminal
@@ -128,6 +136,7 @@ fn wish(event: &TerminalEvent) -> Wish {
     };
     match key.code {
         KeyCode::Esc | KeyCode::Char('q') => Wish::End,
+        KeyCode::Char('p') => Wish::Pause,
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Wish::Interrupt,
         _ => Wish::GoOn,
     }
@@ -140,6 +149,7 @@ struct Screen<'a> {
     pad: &'a str,
     pad_mm: [f64; 2],
     profile: &'a Profile,
+    notice: &'a str,
     plain: bool,
 }
 
@@ -249,10 +259,12 @@ impl Screen<'_> {
     }
 
     fn binding(&self, binding: &crate::profile::Binding) -> Line<'static> {
-        let output = self.profile.outputs[binding.output];
-        let region = &self.profile.regions[binding.region].name;
-        let text = format!("{region:10} {output:12}", output = output.to_string());
-        if self.view.held.contains(&output) {
+        let text = format!(
+            "{:10} {:12}",
+            self.profile.place_of(binding),
+            self.profile.outputs_of(binding)
+        );
+        if self.is_held(binding) {
             Line::from(vec![
                 Span::raw("■ ").fg(Color::Yellow),
                 Span::raw(text).fg(Color::Yellow).bold(),
@@ -260,6 +272,16 @@ impl Screen<'_> {
         } else {
             Line::from(vec![Span::raw("□ "), Span::raw(text)]).fg(Color::Gray)
         }
+    }
+
+    fn is_held(&self, binding: &crate::profile::Binding) -> bool {
+        let outputs = binding.targets.iter().filter_map(|target| match target {
+            Target::Output(index) => self.profile.outputs.get(*index),
+            _ => None,
+        });
+        outputs
+            .into_iter()
+            .any(|output| self.view.held.contains(output))
     }
 
     fn footer(&self, area: Rect, buffer: &mut Buffer) {
@@ -272,7 +294,17 @@ impl Screen<'_> {
         if view.lost_frames > 0 {
             first.push_str(&format!("   {} LOST", view.lost_frames));
         }
-        let second = format!(" {} -> {}   q ends", self.title.source, self.title.output);
+        if view.paused {
+            first.push_str("   PAUSED");
+        }
+        let second = if self.notice.is_empty() {
+            format!(
+                " {} -> {}   q ends, p pauses",
+                self.title.source, self.title.output
+            )
+        } else {
+            format!(" {}", self.notice)
+        };
         Paragraph::new(vec![
             Line::raw(first),
             Line::raw(second).fg(Color::DarkGray),
@@ -332,7 +364,7 @@ fn press_lines<'a>(
                     break;
                 }
             }
-            Action::Axis(..) => {}
+            Action::Axis(..) | Action::Motion { .. } | Action::Wheel { .. } => {}
         }
     }
     lines

@@ -67,7 +67,11 @@ impl Map {
             }
         }
         for region in &profile.regions {
-            let (row, column) = self.cell_at(region.centre_mm(self.size_mm));
+            let (row, column) = self.cell_at(
+                region
+                    .placed(self.size_mm, &profile.settings.area)
+                    .centre_mm(),
+            );
             let start = column.saturating_sub(region.name.chars().count() / 2);
             self.write(row, start, &region.name);
         }

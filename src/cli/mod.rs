@@ -6,11 +6,14 @@
 mod accuracy;
 mod args;
 mod calibrate;
+mod changes;
+mod drawing;
 mod exit;
 mod live;
 mod log;
 mod map;
 mod pads;
+mod pick;
 mod play;
 mod profiles;
 mod progress;

@@ -11,18 +11,20 @@ use hdrhistogram::Histogram;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 
 use super::args::{OutputArg, PlayArgs, SourceArg};
-use super::exit::Ending;
+use super::changes::Changes;
+use super::exit::{self, Ending};
 use super::live::{LiveView, Title, Wish};
+use super::pick::Picker;
 use super::resolve;
 use crate::engine::Engine;
 use crate::output::{Device, Keyboard, OutputError, Trace};
 use crate::pad::{DEFAULT_PAD, Pad};
-use crate::profile::{DEFAULT_PROFILE, Profile};
-use crate::runtime::{self, Running, Summary};
+use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
+use crate::runtime::{self, Control, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source};
-use crate::touch::Correction;
-use crate::types::Method;
+use crate::touch::{Correction, SensingBuilder};
+use crate::types::{Method, Output};
 
 /// How often signals are looked at, and the live view drawn.
 const LOOK: Duration = Duration::from_millis(33);
@@ -32,7 +34,7 @@ const LEVEL_NOISE: (f64, u64) = (60.0, 1);
 /// The main job without arguments: the level on the simulated pad; nothing reaches the desktop.
 pub(super) fn level() -> anyhow::Result<Ending> {
     let pad = resolve::pad(DEFAULT_PAD)?;
-    let profile = resolve::profile(DEFAULT_PROFILE)?;
+    let profile = resolve::profile(DEFAULT_PROFILE, None)?;
     let script = Script::parse("level", LEVEL_SCRIPT)?;
     let noise = Noise::new(LEVEL_NOISE.0, LEVEL_NOISE.1);
     let source = SimulatedSource::new(&pad, &script, noise)?;
@@ -46,15 +48,9 @@ pub(super) fn level() -> anyhow::Result<Ending> {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
     };
-    run(
-        &pad,
-        profile,
-        Method::default(),
-        None,
-        Box::new(source),
-        device,
-        live.then_some(title),
-    )
+    let made = engine(&pad, profile, Method::default(), None)?;
+    let title = live.then_some(title);
+    run(&pad, made, Box::new(source), device, title, None)
 }
 
 /// Whether there is a terminal that can be drawn on.
@@ -65,12 +61,25 @@ fn can_show() -> bool {
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
-    let profile = resolve::profile(&args.profile)?;
+    let checked = resolve::checked(&args.profile, args.user.as_deref())?;
+    checked.warnings.iter().for_each(exit::warn);
+    let profile = Arc::new(checked.profile.clone());
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let device = device(args, live)?;
-    check_outputs(&profile, device.as_ref())?;
+    let takes = Takes::of(device.as_ref());
+    if let Some(lacking) = takes.lacking(&profile) {
+        anyhow::bail!("{lacking}");
+    }
+    let picker = args.follow.then(|| Picker::new(&args.profile));
+    let changes = Changes::new(
+        &args.profile,
+        args.user.as_deref(),
+        &checked,
+        picker,
+        Box::new(move |profile| takes.lacking(profile)),
+    );
     let title = Title {
         source: match &args.source {
             SourceArg::Simulated(None) => "simulated pad, the level".to_owned(),
@@ -81,8 +90,9 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
         output: device.name().to_owned(),
     };
     let method = resolve::method(args.method, &profile, &pad);
-    let live = live.then_some(title);
-    run(&pad, profile, method, correction, source, device, live)
+    let title = live.then_some(title);
+    let made = engine(&pad, profile, method, correction)?;
+    run(&pad, made, source, device, title, Some(changes))
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
@@ -122,44 +132,86 @@ fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
     })
 }
 
-/// Refuses a profile that presses what the device does not have.
-fn check_outputs(profile: &Profile, device: &dyn Device) -> anyhow::Result<()> {
-    match profile
-        .outputs
-        .iter()
-        .find(|output| !device.takes(**output))
-    {
-        Some(output) => anyhow::bail!(
-            "the profile {} presses {output}, which the {} does not have\n  help: bind a key (key:NAME), or choose another --output",
-            profile.name,
-            device.name()
-        ),
-        None => Ok(()),
+/// What a device has, asked before it is handed over.
+struct Takes {
+    device: &'static str,
+    keys: bool,
+    pads: bool,
+    mice: bool,
+}
+
+impl Takes {
+    fn of(device: &dyn Device) -> Self {
+        let takes = |name: &str| name.parse().is_ok_and(|output| device.takes(output));
+        Self {
+            device: device.name(),
+            keys: takes("key:a"),
+            pads: takes("pad:a"),
+            mice: takes("mouse:left"),
+        }
     }
+
+    /// What a profile drives and the device does not have, as a message.
+    fn lacking(&self, profile: &Profile) -> Option<String> {
+        let pressed = profile.outputs.iter().find(|output| !match output {
+            Output::Key(_) => self.keys,
+            Output::Button(_) => self.pads,
+            Output::Mouse(_) => self.mice,
+        });
+        let moved = || {
+            profile
+                .bindings
+                .iter()
+                .find_map(|binding| match binding.gesture {
+                    Gesture::Stick(_) | Gesture::Trigger(_) if !self.pads => {
+                        Some(profile.outputs_of(binding))
+                    }
+                    Gesture::Pointer(_) if !self.mice => Some(profile.outputs_of(binding)),
+                    _ => None,
+                })
+        };
+        let what = match pressed {
+            Some(output) => format!("presses {output}"),
+            None => format!("moves {}", moved()?),
+        };
+        Some(format!(
+            "the profile {} {what}, which the {} does not have\n  help: bind a key (key:NAME), or choose another --output",
+            profile.name, self.device
+        ))
+    }
+}
+
+/// An engine, and what remakes its matrices.
+fn engine(
+    pad: &Pad,
+    profile: Arc<Profile>,
+    method: Method,
+    correction: Option<Correction>,
+) -> anyhow::Result<(Engine, SensingBuilder)> {
+    let builder = resolve::sensing(pad, method)?;
+    let sensing = Arc::new(builder.first()?);
+    let engine = Engine::new(pad, sensing, profile).corrected(correction);
+    Ok((engine, builder))
 }
 
 /// Plays until the source ends or a signal comes; shows it if a title is given.
 fn run(
     pad: &Pad,
-    profile: Arc<Profile>,
-    method: Method,
-    correction: Option<Correction>,
+    (engine, builder): (Engine, SensingBuilder),
     source: Box<dyn Source>,
     device: Box<dyn Device>,
     title: Option<Title>,
+    changes: Option<Changes>,
 ) -> anyhow::Result<Ending> {
-    let builder = resolve::sensing(pad, method)?;
-    let sensing = Arc::new(builder.first()?);
-    let engine = Engine::new(pad, sensing, Arc::clone(&profile)).corrected(correction);
     let mut view = match title {
-        Some(title) => Some(LiveView::open(title, pad, profile)?),
+        Some(title) => Some(LiveView::open(title, pad)?),
         None => None,
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
     let mut running =
         runtime::start(engine, builder, source, device).context("no thread to play on")?;
-    let watched = watch(&mut running, &signals, view.as_mut());
+    let watched = watch(&mut running, &signals, view.as_mut(), changes);
     running.stop();
     let summary = running.join();
     drop(view);
@@ -171,10 +223,22 @@ fn watch(
     running: &mut Running,
     signals: &Signals,
     mut view: Option<&mut LiveView>,
+    mut changes: Option<Changes>,
 ) -> anyhow::Result<Option<i32>> {
     while !running.is_finished() {
         if let Some(signal) = signals.received() {
             return Ok(Some(signal));
+        }
+        if let Some(changes) = &mut changes {
+            changes.look(running, &mut |text| match view.as_deref_mut() {
+                Some(view) => view.tell(
+                    text.lines()
+                        .find(|line| !line.trim().is_empty())
+                        .unwrap_or_default()
+                        .to_owned(),
+                ),
+                None => say(text.trim_end()),
+            });
         }
         match view.as_deref_mut() {
             // A raw terminal gives Ctrl-C as a key.
@@ -182,6 +246,9 @@ fn watch(
                 Wish::GoOn => {}
                 Wish::End => return Ok(None),
                 Wish::Interrupt => return Ok(Some(SIGINT)),
+                Wish::Pause => {
+                    running.ask(Control::Pause);
+                }
             },
             None => std::thread::sleep(LOOK),
         }

@@ -1,16 +1,14 @@
-//! `gelpad profile`: the profiles, and what one does.
+//! `gelpad profile`: the profiles, what one does, and where each of its values comes from.
 
 use std::io::Write as _;
+use std::path::Path;
 
-use super::args::ProfileCommand;
-use super::exit::Ending;
+use super::args::{ProfileCommand, ShowArgs};
+use super::exit::{self, Ending};
 use super::map::Map;
-use super::resolve;
-use crate::profile::{Mode, Profile, SHIPPED_PROFILES};
+use super::{drawing, resolve};
+use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, schema};
 use crate::types::ms_from_nanos;
-
-/// A map is drawn for a pad of any size: regions are shares of it.
-const SQUARE_MM: [f64; 2] = [100.0, 100.0];
 
 pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
@@ -20,58 +18,112 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
                 let profile = Profile::from_toml(shipped.name, shipped.toml)?;
                 writeln!(stdout, "{:24} {}", profile.name, profile.about)?;
             }
+            let users: Vec<&str> = SHIPPED_USERS.iter().map(|user| user.name).collect();
+            writeln!(stdout, "\nwith --user: {}", users.join(", "))?;
         }
-        ProfileCommand::Check { profile: argument } => {
-            let profile = resolve::profile(argument)?;
-            writeln!(
-                stdout,
-                "{argument}: sound: {} regions, {} bindings",
-                profile.regions.len(),
-                profile.bindings.len()
-            )?;
-        }
-        ProfileCommand::Show {
-            profile,
-            toml: true,
-        } => write!(stdout, "{}", resolve::profile_text(profile)?.toml)?,
-        ProfileCommand::Show {
-            profile,
-            toml: false,
+        ProfileCommand::Check {
+            profile: argument,
+            user,
         } => {
-            let profile = resolve::profile(profile)?;
+            let checked = resolve::checked(argument, user.as_deref())?;
+            checked.warnings.iter().for_each(exit::warn);
+            let warnings: usize = checked
+                .warnings
+                .iter()
+                .map(|faulty| faulty.faults.len())
+                .sum();
             writeln!(
                 stdout,
-                "{}",
-                Map::new(SQUARE_MM, 60).regions(&profile).framed()
+                "{argument}: sound: {} regions, {} bindings{}",
+                checked.profile.regions.len(),
+                checked.profile.bindings.len(),
+                match warnings {
+                    0 => String::new(),
+                    1 => ", 1 warning".to_owned(),
+                    _ => format!(", {warnings} warnings"),
+                }
             )?;
-            writeln!(stdout, "{}", facts(&profile))?;
+        }
+        ProfileCommand::Schema => write!(stdout, "{}", schema())?,
+        ProfileCommand::Show(args) if args.toml => {
+            write!(stdout, "{}", resolve::profile_text(&args.profile)?.toml)?;
+        }
+        ProfileCommand::Show(args) => {
+            let checked = resolve::checked(&args.profile, args.user.as_deref())?;
+            let pad_mm = resolve::pad(&args.pad)?.outline.size_mm();
+            let pad_mm = checked.profile.settings.seen_size_mm(pad_mm);
+            if !draw(args, &checked.profile, pad_mm)? {
+                let map = Map::new(pad_mm, 60).regions(&checked.profile).framed();
+                writeln!(stdout, "{map}\n{}", facts(&checked))?;
+            }
         }
     }
     Ok(Ending::Done)
 }
 
-fn facts(profile: &Profile) -> String {
+/// Draws what is asked for; whether anything was.
+fn draw(args: &ShowArgs, profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<bool> {
+    if let Some(path) = &args.svg {
+        write(path, drawing::svg(profile, pad_mm).as_bytes())?;
+    }
+    if let Some(path) = &args.print {
+        write(path, drawing::print(profile, pad_mm)?.as_bytes())?;
+    }
+    if let Some(path) = &args.png {
+        write(path, &drawing::png(profile, pad_mm)?)?;
+    }
+    Ok(args.svg.is_some() || args.print.is_some() || args.png.is_some())
+}
+
+/// Writes a file beside its place and moves it there: no half of one is ever found.
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    use anyhow::Context as _;
+
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    std::fs::write(&beside, bytes)
+        .and_then(|()| std::fs::rename(&beside, path))
+        .with_context(|| format!("{} cannot be written", path.display()))
+}
+
+fn facts(checked: &Checked) -> String {
+    let profile = &checked.profile;
     let mut lines = vec![
         format!("{}: {}", profile.name, profile.about),
         format!(
             "shortest press {} ms, shortest gap {} ms",
-            ms_from_nanos(profile.min_hold_ns),
-            ms_from_nanos(profile.min_gap_ns)
+            ms_from_nanos(profile.settings.min_hold_ns),
+            ms_from_nanos(profile.settings.min_gap_ns)
         ),
     ];
     for binding in &profile.bindings {
-        let mode = match binding.mode {
-            Mode::Direct => "while touched".to_owned(),
-            Mode::Classified(latch) => format!(
-                "{:.0} ms, or {:.0} ms if touched for {:.0} ms",
-                ms_from_nanos(latch.short_ns),
-                ms_from_nanos(latch.long_ns),
-                ms_from_nanos(latch.long_after_ns)
-            ),
-        };
-        let region = &profile.regions[binding.region].name;
-        let output = profile.outputs[binding.output].to_string();
-        lines.push(format!("  {region:12} {output:12} {mode}"));
+        lines.push(format!(
+            "  {:12} {:12} {}",
+            profile.place_of(binding),
+            profile.outputs_of(binding),
+            profile.how(binding)
+        ));
+    }
+    if checked.texts.len() > 1 {
+        lines.push(format!(
+            "read from {}, the later over the earlier:",
+            checked.texts.join(", ")
+        ));
+        // What tells the texts apart says nothing about their values.
+        let heads = ["about", "extends", "name", "schema"];
+        let values = profile.origins.iter();
+        for origin in values.filter(|origin| !heads.contains(&origin.key.as_str())) {
+            let value = if origin.value.is_empty() {
+                String::new()
+            } else {
+                format!(" = {}", origin.value)
+            };
+            lines.push(format!(
+                "  {:40} {}",
+                format!("{}{value}", origin.key),
+                origin.from
+            ));
+        }
     }
     lines.join("\n")
 }

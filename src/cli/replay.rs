@@ -14,7 +14,7 @@ use crate::types::{Event, Frame, Touch, ms_from_nanos};
 
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
-    let profile = resolve::profile(&args.profile)?;
+    let profile = resolve::profile(&args.profile, args.user.as_deref())?;
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let mut source = FramesCsv::open(&args.file, pad.channels())?;
     let method = resolve::method(args.method, &profile, &pad);

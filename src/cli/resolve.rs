@@ -1,17 +1,21 @@
 //! From names to things: pads and profiles by shipped name or by path, and what a pad needs to play.
 
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::calibrate::read_correction;
+use super::exit;
 use crate::cache;
 use crate::eit::Reconstruction;
 use crate::pad::{Pad, SHIPPED_PADS, shipped_pad};
-use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
+use crate::profile::{
+    self, Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
+    shipped_user,
+};
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, nearest};
 
@@ -24,8 +28,17 @@ pub(super) struct Text {
     pub toml: String,
 }
 
+impl From<Text> for Source {
+    fn from(text: Text) -> Self {
+        Self {
+            name: text.name,
+            toml: text.toml,
+        }
+    }
+}
+
 /// Whether an argument means a file and not a shipped name.
-fn is_path(argument: &str) -> bool {
+pub(super) fn is_path(argument: &str) -> bool {
     argument.contains('/') || argument.ends_with(".toml")
 }
 
@@ -94,10 +107,77 @@ pub(super) fn pad(argument: &str) -> anyhow::Result<Pad> {
     Ok(Pad::from_toml(&text.name, &text.toml)?)
 }
 
-/// A profile, read and checked.
-pub(super) fn profile(argument: &str) -> anyhow::Result<Arc<Profile>> {
-    let text = profile_text(argument)?;
-    Ok(Arc::new(Profile::from_toml(&text.name, &text.toml)?))
+/// A profile with one person's settings, read and checked; what is odd about it is told.
+pub(super) fn profile(argument: &str, user: Option<&str>) -> anyhow::Result<Arc<Profile>> {
+    let checked = checked(argument, user)?;
+    checked.warnings.iter().for_each(exit::warn);
+    Ok(Arc::new(checked.profile))
+}
+
+/// A profile with one person's settings, and what is odd about it.
+pub(super) fn checked(argument: &str, user: Option<&str>) -> anyhow::Result<Checked> {
+    let folder = Path::new(argument)
+        .parent()
+        .unwrap_or(Path::new(""))
+        .to_owned();
+    let find = |name: &str| -> Result<Source, String> {
+        if !is_path(name) {
+            return find_shipped(name);
+        }
+        let path = folder.join(name);
+        let toml = read(&path).map_err(|error| format!("{error:#}"))?;
+        Ok(Source {
+            name: path.display().to_string(),
+            toml,
+        })
+    };
+    let user = user.map(self::user).transpose()?;
+    Ok(profile::read(profile_text(argument)?.into(), user, &find)?)
+}
+
+/// A person's text: a file, or a name that is looked for here, among one's own, and among the shipped.
+fn user(argument: &str) -> anyhow::Result<Source> {
+    if is_path(argument) {
+        return Ok(Source {
+            name: argument.to_owned(),
+            toml: read(Path::new(argument))?,
+        });
+    }
+    let file = Path::new("users").join(format!("{argument}.toml"));
+    let own = own_folder().map(|folder| folder.join(&file));
+    for path in std::iter::once(file).chain(own) {
+        if path.is_file() {
+            return Ok(Source {
+                name: path.display().to_string(),
+                toml: read(&path)?,
+            });
+        }
+    }
+    if let Some(shipped) = shipped_user(argument) {
+        return Ok(Source {
+            name: shipped.name.to_owned(),
+            toml: shipped.toml.to_owned(),
+        });
+    }
+    let names = SHIPPED_USERS.iter().map(|user| user.name);
+    let guess = match nearest(argument, names) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => format!("write users/{argument}.toml, here or in your own gelpad folder"),
+    };
+    bail!("nobody is named `{argument}`\n  help: {guess}");
+}
+
+/// Where a player's own profiles and users lie: `gelpad` in the folder for settings.
+pub(super) fn own_folder() -> Option<PathBuf> {
+    let folder = |name: &str| {
+        std::env::var_os(name)
+            .filter(|value| !value.is_empty())
+            .map(PathBuf::from)
+    };
+    let settings = folder("XDG_CONFIG_HOME")
+        .or_else(|| folder("APPDATA"))
+        .or_else(|| folder("HOME").map(|home| home.join(".config")));
+    settings.map(|settings| settings.join("gelpad"))
 }
 
 /// How images are made: the command line's word, else the profile's, else the pad's, else NOSER.

@@ -1,44 +1,66 @@
 //! Touches to events: each binding decides when it wants its output held, and the outputs see to it that no
 //! press and no gap is shorter than a game can see.
 //!
-//! Time is passed in. A decision that falls between two frames (the end of a minimum hold, of a latch, of a gap)
-//! is made at its due time, which [`Gestures::next_due`] tells; the event carries that time, however late the
-//! call comes. So events do not depend on how frames are batched.
+//! ```text
+//! Touch ─▶ panic ─▶ accept ─▶ layout ─▶ one file a gesture ─▶ drive ─▶ outputs ─▶ Event
+//!          safety    who       which     what it is           how      ref-counted
+//!                    counts    regions
+//! ```
+//! Time is passed in. A decision that falls between two frames (the end of a minimum hold, of a latch, of a tapping
+//! term) is made at its due time, which [`Gestures::next_due`] tells; the event carries that time, however late the
+//! call comes. So events do not depend on how frames are batched. No finger waits for another, and no step allocates
+//! once the profile is loaded.
 
+mod accept;
+mod active;
+mod begin;
+mod crowd;
+mod double_tap;
+mod dpad;
+mod drive;
+mod fingers;
+mod force;
+mod hold;
 mod latch;
+mod layout;
 mod outputs;
+mod play;
+mod pointer;
+mod safety;
+mod sequence;
+mod step;
+mod stick;
+mod swipe;
+mod tap;
+mod tap_hold;
 
 use std::sync::Arc;
 
-use crate::profile::{Mode, Profile};
-use crate::types::{Event, Nanos, Output, Phase, Touch, TouchId};
-use latch::Latched;
-use outputs::Outputs;
+use crate::profile::Profile;
+use crate::types::{Event, NANOS_PER_MS, Nanos, Output, Touch};
+use accept::Accept;
+use layout::Layout;
+use play::Players;
+use safety::Panic;
+use step::Step;
+
+/// A new profile waits this long at most for the outputs to come up by themselves.
+const SWITCH_WAIT_NS: Nanos = 1000 * NANOS_PER_MS;
 
 /// The gestures of one profile on one pad.
 #[derive(Clone, Debug)]
 pub struct Gestures {
     profile: Arc<Profile>,
     pad_mm: [f64; 2],
-    outputs: Outputs,
-    holds: Vec<Hold>,
-}
-
-/// A binding that holds its output for a touch.
-#[derive(Clone, Copy, Debug)]
-struct Hold {
-    touch: TouchId,
-    binding: usize,
-    output: usize,
-    kind: HoldKind,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum HoldKind {
-    /// Ends with the touch.
-    Direct,
-    /// Ends when the latch says.
-    Classified(Latched),
+    panic: Panic,
+    layout: Layout,
+    accept: Accept,
+    players: Players,
+    paused: bool,
+    /// The profile that takes over, and when at the latest.
+    next: Option<(Arc<Profile>, Nanos)>,
+    /// When the next decision falls, as of the last change.
+    due: Option<Nanos>,
 }
 
 impl Gestures {
@@ -46,10 +68,15 @@ impl Gestures {
     #[must_use]
     pub fn new(profile: Arc<Profile>, pad_mm: [f64; 2]) -> Self {
         Self {
-            outputs: Outputs::new(&profile),
+            panic: Panic::new(&profile.settings),
+            layout: Layout::new(&profile, pad_mm),
+            accept: Accept::new(&profile.settings, profile.regions.len()),
+            players: Players::new(&profile),
             profile,
             pad_mm,
-            holds: Vec::new(),
+            paused: false,
+            next: None,
+            due: None,
         }
     }
 
@@ -61,116 +88,160 @@ impl Gestures {
 
     /// The outputs that are down.
     pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
-        self.outputs.held()
+        self.players.driver.outputs.held()
+    }
+
+    /// Whether nothing counts but the gesture that ends the pause.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.paused
     }
 
     /// When the next decision falls, if one is pending.
     #[must_use]
     pub fn next_due(&self) -> Option<Nanos> {
-        let latches = self.holds.iter().filter_map(|hold| match hold.kind {
-            HoldKind::Direct => None,
-            HoldKind::Classified(latch) => latch.next_due(),
-        });
-        latches.chain(self.outputs.next_due()).min()
+        self.due
     }
 
     /// Makes every decision that is due by a time, in the order in which they fall.
     pub fn tick(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
-        while let Some(due) = self.next_due().filter(|due| *due <= t_ns) {
-            self.end_latches(due, events);
-            self.outputs.tick(due, events);
+        while let Some(due) = self.due.filter(|due| *due <= t_ns) {
+            self.accept.tick(due);
+            self.play_passed(due, events);
+            let Self {
+                profile,
+                layout,
+                players,
+                ..
+            } = self;
+            players.tick(&mut Step {
+                profile,
+                layout,
+                t_ns: due,
+                events,
+            });
+            self.after(due, events);
         }
     }
 
     /// Takes what became of the touches in a frame.
     pub fn touches(&mut self, t_ns: Nanos, changed: &[Touch], events: &mut Vec<Event>) {
         self.tick(t_ns, events);
-        for touch in changed {
-            match touch.phase {
-                Phase::Down => self.down(t_ns, touch, events),
-                Phase::Move => {}
-                Phase::Up => self.up(t_ns, touch.id, events),
+        // What rests comes first: the smaller parts of an arm that lies down are known by it.
+        for large in [true, false] {
+            for touch in changed {
+                if self.accept.is_large(touch.contact.area_mm2) == large {
+                    self.touch(t_ns, touch, events);
+                }
             }
         }
-        // A latch may end in the frame in which its touch lifts.
+    }
+
+    fn touch(&mut self, t_ns: Nanos, touch: &Touch, events: &mut Vec<Event>) {
+        let panic = self.panic.sees(touch);
+        if panic {
+            self.pause(t_ns, !self.paused, events);
+        }
+        self.accept.touch(t_ns, touch, &self.layout);
+        if panic {
+            // The contact that made it a panic plays nothing itself.
+            self.accept.passed.clear();
+        }
+        self.play_passed(t_ns, events);
+        self.after(t_ns, events);
+        // What a touch makes due at this very time is done before the next touch: one call or several, the same events.
         self.tick(t_ns, events);
     }
 
-    /// Releases everything now and forgets what was pending: the source is gone, or the profile changes.
+    /// Releases everything now and forgets what was pending: the source is gone.
     pub fn release_all(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
-        self.holds.clear();
-        self.outputs.release_all(t_ns, events);
+        self.let_go(t_ns, events);
+        self.players.forget_fingers();
+        self.accept.clear();
+        self.panic.clear();
+        self.after(t_ns, events);
     }
 
-    fn down(&mut self, t_ns: Nanos, touch: &Touch, events: &mut Vec<Event>) {
-        let Some(region) = self.profile.region_at(touch.contact.centre_mm, self.pad_mm) else {
-            return;
+    /// Pauses or goes on. A pause releases everything.
+    pub fn pause(&mut self, t_ns: Nanos, paused: bool, events: &mut Vec<Event>) {
+        self.paused = paused;
+        self.players.paused = paused;
+        self.let_go(t_ns, events);
+        self.after(t_ns, events);
+    }
+
+    /// Another profile from now on, or from when the outputs are up: a second later at most, and then they are released.
+    /// Fingers that are down when it takes over belong to neither.
+    pub fn replace(&mut self, profile: Arc<Profile>, t_ns: Nanos, events: &mut Vec<Event>) {
+        self.tick(t_ns, events);
+        self.next = Some((profile, t_ns + SWITCH_WAIT_NS));
+        self.after(t_ns, events);
+    }
+
+    /// Ends every gesture; fingers that are down stay known, and give nothing more.
+    fn let_go(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+        let Self {
+            profile,
+            layout,
+            players,
+            ..
+        } = self;
+        players.release_all(&mut Step {
+            profile,
+            layout,
+            t_ns,
+            events,
+        });
+    }
+
+    fn play_passed(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+        let Self {
+            profile,
+            layout,
+            players,
+            accept,
+            ..
+        } = self;
+        let mut step = Step {
+            profile,
+            layout,
+            t_ns,
+            events,
         };
-        let profile = Arc::clone(&self.profile);
-        for (index, binding) in profile.bindings.iter().enumerate() {
-            if binding.region != region {
-                continue;
-            }
-            let kind = match binding.mode {
-                Mode::Direct => HoldKind::Direct,
-                Mode::Classified(lengths) => {
-                    self.cut_short(t_ns, index, events);
-                    let pressed_ns = self.outputs.press_time(binding.output, t_ns);
-                    HoldKind::Classified(Latched::new(lengths, t_ns, pressed_ns))
-                }
-            };
-            self.outputs.hold(binding.output, t_ns, events);
-            self.holds.push(Hold {
-                touch: touch.id,
-                binding: index,
-                output: binding.output,
-                kind,
-            });
+        for passed in accept.passed.drain(..) {
+            players.finger(&mut step, &passed);
         }
     }
 
-    fn up(&mut self, t_ns: Nanos, touch: TouchId, events: &mut Vec<Event>) {
-        let outputs = &mut self.outputs;
-        self.holds.retain_mut(|hold| {
-            if hold.touch != touch {
-                return true;
-            }
-            match &mut hold.kind {
-                HoldKind::Direct => {
-                    outputs.let_go(hold.output, t_ns, events);
-                    false
-                }
-                HoldKind::Classified(latch) => {
-                    latch.lift(t_ns);
-                    true
-                }
-            }
-        });
+    /// What a step may have left to do: a pause, a switch, and the time of the next decision.
+    fn after(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+        if std::mem::take(&mut self.players.driver.pause_wished) {
+            self.paused = !self.paused;
+            self.players.paused = self.paused;
+            self.let_go(t_ns, events);
+        }
+        if let Some((_, deadline_ns)) = self.next
+            && (self.players.is_idle() || deadline_ns <= t_ns)
+        {
+            self.switch(t_ns, events);
+        }
+        let deadline = self.next.as_ref().map(|(_, deadline_ns)| *deadline_ns);
+        self.due = [self.accept.next_due(), self.players.next_due(), deadline]
+            .into_iter()
+            .flatten()
+            .min();
     }
 
-    /// A fresh touch ends what an earlier one holds by the same binding, lifted or not: a new jump needs a new press.
-    fn cut_short(&mut self, t_ns: Nanos, binding: usize, events: &mut Vec<Event>) {
-        let outputs = &mut self.outputs;
-        self.holds.retain(|hold| {
-            let earlier = hold.binding == binding;
-            if earlier {
-                outputs.let_go(hold.output, t_ns, events);
-            }
-            !earlier
-        });
-    }
-
-    fn end_latches(&mut self, due: Nanos, events: &mut Vec<Event>) {
-        let outputs = &mut self.outputs;
-        self.holds.retain_mut(|hold| {
-            let HoldKind::Classified(latch) = &mut hold.kind else {
-                return true;
-            };
-            let ended = latch.tick(due);
-            if ended {
-                outputs.let_go(hold.output, due, events);
-            }
-            !ended
-        });
+    fn switch(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+        let Some((profile, _)) = self.next.take() else {
+            return;
+        };
+        self.let_go(t_ns, events);
+        let panic = self.panic.clone().under(&profile.settings);
+        let mut fresh = Self::new(profile, self.pad_mm);
+        fresh.panic = panic;
+        fresh.paused = self.paused;
+        fresh.players.paused = self.paused;
+        *self = fresh;
     }
 }

@@ -1,4 +1,4 @@
-//! What is held, by how many, and the shortest press and gap that a game can see.
+//! What is held, by how many; the shortest press and gap that a game can see, the longest press that is allowed.
 //!
 //! ```text
 //! wanted   __/~\____/~~~\_/~~~~~\__
@@ -6,17 +6,23 @@
 //!            |hold|     |gap|           min_gap delays the third
 //! ```
 //! A press that is over before its delayed beginning still gets its minimum hold; further ones within the same delay
-//! are one with it.
+//! are one with it. An axis tells a value only when it changes.
 
 use crate::profile::Profile;
-use crate::types::{Action, Event, Nanos, Output};
+use crate::types::{Action, Axis, Event, Nanos, Output};
+
+/// Steps of an axis between rest and its end: finer than any game reads.
+const AXIS_STEPS: f32 = 1000.0;
 
 /// The outputs of a profile and their state.
 #[derive(Clone, Debug)]
 pub(super) struct Outputs {
     min_hold_ns: Nanos,
     min_gap_ns: Nanos,
+    max_hold_ns: Option<Nanos>,
     slots: Vec<Slot>,
+    /// Value of each axis, in the order of [`Axis::ALL`].
+    axes: [f32; Axis::ALL.len()],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -40,13 +46,17 @@ enum State {
     Down { since: Nanos },
     /// Down for its minimum hold; goes up then, and down again after a gap if asked for.
     Falling { at: Nanos, again: bool },
+    /// Up since then, by force: held too long, and not yet let go of.
+    Spent { since: Nanos },
 }
 
 impl Outputs {
     pub(super) fn new(profile: &Profile) -> Self {
         Self {
-            min_hold_ns: profile.min_hold_ns,
-            min_gap_ns: profile.min_gap_ns,
+            min_hold_ns: profile.settings.min_hold_ns,
+            min_gap_ns: profile.settings.min_gap_ns,
+            max_hold_ns: profile.settings.max_hold_ns,
+            axes: [0.0; Axis::ALL.len()],
             slots: profile
                 .outputs
                 .iter()
@@ -66,14 +76,40 @@ impl Outputs {
             .map(|slot| slot.output)
     }
 
+    /// Whether nothing is down, nothing is about to be, and every axis is at rest.
+    pub(super) fn is_idle(&self) -> bool {
+        let idle =
+            |slot: &Slot| slot.holders == 0 && matches!(slot.state, State::Idle | State::Up { .. });
+        self.slots.iter().all(idle) && self.axes.iter().all(|value| *value == 0.0)
+    }
+
     pub(super) fn next_due(&self) -> Option<Nanos> {
         self.slots
             .iter()
             .filter_map(|slot| match slot.state {
                 State::Rising { at } | State::Falling { at, .. } => Some(at),
-                State::Idle | State::Up { .. } | State::Down { .. } => None,
+                State::Down { since } => self
+                    .max_hold_ns
+                    .map(|most| since + most.max(self.min_hold_ns)),
+                State::Idle | State::Up { .. } | State::Spent { .. } => None,
             })
             .min()
+    }
+
+    /// An axis takes a value.
+    pub(super) fn axis(&mut self, axis: Axis, value: f32, t_ns: Nanos, events: &mut Vec<Event>) {
+        // Adding zero turns a negative one into the other.
+        let value = libm::roundf(value * AXIS_STEPS) / AXIS_STEPS + 0.0;
+        let Some(index) = Axis::ALL.iter().position(|one| *one == axis) else {
+            return;
+        };
+        if self.axes[index] != value {
+            self.axes[index] = value;
+            events.push(Event {
+                t_ns,
+                action: Action::Axis(axis, value),
+            });
+        }
     }
 
     /// When a press that is wanted now would go out.
@@ -81,7 +117,7 @@ impl Outputs {
         let slot = &self.slots[index];
         match slot.state {
             State::Idle | State::Down { .. } => t_ns,
-            State::Up { since } => t_ns.max(since + self.min_gap_ns),
+            State::Up { since } | State::Spent { since } => t_ns.max(since + self.min_gap_ns),
             State::Rising { at } => at,
             State::Falling { at, .. } => at + self.min_gap_ns,
         }
@@ -96,6 +132,12 @@ impl Outputs {
             State::Idle | State::Up { .. } if press_ns <= t_ns => slot.press(t_ns, events),
             State::Idle | State::Up { .. } => slot.state = State::Rising { at: press_ns },
             State::Falling { at, .. } => slot.state = State::Falling { at, again: true },
+            // What was spent is pressed again by a fresh wish only.
+            State::Spent { .. } => {
+                slot.state = State::Rising {
+                    at: press_ns.max(t_ns),
+                };
+            }
             State::Rising { .. } | State::Down { .. } => {}
         }
     }
@@ -107,6 +149,9 @@ impl Outputs {
         slot.holders = slot.holders.saturating_sub(1);
         if slot.holders > 0 {
             return;
+        }
+        if let State::Spent { since } = slot.state {
+            slot.state = State::Up { since };
         }
         if let State::Down { since } = slot.state {
             let at = since + min_hold_ns;
@@ -139,6 +184,15 @@ impl Outputs {
                         };
                     }
                 }
+                State::Down { since } => {
+                    let most = self
+                        .max_hold_ns
+                        .map(|most| since + most.max(self.min_hold_ns));
+                    if let Some(at) = most.filter(|at| *at <= t_ns) {
+                        slot.release(at, events);
+                        slot.state = State::Spent { since: at };
+                    }
+                }
                 _ => {}
             }
         }
@@ -151,8 +205,12 @@ impl Outputs {
             match slot.state {
                 State::Down { .. } | State::Falling { .. } => slot.release(t_ns, events),
                 State::Rising { .. } => slot.state = State::Idle,
+                State::Spent { since } => slot.state = State::Up { since },
                 State::Idle | State::Up { .. } => {}
             }
+        }
+        for axis in Axis::ALL {
+            self.axis(*axis, 0.0, t_ns, events);
         }
     }
 }

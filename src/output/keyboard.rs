@@ -56,7 +56,7 @@ impl Device for Keyboard {
         let (output, direction) = match event.action {
             Action::Press(output) => (output, Direction::Press),
             Action::Release(output) => (output, Direction::Release),
-            Action::Axis(..) => return Ok(()),
+            Action::Axis(..) | Action::Motion { .. } | Action::Wheel { .. } => return Ok(()),
         };
         let Output::Key(key) = output else {
             return Ok(());

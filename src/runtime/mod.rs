@@ -23,6 +23,7 @@ use rtrb::{Consumer, Producer, PushError, RingBuffer};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::output::{Device, Held, OutputError};
+use crate::profile::Profile;
 use crate::source::{Pace, Reading, Source, SourceError};
 use crate::touch::SensingBuilder;
 use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
@@ -32,6 +33,8 @@ use rebuild::Rebuilder;
 const FRAME_QUEUE: usize = 256;
 /// Events that may wait for the device.
 const EVENT_QUEUE: usize = 1024;
+/// Wishes of the player that may wait for the engine.
+const CONTROL_QUEUE: usize = 16;
 /// Longest sleep of any thread: what a shut-down waits for at most.
 const NAP: Duration = Duration::from_millis(20);
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
@@ -43,11 +46,24 @@ const TOLD_SKIPS: u64 = 3;
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
 
+/// What a player may ask for meanwhile.
+#[derive(Clone, Debug)]
+pub enum Control {
+    /// Another profile.
+    Profile(Arc<Profile>),
+    /// Pause, or go on.
+    Pause,
+}
+
 /// What a view needs of one moment; views drop to the newest.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The newest frame's time.
     pub t_ns: Nanos,
+    /// The profile in force.
+    pub profile: Arc<Profile>,
+    /// Whether the player has paused.
+    pub paused: bool,
     /// Its image.
     pub image: Image,
     /// Touches that are down.
@@ -94,6 +110,7 @@ pub struct Summary {
 /// A game being played.
 pub struct Running {
     stop: Arc<AtomicBool>,
+    controls: Producer<Control>,
     views: triple_buffer::Output<View>,
     threads: Option<Threads>,
 }
@@ -147,8 +164,11 @@ pub fn start(
     let lost = Arc::new(AtomicU64::new(0));
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
+    let (controls_in, controls_out) = RingBuffer::new(CONTROL_QUEUE);
     let blank = View {
         t_ns: 0,
+        profile: Arc::clone(engine.profile()),
+        paused: false,
         image: engine.touches().image.clone(),
         touches: Vec::new(),
         held: Vec::new(),
@@ -173,6 +193,7 @@ pub fn start(
             engine,
             rebuilder: rebuilder.ok(),
             frames: frames_out,
+            controls: controls_out,
             lost: lost_frames,
             events: events_in,
             output: to_output,
@@ -195,6 +216,7 @@ pub fn start(
         .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
     Ok(Running {
         stop,
+        controls: controls_in,
         views,
         threads: Some(Threads {
             source,
@@ -219,6 +241,15 @@ impl Running {
         if let Some(threads) = &self.threads {
             threads.source.thread().unpark();
         }
+    }
+
+    /// Asks for something; whether there was room for the wish.
+    pub fn ask(&mut self, control: Control) -> bool {
+        let taken = self.controls.push(control).is_ok();
+        if let Some(threads) = &self.threads {
+            threads.engine.thread().unpark();
+        }
+        taken
     }
 
     /// The newest view.
@@ -379,6 +410,7 @@ struct EngineThread {
     engine: Engine,
     rebuilder: Option<Rebuilder>,
     frames: Consumer<Arrived>,
+    controls: Consumer<Control>,
     lost: Arc<AtomicU64>,
     events: Producer<Due>,
     output: Thread,
@@ -401,6 +433,7 @@ impl EngineThread {
     fn run(mut self) -> EngineReport {
         loop {
             self.take_losses();
+            self.take_controls();
             if let Ok(arrived) = self.frames.pop() {
                 self.frame(arrived);
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
@@ -432,6 +465,18 @@ impl EngineThread {
         if lost > 0 {
             self.input(&Input::Lost { frames: lost }, None);
             self.view.lost_frames += lost;
+        }
+    }
+
+    fn take_controls(&mut self) {
+        while let Ok(control) = self.controls.pop() {
+            let t_ns = self.now_ns().max(self.view.t_ns);
+            let input = match control {
+                Control::Profile(profile) => Input::Profile { t_ns, profile },
+                Control::Pause => Input::Pause { t_ns },
+            };
+            self.input(&input, None);
+            self.publish();
         }
     }
 
@@ -583,6 +628,8 @@ impl EngineThread {
         let state = self.engine.touches();
         let slot = self.views.input_buffer_mut();
         slot.t_ns = self.view.t_ns;
+        slot.profile = Arc::clone(self.engine.profile());
+        slot.paused = self.engine.is_paused();
         slot.image.values.clone_from(&state.image.values);
         slot.touches.clear();
         slot.touches.extend_from_slice(state.down);

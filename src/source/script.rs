@@ -4,7 +4,7 @@
 //! # comment
 //! t:1000 down 1 80 30            a finger at (80, 30) mm, radius 7 mm, rise 1.2
 //! t:1000 down 2 20 50 6.5 1.5    the same with its radius (mm) and relative rise of conductivity
-//! t:1040 move 1 82 31
+//! t:1040 move 1 82 31            or with a new radius and rise: `move 1 82 31 9 2.0`
 //! t:1080 up 1
 //! t:2000 end                     else the script ends half a second after its last line
 //! ```
@@ -53,6 +53,10 @@ pub enum StepKind {
         id: u64,
         /// Where.
         centre_mm: PointMm,
+        /// Its radius (mm) from now on, if it changes.
+        radius_mm: Option<f64>,
+        /// Its rise from now on, if it changes.
+        rise: Option<f64>,
     },
     /// It lifts.
     Up {
@@ -154,10 +158,12 @@ impl Script {
                 })
             }
             "move" => {
-                words.at_most(5)?;
+                words.at_most(7)?;
                 StepKind::Move {
                     id: words.id_among(2, down)?,
                     centre_mm: [words.number(3, "x in mm")?, words.number(4, "y in mm")?],
+                    radius_mm: words.changed(5)?,
+                    rise: words.changed(6)?,
                 }
             }
             "up" => {
@@ -236,6 +242,14 @@ impl<'a> Words<'a> {
                 self.fault(index, format!("`{word}` is no time"), "here")
                     .help("a line begins with t: and milliseconds, as in `t:1000 down 1 80 30`")
             })
+    }
+
+    /// A radius or rise, if the line has one there.
+    fn changed(&self, index: usize) -> Result<Option<f64>, Fault> {
+        match self.words.get(index) {
+            Some(_) => self.above_zero(index, 0.0).map(Some),
+            None => Ok(None),
+        }
     }
 
     fn number(&self, index: usize, what: &str) -> Result<f64, Fault> {

@@ -76,7 +76,7 @@ impl SimulatedSource {
         for step in script.steps() {
             let (id, [x, y]) = match step.kind {
                 StepKind::Down(finger) => (finger.id, finger.centre_mm),
-                StepKind::Move { id, centre_mm } => (id, centre_mm),
+                StepKind::Move { id, centre_mm, .. } => (id, centre_mm),
                 StepKind::Up { .. } => continue,
             };
             if !pad.outline.contains([x, y]) {
@@ -159,9 +159,16 @@ fn bits(finger: &Finger) -> [u64; 4] {
 fn apply(fingers: &mut Vec<Finger>, step: &Step) {
     match step.kind {
         StepKind::Down(finger) => fingers.push(finger),
-        StepKind::Move { id, centre_mm } => {
+        StepKind::Move {
+            id,
+            centre_mm,
+            radius_mm,
+            rise,
+        } => {
             for finger in fingers.iter_mut().filter(|finger| finger.id == id) {
                 finger.centre_mm = centre_mm;
+                finger.radius_mm = radius_mm.unwrap_or(finger.radius_mm);
+                finger.rise = rise.unwrap_or(finger.rise);
             }
         }
         StepKind::Up { id } => fingers.retain(|finger| finger.id != id),

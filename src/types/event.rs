@@ -2,15 +2,17 @@
 
 use std::fmt;
 
-use super::{Axis, Button, Key, Nanos, UnknownName, ms_from_nanos};
+use super::{Axis, Button, Key, MouseButton, Nanos, UnknownName, ms_from_nanos};
 
-/// Something that can be held: a key of the keyboard or a button of the gamepad.
+/// Something that can be held: a key of the keyboard, a button of the gamepad or one of the mouse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Output {
     /// A key of the keyboard.
     Key(Key),
     /// A button of the gamepad.
     Button(Button),
+    /// A button of the mouse.
+    Mouse(MouseButton),
 }
 
 /// One change of one output.
@@ -22,6 +24,20 @@ pub enum Action {
     Release(Output),
     /// An axis takes a value in -1..1 (sticks) or 0..1 (triggers).
     Axis(Axis, f32),
+    /// The mouse moves by so many pixels: right and down positive.
+    Motion {
+        /// To the right.
+        dx: i32,
+        /// Down, as on screens.
+        dy: i32,
+    },
+    /// The wheel turns by so many notches: right and up positive.
+    Wheel {
+        /// To the right.
+        dx: i32,
+        /// Up.
+        dy: i32,
+    },
 }
 
 /// An action and the moment at which it is due, in the source's time.
@@ -38,6 +54,7 @@ impl fmt::Display for Output {
         match self {
             Self::Key(key) => write!(f, "key:{key}"),
             Self::Button(button) => write!(f, "pad:{button}"),
+            Self::Mouse(button) => write!(f, "mouse:{button}"),
         }
     }
 }
@@ -49,6 +66,7 @@ impl std::str::FromStr for Output {
         match text.split_once(':') {
             Some(("key", name)) => name.parse().map(Self::Key),
             Some(("pad", name)) => name.parse().map(Self::Button),
+            Some(("mouse", name)) => name.parse().map(Self::Mouse),
             _ => Err(UnknownName::without_device(text)),
         }
     }
@@ -62,6 +80,8 @@ impl fmt::Display for Event {
             Action::Press(output) => write!(f, "{t_ms:.3} press {output}"),
             Action::Release(output) => write!(f, "{t_ms:.3} release {output}"),
             Action::Axis(axis, value) => write!(f, "{t_ms:.3} axis pad:{axis} {value:.3}"),
+            Action::Motion { dx, dy } => write!(f, "{t_ms:.3} motion mouse {dx} {dy}"),
+            Action::Wheel { dx, dy } => write!(f, "{t_ms:.3} wheel mouse {dx} {dy}"),
         }
     }
 }
@@ -96,7 +116,7 @@ mod tests {
         let error = "space".parse::<Output>().expect_err("no device");
         assert_eq!(
             error.to_string(),
-            "`space` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button"
+            "`space` names no device: write `key:NAME` for a key, `pad:NAME` for a gamepad button or `mouse:NAME` for a mouse button"
         );
     }
 }

@@ -20,7 +20,7 @@ pub use frame::Frame;
 pub use image::{Image, PixelGrid};
 pub use method::Method;
 pub(crate) use names::nearest;
-pub use names::{Axis, Button, Key, UnknownName};
+pub use names::{Axis, Button, Key, MouseButton, UnknownName};
 pub use touch::{Contact, Phase, Touch, TouchId};
 
 /// A point on the pad in millimetres: origin at the bottom-left, x to the right, y up.

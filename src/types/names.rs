@@ -42,6 +42,12 @@ impl Key {
         self.0
     }
 
+    /// Whether it changes what other keys do: shift, ctrl, alt, meta.
+    #[must_use]
+    pub fn is_modifier(self) -> bool {
+        matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
+    }
+
     /// The keycode of X11: the evdev code plus 8.
     #[must_use]
     pub fn x11_keycode(self) -> u16 {
@@ -165,6 +171,22 @@ named!(
     }
 );
 
+named!(
+    /// A button of the mouse.
+    MouseButton, "mouse button", {
+        /// The main one.
+        Left = "left",
+        /// The one for menus.
+        Right = "right",
+        /// The wheel pressed.
+        Middle = "middle",
+        /// The thumb's one that goes back.
+        Back = "back",
+        /// The thumb's one that goes on.
+        Forward = "forward",
+    }
+);
+
 /// A name that names nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
@@ -178,7 +200,7 @@ impl UnknownName {
     pub(crate) fn without_device(text: &str) -> Self {
         Self {
             message: format!(
-                "`{text}` names no device: write `key:NAME` for a key or `pad:NAME` for a gamepad button"
+                "`{text}` names no device: write `key:NAME` for a key, `pad:NAME` for a gamepad button or `mouse:NAME` for a mouse button"
             ),
             suggestion: None,
         }
@@ -192,30 +214,15 @@ impl UnknownName {
     }
 }
 
-/// The known word that takes the fewest edits, capitals aside, if these are fewer than half of the letters.
+/// The known word that takes the fewest edits (swapped neighbours are one), capitals aside, if these are fewer than half of
+/// the letters.
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let lower = text.to_lowercase();
     known
-        .map(|name| (edits(&lower, name), name))
+        .map(|name| (strsim::osa_distance(&lower, name), name))
         .min_by_key(|(edits, _)| *edits)
         .filter(|(edits, name)| 2 * edits < name.chars().count().min(lower.chars().count()).max(1))
         .map(|(_, name)| name.to_owned())
-}
-
-/// Levenshtein's distance.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
