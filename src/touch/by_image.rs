@@ -19,8 +19,11 @@ const MOST_DOUBT: f32 = 3.0;
 const STAY_WITHIN_MM: f64 = 10.0;
 /// Share by which the estimate of the noise moves with each untouched frame.
 const NOISE_FOLLOW: f32 = 0.01;
-/// A contact whose footprint covers this share of the pad is a palm or an arm.
+/// What covers this share of the pad is a palm or an arm.
 const PALM_SHARE: f64 = 0.09;
+
+/// What covers at least this share of a palm may be a part of one.
+const PART_SHARE: f64 = 0.35;
 
 /// Finds contacts in images.
 #[derive(Clone, Debug)]
@@ -100,18 +103,43 @@ impl ByImage {
         is_quiet
     }
 
-    /// If the image shows a palm, its contacts replace the located ones.
+    /// If the image shows a palm, what it shows replaces the located contacts: the palm's parts joined to one, and whatever is
+    /// too small to be part of it. `is_sure` says that it is one, however it looks.
     pub(super) fn palm(
         &mut self,
         image: &Image,
         doubt: f64,
         down: &[Touch],
+        is_sure: bool,
         contacts: &mut Vec<Contact>,
-    ) {
+    ) -> bool {
         let mut seen = Vec::new();
         self.contacts(image, doubt, down, &mut seen);
-        if seen.iter().any(|contact| contact.area_mm2 > self.palm_mm2) {
-            *contacts = seen;
+        let (parts, small): (Vec<Contact>, Vec<Contact>) = seen
+            .into_iter()
+            .partition(|contact| contact.area_mm2 > PART_SHARE * self.palm_mm2);
+        let area_mm2: f64 = parts.iter().map(|part| part.area_mm2).sum();
+        let is_palm = !parts.is_empty() && (is_sure || area_mm2 > self.palm_mm2);
+        if is_palm {
+            contacts.clear();
+            contacts.push(self.joined(&parts));
+            contacts.extend(small);
+        }
+        is_palm
+    }
+
+    /// One contact in the place of several.
+    fn joined(&self, parts: &[Contact]) -> Contact {
+        let area_mm2: f64 = parts.iter().map(|part| part.area_mm2).sum();
+        let middle = |axis: usize| {
+            let moment = |part: &Contact| part.area_mm2 * part.centre_mm[axis];
+            parts.iter().map(moment).sum::<f64>() / area_mm2
+        };
+        Contact {
+            centre_mm: [middle(0), middle(1)],
+            area_mm2: area_mm2.max(self.palm_mm2),
+            force: 1.0,
+            confidence: 1.0,
         }
     }
 }

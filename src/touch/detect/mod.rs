@@ -7,6 +7,7 @@
 //! Invariant: no touch begins in a frame that no touches can explain. Touches that are down wait for the next frame that can be
 //! explained, though not for long.
 
+mod palm;
 mod weights;
 
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use crate::types::{Frame, Image, NANOS_PER_MS, Nanos, Touch};
 const REBOUND: (f64, f64) = (0.002, 10.0);
 /// A frame is no frame of a touched pad if what no touch explains exceeds what noise and the model's error explain by this
 /// factor.
-const UNEXPLAINED: f64 = 4.0;
+const UNEXPLAINED: f64 = 9.0;
 /// Nor is it if the touches that were found leave this many times of it: not even a palm does.
 const UNEXPLAINED_REST: f64 = 60.0;
 /// A touch never changes so many readings by this share and more, beyond their noise by so many deviations: a reading that is
@@ -31,10 +32,6 @@ const BEYOND_TOUCH: (usize, f64) = (4, 0.85);
 const BEYOND_DEVIATIONS: f64 = 6.0;
 /// Touches that are down wait this long for a frame that can be explained.
 const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
-/// Located touches that leave this many times what noise and the model's error explain may be a palm, as may so many
-/// touches at once.
-const POOR_REST: f64 = 4.0;
-const MANY: usize = 5;
 /// Frames to touches. Holds the reference, the matrix and the tracker.
 #[derive(Clone, Debug)]
 pub struct Detector {
@@ -54,6 +51,8 @@ pub struct Detector {
     image: Image,
     contacts: Vec<crate::types::Contact>,
     first_frames: Vec<Vec<f32>>,
+    /// Since when a palm lies on the pad, and when it was last seen.
+    palm_ns: Option<[Nanos; 2]>,
     /// The last frame that was explained.
     explained_ns: Nanos,
     frames: u64,
@@ -102,6 +101,7 @@ impl Detector {
             image: Image::blank(reconstruction.grid),
             contacts: Vec::new(),
             first_frames: Vec::new(),
+            palm_ns: None,
             explained_ns: 0,
             frames: 0,
             wanted: None,
@@ -185,10 +185,12 @@ impl Detector {
     fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
         let (noise, steady) = self.noise();
         let seen = locator.take_frame(&self.changes, noise);
-        // While other weights are awaited, the present ones explain nothing rightly.
-        let waits_for_weights = self.wanted.as_ref().is_some_and(|wanted| {
-            (0..wanted.len()).any(|c| wanted[c].is_finite() != self.sensing.counts(c))
-        });
+        let is_late = frame.t_ns.saturating_sub(self.explained_ns) > WAIT_NS;
+        // While other weights are awaited, the present ones explain nothing rightly; but they will not be awaited for ever.
+        let waits_for_weights = !is_late
+            && self.wanted.as_ref().is_some_and(|wanted| {
+                (0..wanted.len()).any(|c| wanted[c].is_finite() != self.sensing.counts(c))
+            });
         if seen.outside > UNEXPLAINED || waits_for_weights || self.is_beyond_touch() {
             self.let_pass(locator, frame, changed);
             return;
@@ -207,10 +209,9 @@ impl Detector {
             correction.apply(&self.changes, &mut self.contacts);
         }
         self.make_image();
-        if found.rest > POOR_REST || self.contacts.len() >= MANY {
-            let (doubt, down) = (self.reference.doubt(), self.tracker.down());
-            self.by_image
-                .palm(&self.image, doubt, down, &mut self.contacts);
+        if self.is_under_palm(found.rest, frame.t_ns) {
+            self.bear_palm(frame, changed);
+            return;
         }
         let were_down = self.tracker.down().len();
         self.tracker.follow(frame.t_ns, &self.contacts, changed);
@@ -321,6 +322,7 @@ impl Detector {
         if let Some(locator) = &mut self.locator {
             locator.forget();
         }
+        self.palm_ns = None;
         self.reference = Reference::new(frame.volts.len());
         self.image = Image::blank(self.image.grid);
         self.begin(frame);
