@@ -24,6 +24,10 @@ const PALM_SHARE: f64 = 0.09;
 
 /// What covers at least this share of a palm may be a part of one.
 const PART_SHARE: f64 = 0.35;
+/// Two parts adjoin if their middles are nearer than their radii together, times this.
+const ADJOINING: f64 = 1.25;
+/// What the located touches, too, show to be a palm may be smaller by this factor.
+const LIKELY_SHARE: f64 = 0.6;
 
 /// Finds contacts in images.
 #[derive(Clone, Debug)]
@@ -104,28 +108,44 @@ impl ByImage {
     }
 
     /// If the image shows a palm, what it shows replaces the located contacts: the palm's parts joined to one, and whatever is
-    /// too small to be part of it. `is_sure` says that it is one, however it looks.
+    /// too small to be part of it. `is_likely` says that the located touches are like one's.
     pub(super) fn palm(
         &mut self,
         image: &Image,
         doubt: f64,
         down: &[Touch],
-        is_sure: bool,
+        is_likely: bool,
         contacts: &mut Vec<Contact>,
     ) -> bool {
         let mut seen = Vec::new();
         self.contacts(image, doubt, down, &mut seen);
-        let (parts, small): (Vec<Contact>, Vec<Contact>) = seen
-            .into_iter()
-            .partition(|contact| contact.area_mm2 > PART_SHARE * self.palm_mm2);
+        let (parts, apart) = self.adjoining(&seen);
         let area_mm2: f64 = parts.iter().map(|part| part.area_mm2).sum();
-        let is_palm = !parts.is_empty() && (is_sure || area_mm2 > self.palm_mm2);
+        let least = if is_likely { LIKELY_SHARE } else { 1.0 };
+        let is_palm = area_mm2 > least * self.palm_mm2;
         if is_palm {
             contacts.clear();
             contacts.push(self.joined(&parts));
-            contacts.extend(small);
+            contacts.extend(apart);
         }
         is_palm
+    }
+
+    /// The widest contact with all wide ones that adjoin it, and the others.
+    fn adjoining(&self, seen: &[Contact]) -> (Vec<Contact>, Vec<Contact>) {
+        let (mut wide, mut apart): (Vec<Contact>, Vec<Contact>) = seen
+            .iter()
+            .partition(|contact| contact.area_mm2 > PART_SHARE * self.palm_mm2);
+        wide.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2));
+        let mut parts: Vec<Contact> = Vec::new();
+        while let Some(next) = wide
+            .iter()
+            .position(|contact| parts.is_empty() || parts.iter().any(|part| adjoin(part, contact)))
+        {
+            parts.push(wide.remove(next));
+        }
+        apart.extend(wide);
+        (parts, apart)
     }
 
     /// One contact in the place of several.
@@ -142,6 +162,12 @@ impl ByImage {
             confidence: 1.0,
         }
     }
+}
+
+/// Whether two footprints, taken for discs, are no further apart than noise cuts one in an image.
+fn adjoin(a: &Contact, b: &Contact) -> bool {
+    let radius_mm = |contact: &Contact| libm::sqrt(contact.area_mm2 / std::f64::consts::PI);
+    distance_mm(a, b) < ADJOINING * (radius_mm(a) + radius_mm(b))
 }
 
 fn distance_mm(a: &Contact, b: &Contact) -> f64 {

@@ -24,7 +24,9 @@ const REBOUND: (f64, f64) = (0.002, 10.0);
 /// A frame is no frame of a touched pad if what no touch explains exceeds what noise and the model's error explain by this
 /// factor.
 const UNEXPLAINED: f64 = 9.0;
-/// Nor is it if the touches that were found leave this many times of it: not even a palm does.
+/// Nor is it if this is half-way so, and the touches that were found leave this many times of what they may: not even a palm
+/// does.
+const SUSPICIOUS: f64 = 3.0;
 const UNEXPLAINED_REST: f64 = 60.0;
 /// A touch never changes so many readings by this share and more, beyond their noise by so many deviations: a reading that is
 /// gone is.
@@ -196,7 +198,7 @@ impl Detector {
             return;
         }
         let found = locator.locate(noise, steady);
-        if found.rest > UNEXPLAINED_REST {
+        if found.rest > UNEXPLAINED_REST && seen.outside > SUSPICIOUS {
             locator.go_back();
             self.let_pass(locator, frame, changed);
             return;
