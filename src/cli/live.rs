@@ -44,6 +44,8 @@ pub(super) enum Wish {
     Interrupt,
     /// p: pause, or go on.
     Pause,
+    /// z: the pad counts as untouched as it is.
+    Rezero,
 }
 
 /// A terminal in raw mode on its alternate screen; dropping it gives the terminal back.
@@ -137,6 +139,7 @@ fn wish(event: &TerminalEvent) -> Wish {
     match key.code {
         KeyCode::Esc | KeyCode::Char('q') => Wish::End,
         KeyCode::Char('p') => Wish::Pause,
+        KeyCode::Char('z') => Wish::Rezero,
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Wish::Interrupt,
         _ => Wish::GoOn,
     }
@@ -294,12 +297,15 @@ impl Screen<'_> {
         if view.lost_frames > 0 {
             first.push_str(&format!("   {} LOST", view.lost_frames));
         }
+        if !view.lost_electrodes.is_empty() {
+            first.push_str(&format!("   WITHOUT ELECTRODE {:?}", view.lost_electrodes));
+        }
         if view.paused {
             first.push_str("   PAUSED");
         }
         let second = if self.notice.is_empty() {
             format!(
-                " {} -> {}   q ends, p pauses",
+                " {} -> {}   q ends, p pauses, z zeroes",
                 self.title.source, self.title.output
             )
         } else {

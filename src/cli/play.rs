@@ -26,6 +26,8 @@ use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Sou
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, Output};
 
+/// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
+const SURE_FRAMES: f64 = 2.0;
 /// How often signals are looked at, and the live view drawn.
 const LOOK: Duration = Duration::from_millis(33);
 /// Noise of the level, dB, and its seed.
@@ -249,6 +251,9 @@ fn watch(
                 Wish::Pause => {
                     running.ask(Control::Pause);
                 }
+                Wish::Rezero => {
+                    running.ask(Control::Rezero);
+                }
             },
             None => std::thread::sleep(LOOK),
         }
@@ -295,6 +300,13 @@ fn told(summary: &Summary) -> String {
             ", {} lost ({} of them garbled)",
             counted(summary.lost_frames, "frame"),
             summary.skipped
+        ));
+    }
+    if summary.frames_per_s > 0.0 {
+        text.push_str(&format!(
+            ", {:.0} frames/s: a press of {:.0} ms and more is sure to be seen",
+            summary.frames_per_s,
+            SURE_FRAMES * 1e3 / summary.frames_per_s
         ));
     }
     let times = |histogram: &Histogram<u64>| {
