@@ -235,3 +235,92 @@ impl Faults {
         sum / count.max(1) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults() -> Faults {
+        let pairs = Protocol::stepped(16, 1);
+        Faults::new(&Protocol::crossed(16, &pairs, &pairs, false).expect("adjacent"))
+    }
+
+    /// Deviations of a frame in which an electrode's channels are wild.
+    fn wild(faults: &Faults, electrode: usize) -> impl Fn(usize) -> f64 + use<> {
+        let channels = faults.channels(electrode).to_vec();
+        move |channel| {
+            if channels.contains(&channel) {
+                300.0
+            } else {
+                1.0
+            }
+        }
+    }
+
+    #[test]
+    fn an_electrode_is_lost_when_two_frames_in_a_row_name_it() {
+        let mut faults = faults();
+        let deviation = wild(&faults, 5);
+        assert_eq!(faults.unexplained(&deviation), None, "one frame is chance");
+        assert_eq!(faults.unexplained(&deviation), Some(Verdict::Lost(5)));
+        assert_eq!(faults.lost(), [5]);
+        assert!(faults.cuts(faults.channels(5)[0]));
+    }
+
+    #[test]
+    fn a_frame_that_is_explained_clears_the_suspect() {
+        let mut faults = faults();
+        let deviation = wild(&faults, 5);
+        faults.unexplained(&deviation);
+        faults.explained();
+        assert_eq!(faults.unexplained(&deviation), None);
+    }
+
+    #[test]
+    fn noise_names_nobody() {
+        let mut faults = faults();
+        for _ in 0..10 {
+            assert_eq!(faults.unexplained(|channel| (channel % 3) as f64), None);
+        }
+    }
+
+    #[test]
+    fn half_of_the_electrodes_are_kept() {
+        let mut faults = faults();
+        for electrode in 0..16 {
+            let deviation = wild(&faults, electrode);
+            faults.unexplained(&deviation);
+            faults.unexplained(&deviation);
+        }
+        assert_eq!(faults.lost().len(), 8);
+    }
+
+    #[test]
+    fn a_still_electrode_comes_back_from_where_it_is_now() {
+        let mut faults = faults();
+        let deviation = wild(&faults, 5);
+        faults.unexplained(&deviation);
+        faults.unexplained(&deviation);
+        let mut back = None;
+        let mut frames = 0;
+        while back.is_none() && frames < 100 {
+            back = faults.watch(|_| 0.02, |_| 1e-3);
+            frames += 1;
+        }
+        assert_eq!(back, Some(Verdict::Back(5)));
+        assert!((u32::try_from(frames).expect("few")) >= STILL_FRAMES);
+        assert!((faults.moved(faults.channels(5)[0]) - 0.02).abs() < 1e-9);
+        assert!(faults.lost().is_empty());
+    }
+
+    #[test]
+    fn a_dead_electrode_is_still_but_does_not_come_back() {
+        let mut faults = faults();
+        let deviation = wild(&faults, 5);
+        faults.unexplained(&deviation);
+        faults.unexplained(&deviation);
+        for _ in 0..200 {
+            assert_eq!(faults.watch(|_| -1.0, |_| 1e-3), None, "it reads nothing");
+        }
+    }
+}

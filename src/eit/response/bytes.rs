@@ -126,3 +126,34 @@ impl<'a> Reader<'a> {
             .collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_table_is_read_as_it_was_written() {
+        let table = ResponseTable::small();
+        assert_eq!(ResponseTable::from_bytes(&table.to_bytes()), Ok(table));
+    }
+
+    #[test]
+    fn a_cut_table_is_damaged_and_something_else_is_no_table() {
+        let bytes = ResponseTable::small().to_bytes();
+        let cut = &bytes[..bytes.len() - 9];
+        assert_eq!(ResponseTable::from_bytes(cut), Err(TableError::Damaged));
+        let other = ResponseTable::from_bytes(b"t_ms,v0,v1");
+        assert_eq!(other, Err(TableError::NotATable));
+    }
+
+    proptest! {
+        #[test]
+        fn no_flipped_bit_goes_unseen(at in 8..100_000usize, bit in 0..8u8) {
+            let mut bytes = ResponseTable::small().to_bytes();
+            let at = at % bytes.len();
+            bytes[at] ^= 1 << bit;
+            prop_assert!(ResponseTable::from_bytes(&bytes).is_err());
+        }
+    }
+}

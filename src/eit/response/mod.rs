@@ -320,3 +320,100 @@ fn add_scaled(target: &mut [f32], source: &[f32], factor: f32) {
         *sum += factor * value;
     }
 }
+
+#[cfg(test)]
+impl ResponseTable {
+    /// A small table of no pad: twelve channels, eight of them told, smooth over a box of 60 by 40 mm.
+    pub(crate) fn small() -> Self {
+        let (channels, rank) = (12, LANES);
+        let places = Places::new([60.0, 40.0]);
+        let mut basis = vec![0.0; rank * channels];
+        for dimension in 0..rank {
+            basis[dimension * channels + dimension] = 1.0;
+        }
+        let terms = (0..places.len() * RADII * POWERS * rank)
+            .map(|index| {
+                let place = places.at_mm(index / (RADII * POWERS * rank));
+                let radius = (index / (POWERS * rank)) % RADII;
+                let (power, dimension) = ((index / rank) % POWERS, index % rank);
+                let phase = dimension as f64 + 0.3 * radius as f64;
+                let wave = libm::sin(0.09 * place[0] + phase) + libm::cos(0.07 * place[1] - phase);
+                (wave * 1e-3 / (1.0 + power as f64)) as f32
+            })
+            .collect();
+        Self {
+            key: "small".to_owned(),
+            channels,
+            rank,
+            basis,
+            places,
+            terms,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn value(table: &ResponseTable, bump: &Bump) -> Vec<f32> {
+        let mut response = Response::default();
+        table.respond(bump, &mut response);
+        response.value
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_the_value(
+            x in 2.0..58.0f64, y in 2.0..38.0f64, radius in 0.02..0.98f64, strength in 0.1..0.7f64,
+        ) {
+            let table = ResponseTable::small();
+            let [least, most] = table.radii_mm().map(libm::log);
+            let bump = Bump { centre_mm: [x, y], log_radius: least + radius * (most - least), strength };
+            let mut response = Response::default();
+            table.respond(&bump, &mut response);
+            let moved = |k: usize, by: f64| {
+                let mut moved = bump;
+                match k {
+                    0 | 1 => moved.centre_mm[k] += by,
+                    2 => moved.log_radius += by,
+                    _ => moved.strength += by,
+                }
+                value(&table, &moved)
+            };
+            for (k, step) in [0.02, 0.02, 0.002, 0.002].into_iter().enumerate() {
+                let (before, after) = (moved(k, -step), moved(k, step));
+                let largest = response.derivatives[k].iter().fold(0.0f32, |m, d| m.max(d.abs()));
+                for (dimension, told) in response.derivatives[k].iter().enumerate() {
+                    let slope = f64::from(after[dimension] - before[dimension]) / (2.0 * step);
+                    let off = (slope - f64::from(*told)).abs();
+                    prop_assert!(off < 0.02 * f64::from(largest) + 1e-4, "{k}: {slope} for {told}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_responds_to_a_touch_without_strength() {
+        let table = ResponseTable::small();
+        let bump = Bump {
+            centre_mm: [30.0, 20.0],
+            log_radius: 1.0,
+            strength: 0.0,
+        };
+        assert!(value(&table, &bump).iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn rise_and_strength_are_each_other() {
+        for rise in [0.0, 0.3, 1.0, 5.0] {
+            let bump = Bump {
+                centre_mm: [0.0; 2],
+                log_radius: 0.0,
+                strength: strength_of(rise),
+            };
+            assert!((bump.rise() - rise).abs() < 1e-12);
+        }
+    }
+}

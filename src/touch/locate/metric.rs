@@ -221,3 +221,45 @@ pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     }
     total
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// What the whitened coordinates leave, and what lies outside of them, is the weighted sum of squares.
+        #[test]
+        fn costs_are_weighted_sums_of_squares(
+            changes in proptest::collection::vec(-1.0..1.0f32, 12),
+            coordinates in proptest::collection::vec(-1.0..1.0f32, 8),
+            deviations in proptest::collection::vec(0.2..3.0f64, 12),
+            left_out in 0..12usize,
+            is_even in any::<bool>(),
+        ) {
+            let table = ResponseTable::small();
+            let deviations: Vec<f64> = if is_even {
+                vec![0.5; 12]
+            } else {
+                let all = deviations.into_iter().enumerate();
+                all.map(|(c, d)| if c == left_out { f64::INFINITY } else { d }).collect()
+            };
+            let metric = Metric::new(&table, &deviations);
+            prop_assert_eq!(metric.counted(), if is_even { 12 } else { 11 });
+            let mut whitened = Whitened::default();
+            metric.whiten(&changes, &mut whitened);
+            let mut response = coordinates.clone();
+            metric.whiten_coordinates(&mut response);
+            let rest: Vec<f32> = whitened.coordinates.iter().zip(&response).map(|(z, w)| z - w).collect();
+            let told = energy(&rest) + whitened.outside();
+            let mut explained = vec![0.0; 12];
+            table.expand(&coordinates, &mut explained);
+            let direct: f64 = (0..12)
+                .filter(|c| deviations[*c].is_finite())
+                .map(|c| f64::from(changes[c] - explained[c]) / deviations[c])
+                .map(|weighted| weighted * weighted)
+                .sum();
+            prop_assert!((told - direct).abs() < 1e-3 * (1.0 + direct), "{told} for {direct}");
+        }
+    }
+}
