@@ -151,6 +151,8 @@ fn one_odd_touch_is_one() {
             split += usize::from(seen.len() > 1);
         }
         println!("{name}: {split} of {draws} split");
-        assert!(split * 50 <= draws, "{name}");
+        // Of forty, a share of 2 % shows up to two (in nineteen of twenty tries).
+        let most = if draws < 100 { 2 } else { draws / 50 };
+        assert!(split <= most, "{name}");
     }
 }

@@ -59,7 +59,7 @@ pub(super) enum Command {
 Examples:
   gelpad accuracy --out accuracy                                  about a minute on two cores
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
-  gelpad accuracy --pad round-tank --quick --out tank             a few seconds: whether all works, not how well")]
+  gelpad accuracy --pad round-tank --quick --out tank             some ten seconds: whether all works, not how well")]
 pub(super) struct AccuracyArgs {
     /// Where report, picture, JSON and CSV go
     #[arg(long, value_name = "DIR")]
@@ -171,7 +171,7 @@ impl From<RankArg> for Rank {
 Examples:
   gelpad play                                      the level, on the simulated pad
   gelpad play super-mario --source serial:/dev/ttyACM0
-    gelpad play ./mine.toml --source simulated:touches.txt --output trace --headless
+  gelpad play ./mine.toml --source simulated:touches.txt --output trace --headless
 
 A touch script, for simulated:SCRIPT (milliseconds, finger, millimetres from the bottom-left):
   t:1000 down 1 80 30           a finger of 7 mm radius that raises the conductivity by 1.2
@@ -347,7 +347,7 @@ pub(super) struct ShowArgs {
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
     /// Its text
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["svg", "png", "print"])]
     pub toml: bool,
     /// Draw the regions as SVG
     #[arg(long, value_name = "FILE")]

@@ -305,7 +305,7 @@ impl Screen<'_> {
         }
         let second = if self.notice.is_empty() {
             format!(
-                " {} -> {}   q ends, p pauses, z zeroes",
+                " q ends, p pauses, z zeroes   {} -> {}",
                 self.title.source, self.title.output
             )
         } else {

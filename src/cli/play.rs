@@ -22,7 +22,7 @@ use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
 use crate::runtime::{self, Control, Running, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source};
+use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, Output};
 
@@ -99,13 +99,21 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
     Ok(match &args.source {
-        SourceArg::Simulated(script) => {
-            let script = match script {
+        SourceArg::Simulated(script_path) => {
+            let script = match script_path {
                 Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
                 None => Script::parse("level", LEVEL_SCRIPT)?,
             };
+            let is_level = script_path.is_none();
             let noise = Noise::new(args.snr, args.seed);
-            Box::new(SimulatedSource::new(pad, &script, noise)?)
+            let source = SimulatedSource::new(pad, &script, noise);
+            if is_level && matches!(source, Err(SourceError::OffPad { .. })) {
+                anyhow::bail!(
+                    "the built-in level does not fit the pad {}\n  help: give a script of your own: --source simulated:FILE",
+                    pad.name
+                );
+            }
+            Box::new(source?)
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
@@ -233,12 +241,7 @@ fn watch(
         }
         if let Some(changes) = &mut changes {
             changes.look(running, &mut |text| match view.as_deref_mut() {
-                Some(view) => view.tell(
-                    text.lines()
-                        .find(|line| !line.trim().is_empty())
-                        .unwrap_or_default()
-                        .to_owned(),
-                ),
+                Some(view) => view.tell(in_one_line(text)),
                 None => say(text.trim_end()),
             });
         }
@@ -259,6 +262,24 @@ fn watch(
         }
     }
     Ok(signals.received())
+}
+
+/// What a text for the terminal says first, without its colours.
+fn in_one_line(text: &str) -> String {
+    let mut plain = String::new();
+    let mut is_colour = false;
+    for character in text.chars() {
+        match character {
+            '\u{1b}' => is_colour = true,
+            'm' if is_colour => is_colour = false,
+            _ if is_colour => {}
+            '×' => {}
+            _ => plain.push(character),
+        }
+    }
+    let first = plain.lines().find(|line| !line.trim().is_empty());
+    let words: Vec<&str> = first.unwrap_or_default().split_whitespace().collect();
+    words.join(" ")
 }
 
 /// Says how it went, and how it ended.
@@ -367,5 +388,19 @@ impl Signals {
             .iter()
             .position(|flag| flag.load(Ordering::Relaxed))?;
         Some(ENDINGS[index])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawn_mistake_is_told_in_one_plain_line() {
+        let drawn = "the old profile stays:   \u{1b}[31m×\u{1b}[0m ./live.toml:105:8: `drect` is no mode\n  more";
+        assert_eq!(
+            in_one_line(drawn),
+            "the old profile stays: ./live.toml:105:8: `drect` is no mode"
+        );
     }
 }

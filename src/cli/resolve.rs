@@ -1,6 +1,6 @@
 //! From names to things: pads and profiles by shipped name or by path, and what a pad needs to play.
 
-use std::io::Read as _;
+use std::io::{IsTerminal as _, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -195,6 +195,12 @@ pub(super) fn sensing(pad: &Pad, method: Method) -> anyhow::Result<SensingBuilde
     let bar = ProgressBar::hidden();
     let progress = |done: usize, rows: usize| {
         if bar.is_hidden() {
+            if !std::io::stderr().is_terminal() && done == 1 {
+                tracing::warn!(
+                    "solving the touches of the pad {}, once: some seconds",
+                    pad.name
+                );
+            }
             bar.set_length(rows as u64);
             bar.set_draw_target(ProgressDrawTarget::stderr());
             bar.set_style(solving_style());

@@ -63,7 +63,11 @@ pub(in crate::cli) fn correction(path: &Path, pad: &Pad) -> anyhow::Result<Corre
         );
     }
     if file.pad != pad.name {
-        tracing::warn!("{name} was made for the pad {}, not {}", file.pad, pad.name);
+        bail!(
+            "{name}: made for the pad {}, not {}\n  help: choose its pad with --pad, or calibrate this one",
+            file.pad,
+            pad.name
+        );
     }
     Ok(correction)
 }

@@ -75,7 +75,7 @@ fn evaluate(train: &Path, test: &Path) -> anyhow::Result<Ending> {
     })?;
     writeln!(std::io::stdout(), "{line}")?;
     say(&format!(
-        "cross-validation had foretold {}",
+        "cross-validation predicted {}",
         told(regression.expected())
     ));
     Ok(Ending::Done)
@@ -88,6 +88,22 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
             "{} exists: it would be overwritten\n  help: name another file, or learn from it without --source",
             file.display()
         );
+    }
+    // Nobody presses thirty places for a file that cannot be written.
+    for path in args.output.iter().chain(&args.presses) {
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            bail!(
+                "{} cannot be written: there is no folder {}",
+                path.display(),
+                folder.display()
+            );
+        }
+    }
+    if args.presses.is_none() {
+        say("the presses themselves are not kept: add --presses FILE to keep them");
     }
     let method = args.method.or(pad.method).unwrap_or_default();
     // Learned is what `play` gets wrong, so its own detector locates the presses.

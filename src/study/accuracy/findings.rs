@@ -138,7 +138,7 @@ impl Accuracy {
         let settings = &self.settings;
         let snr_db: Vec<String> = self.bench.snr_db.iter().map(f64::to_string).collect();
         format!(
-            "gelpad accuracy --pad {} --method {} --snr {} --seed {}{}",
+            "gelpad accuracy --pad {} --method {} --snr {} --seed {}{} --out DIR",
             settings.pad_argument,
             settings.method,
             snr_db.join(","),
