@@ -38,8 +38,6 @@ pub(super) struct Fit {
     pub(super) bumps: Vec<Bump>,
     /// Their responses, whitened.
     pub(super) responses: Vec<Response>,
-    /// The same in the table's own coordinates, without derivatives.
-    pub(super) plain: Vec<Vec<f32>>,
     /// What they leave unexplained, whitened.
     pub(super) residual: Vec<f32>,
     /// Sum of the residual's squares and of the squared deviations from what fingers usually are.
@@ -188,11 +186,8 @@ impl Fit {
         self.residual.clear();
         self.residual.extend_from_slice(&frame.coordinates);
         let mut unusual = 0.0;
-        self.plain.resize_with(self.bumps.len(), Vec::new);
-        let plain = self.plain.iter_mut();
-        for ((bump, response), plain) in self.bumps.iter().zip(&mut self.responses).zip(plain) {
+        for (bump, response) in self.bumps.iter().zip(&mut self.responses) {
             table.respond(bump, response);
-            plain.clone_from(&response.value);
             metric.whiten_response(response);
             for (rest, value) in self.residual.iter_mut().zip(&response.value) {
                 *rest -= value;
@@ -255,7 +250,6 @@ fn shortened(step: &[f64]) -> f64 {
 struct Kept {
     bumps: Vec<Bump>,
     responses: Vec<Response>,
-    plain: Vec<Vec<f32>>,
     residual: Vec<f32>,
     cost: f64,
 }
@@ -264,7 +258,6 @@ impl Kept {
     fn keep(&mut self, fit: &mut Fit) {
         self.bumps.clone_from(&fit.bumps);
         std::mem::swap(&mut self.responses, &mut fit.responses);
-        std::mem::swap(&mut self.plain, &mut fit.plain);
         std::mem::swap(&mut self.residual, &mut fit.residual);
         self.cost = fit.cost;
     }
@@ -272,7 +265,6 @@ impl Kept {
     fn restore(&mut self, fit: &mut Fit) {
         fit.bumps.clone_from(&self.bumps);
         std::mem::swap(&mut self.responses, &mut fit.responses);
-        std::mem::swap(&mut self.plain, &mut fit.plain);
         std::mem::swap(&mut self.residual, &mut fit.residual);
         fit.cost = self.cost;
     }

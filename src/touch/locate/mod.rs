@@ -16,7 +16,7 @@ mod seek;
 use std::sync::Arc;
 
 use crate::eit::ResponseTable;
-use crate::eit::response::Bump;
+use crate::eit::response::{Bump, Response};
 use crate::pad::Outline;
 use crate::types::Contact;
 use fit::{Bounds, Fit};
@@ -94,6 +94,7 @@ pub struct Locator {
     refused_cost: f64,
     /// The touches of the frame before.
     before: Vec<Bump>,
+    response: Response,
     sum: Vec<f32>,
 }
 
@@ -124,6 +125,7 @@ impl Locator {
             recent: Recent::default(),
             refused_cost: 0.0,
             before: Vec::new(),
+            response: Response::default(),
             sum: Vec::new(),
         }
     }
@@ -199,10 +201,12 @@ impl Locator {
 
     /// What the touches change in the readings: relative changes, one a channel.
     pub fn explain(&mut self, changes: &mut [f32]) {
+        let rank = self.table.rank();
         self.sum.clear();
-        self.sum.resize(self.table.rank(), 0.0);
-        for plain in &self.fit.plain {
-            for (total, value) in self.sum.iter_mut().zip(plain) {
+        self.sum.resize(rank, 0.0);
+        for bump in &self.fit.bumps {
+            self.table.respond(bump, &mut self.response);
+            for (total, value) in self.sum.iter_mut().zip(&self.response.value) {
                 *total += value;
             }
         }
