@@ -7,6 +7,7 @@ mod faults;
 mod forward;
 mod jacobian;
 pub mod mesh;
+mod noise;
 pub mod order;
 pub mod reconstruct;
 mod reference;

@@ -1,13 +1,15 @@
 //! The reference: what the untouched pad reads, now.
 //!
 //! Gels dry, warm and creep: each channel drifts on its own way at nearly constant speed, percents a minute. The
-//! reference is therefore a level and a rate a channel, kept by a Kalman filter that measures only in frames which
-//! the caller declares untouched. While the pad is touched it goes on along its rate and grows less sure of itself, so
-//! that a held press never fades and drift under a long hold is foreseen rather than seen as a touch.
+//! reference is therefore a level and a rate a channel, kept by a Kalman filter that measures only what no
+//! touch changes. Under a touch a channel goes on along its rate and grows less sure of itself, so that a held press never
+//! fades and drift under a long hold is foreseen rather than seen as a touch.
 //!
 //! A touch in one corner leaves the channels of another as they were: these go on being followed, and what they have in
 //! common moves the rest. How noisy each channel is, is learnt on the way. (Model: Bar-Shalom, Li and Kirubarajan 2001, section 6.2,
 //! the nearly constant velocity model.)
+
+use super::noise::NoiseModel;
 
 /// Frames whose mean is the first reference.
 pub const REFERENCE_FRAMES: usize = 10;
@@ -28,10 +30,6 @@ const LONGEST_STEP_S: f64 = 0.2;
 const SETTLE_FRAMES: u32 = 3;
 /// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
 const LOOSE_SPREAD: f64 = 20.0;
-/// A channel that is noisier than this, relative, says nothing about what the board's noise is like: it may be loose.
-const USELESS_NOISE: f64 = 0.15;
-/// Below this share of the smallest readings' variance, a part that all readings share is taken for chance.
-const LEAST_ADDITIVE: f64 = 0.5;
 /// Share by which the estimate of a channel's noise moves with each frame in which it is free: some seconds.
 const NOISE_FOLLOW: f64 = 0.004;
 /// Under a touch a channel's own rate is believed for about so long, s: seen for a second, it must not be followed for minutes.
@@ -369,62 +367,6 @@ impl Reference {
             };
         }
     }
-}
-
-/// Variance of a reading as boards make it: a part in proportion to the reading, a part that is the same for all. Ten frames
-/// tell one channel's noise too badly, but these two numbers well.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct NoiseModel {
-    proportional: f64,
-    additive: f64,
-}
-
-impl NoiseModel {
-    /// From the variances of the channels: relative variances are a line in 1 / V^2, laid through the medians of the
-    /// smallest and of the largest third of the readings. Loose channels do not sway it.
-    fn of(volts: &[f64], variances: &[f64]) -> Self {
-        let mut readings: Vec<(f64, f64)> = volts
-            .iter()
-            .zip(variances)
-            .map(|(volt, variance)| (volt * volt, *variance))
-            .filter(|(square, _)| *square > 0.0)
-            .map(|(square, variance)| (1.0 / square, variance / square))
-            .filter(|(_, relative)| *relative < USELESS_NOISE * USELESS_NOISE)
-            .collect();
-        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let third = readings.len().div_ceil(3);
-        let [near, low] = medians(&readings[..third]);
-        let [far, high] = medians(&readings[readings.len() - third..]);
-        let additive = ((high - low) / (far - near).max(f64::MIN_POSITIVE)).max(0.0);
-        if additive * far < LEAST_ADDITIVE * high {
-            return Self {
-                proportional: medians(&readings)[1],
-                additive: 0.0,
-            };
-        }
-        Self {
-            proportional: (low - additive * near).max(0.0),
-            additive,
-        }
-    }
-
-    fn variance(&self, square: f64) -> f64 {
-        self.proportional * square + self.additive
-    }
-}
-
-/// Medians of either part of some pairs.
-fn medians(pairs: &[(f64, f64)]) -> [f64; 2] {
-    let mut parts = [
-        pairs.iter().map(|pair| pair.0).collect::<Vec<_>>(),
-        pairs.iter().map(|pair| pair.1).collect(),
-    ];
-    [median(&mut parts[0]), median(&mut parts[1])]
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]
