@@ -3,6 +3,7 @@
 //! The forward model (complete electrode model on linear triangles, f64) runs when a pad is set up or
 //! simulated. A frame only meets what was made from it: a reference, and one f32 matrix.
 
+pub(crate) mod cholesky;
 mod faults;
 mod forward;
 mod jacobian;

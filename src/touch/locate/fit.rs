@@ -6,6 +6,7 @@
 
 use super::metric::{Metric, Whitened, dot};
 use crate::eit::ResponseTable;
+use crate::eit::cholesky::solve_in_place;
 use crate::eit::response::{Bump, MOST_STRENGTH, Response};
 
 /// Unknowns of a touch.
@@ -268,39 +269,4 @@ impl Kept {
         std::mem::swap(&mut self.residual, &mut fit.residual);
         fit.cost = self.cost;
     }
-}
-
-/// Solves a symmetric positive definite system whose lower triangle is given by rows (Cholesky), in place; false if it is not
-/// positive definite.
-fn solve_in_place(matrix: &mut [f64], vector: &mut [f64]) -> bool {
-    let count = vector.len();
-    for row in 0..count {
-        for column in 0..=row {
-            let mut sum = matrix[row * count + column];
-            for k in 0..column {
-                sum -= matrix[row * count + k] * matrix[column * count + k];
-            }
-            if row == column {
-                if sum <= 0.0 || !sum.is_finite() {
-                    return false;
-                }
-                matrix[row * count + row] = libm::sqrt(sum);
-            } else {
-                matrix[row * count + column] = sum / matrix[column * count + column];
-            }
-        }
-    }
-    for row in 0..count {
-        for k in 0..row {
-            vector[row] -= matrix[row * count + k] * vector[k];
-        }
-        vector[row] /= matrix[row * count + row];
-    }
-    for row in (0..count).rev() {
-        for k in row + 1..count {
-            vector[row] -= matrix[k * count + row] * vector[k];
-        }
-        vector[row] /= matrix[row * count + row];
-    }
-    true
 }
