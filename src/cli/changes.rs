@@ -11,7 +11,7 @@ use super::exit;
 use super::pick::Picker;
 use super::resolve;
 use crate::profile::{Checked, Profile};
-use crate::runtime::{Control, Running};
+use crate::runtime::{Command, Running};
 use crate::types::Faulty;
 
 /// Whether a device has what a profile drives; else what it lacks.
@@ -79,7 +79,7 @@ impl Changes {
             return say(&format!("the old profile stays: {lacking}"));
         }
         let profile = Arc::new(checked.profile);
-        if running.ask(Control::Profile(Arc::clone(&profile))) {
+        if running.ask(Command::Profile(Arc::clone(&profile))) {
             self.asked = Some((profile, now));
         }
     }

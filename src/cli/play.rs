@@ -20,7 +20,7 @@ use crate::engine::Engine;
 use crate::output::{Device, Keyboard, OutputError, Trace};
 use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
-use crate::runtime::{self, Control, Running, Summary};
+use crate::runtime::{self, Command, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
@@ -252,10 +252,10 @@ fn watch(
                 Wish::End => return Ok(None),
                 Wish::Interrupt => return Ok(Some(SIGINT)),
                 Wish::Pause => {
-                    running.ask(Control::Pause);
+                    running.ask(Command::Pause);
                 }
                 Wish::Rezero => {
-                    running.ask(Control::Rezero);
+                    running.ask(Command::Rezero);
                 }
             },
             None => std::thread::sleep(LOOK),

@@ -39,7 +39,7 @@ const FRAME_QUEUE: usize = 256;
 /// Events that may wait for the device.
 const EVENT_QUEUE: usize = 1024;
 /// Wishes of the player that may wait for the engine.
-const CONTROL_QUEUE: usize = 16;
+const COMMAND_QUEUE: usize = 16;
 /// Longest sleep of any thread: what a shut-down waits for at most.
 const NAP: Duration = Duration::from_millis(20);
 /// Longest wait for the threads to end when nobody asks how it went.
@@ -47,7 +47,7 @@ const LAST_WAIT: Duration = Duration::from_secs(2);
 
 /// What a player may ask for meanwhile.
 #[derive(Clone, Debug)]
-pub enum Control {
+pub enum Command {
     /// Another profile.
     Profile(Arc<Profile>),
     /// Pause, or go on.
@@ -113,7 +113,7 @@ pub struct Summary {
 /// A game being played.
 pub struct Running {
     stop: Arc<AtomicBool>,
-    controls: Producer<Control>,
+    commands: Producer<Command>,
     views: triple_buffer::Output<View>,
     threads: Option<Threads>,
 }
@@ -168,7 +168,7 @@ pub fn start(
     let lost = Arc::new(AtomicU64::new(0));
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
-    let (controls_in, controls_out) = RingBuffer::new(CONTROL_QUEUE);
+    let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
     let blank = View {
         t_ns: 0,
         profile: Arc::clone(engine.profile()),
@@ -197,7 +197,7 @@ pub fn start(
             engine,
             rebuilder: rebuilder.ok(),
             frames: frames_out,
-            controls: controls_out,
+            commands: commands_out,
             lost: lost_frames,
             events: events_in,
             output: to_output,
@@ -221,7 +221,7 @@ pub fn start(
         .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
     Ok(Running {
         stop,
-        controls: controls_in,
+        commands: commands_in,
         views,
         threads: Some(Threads {
             source,
@@ -249,8 +249,8 @@ impl Running {
     }
 
     /// Asks for something; whether there was room for the wish.
-    pub fn ask(&mut self, control: Control) -> bool {
-        let taken = self.controls.push(control).is_ok();
+    pub fn ask(&mut self, command: Command) -> bool {
+        let taken = self.commands.push(command).is_ok();
         if let Some(threads) = &self.threads {
             threads.engine.thread().unpark();
         }

@@ -9,7 +9,7 @@ use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError};
 
 use super::rebuild::Rebuilder;
-use super::{Arrived, Control, Due, EngineReport, NAP, View, nanos};
+use super::{Arrived, Command, Due, EngineReport, NAP, View, nanos};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
@@ -24,7 +24,7 @@ pub(super) struct EngineThread {
     pub(super) engine: Engine,
     pub(super) rebuilder: Option<Rebuilder>,
     pub(super) frames: Consumer<Arrived>,
-    pub(super) controls: Consumer<Control>,
+    pub(super) commands: Consumer<Command>,
     pub(super) lost: Arc<AtomicU64>,
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
@@ -86,12 +86,12 @@ impl EngineThread {
     }
 
     fn take_controls(&mut self) {
-        while let Ok(control) = self.controls.pop() {
+        while let Ok(control) = self.commands.pop() {
             let t_ns = self.now_ns().max(self.view.t_ns);
             let input = match control {
-                Control::Profile(profile) => Input::Profile { t_ns, profile },
-                Control::Pause => Input::Pause { t_ns },
-                Control::Rezero => Input::Rezero { t_ns },
+                Command::Profile(profile) => Input::Profile { t_ns, profile },
+                Command::Pause => Input::Pause { t_ns },
+                Command::Rezero => Input::Rezero { t_ns },
             };
             self.input(&input, None);
             self.publish();
