@@ -21,7 +21,7 @@ use crate::engine::Engine;
 use crate::output::{Device, OutputError};
 use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Profile};
-use crate::runtime::{self, Command, Running, Summary};
+use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
@@ -274,8 +274,30 @@ fn told(summary: &Summary) -> String {
             "\nframe to device: {}",
             times(&summary.frame_to_device_ns)
         ));
+        text.push_str(&format!("\n{}", by_stage(&summary.stages)));
+    }
+    if summary.late_events > 0 {
+        text.push_str(&format!(
+            "\n{} of {} went out late, the latest by {:.0} ms: is the computer busy?",
+            summary.late_events,
+            counted(summary.events, "event"),
+            summary.latest.as_secs_f64() * 1e3
+        ));
     }
     text
+}
+
+/// Median and p99 of every stage, us.
+fn by_stage(stages: &Stages) -> String {
+    let parts = [
+        ("queue", stages.queue),
+        ("touches", stages.touches),
+        ("events", stages.events),
+        ("device", stages.device),
+    ];
+    let parts = parts
+        .map(|(name, spread)| format!("{name} {:.0} / {:.0} us", spread.median_us, spread.p99_us));
+    format!("by stage, median / p99: {}", parts.join(", "))
 }
 
 fn counted(count: u64, what: &str) -> String {
