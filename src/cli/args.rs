@@ -52,6 +52,23 @@ pub(super) enum Command {
     },
     /// Find out how well a pad's touches can be told, and what bounds it
     Accuracy(AccuracyArgs),
+    /// Release the keys of the gelpad that starts this, when that is killed or stopped
+    #[cfg(target_os = "linux")]
+    #[command(hide = true)]
+    Watch {
+        /// How
+        #[arg(value_enum)]
+        way: WayArg,
+    },
+}
+
+#[cfg(target_os = "linux")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum WayArg {
+    /// By releases on the X11 display
+    X11,
+    /// By cutting the connection on standard output
+    Cut,
 }
 
 #[derive(Args, Debug)]

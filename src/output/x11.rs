@@ -12,6 +12,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::{self, ConnectionExt as _};
 use x11rb::rust_connection::RustConnection;
 
+use super::watch::{Watchable, Way};
 use super::{Device, OutputError};
 use crate::types::{Action, Event, MouseButton, Output};
 
@@ -148,6 +149,16 @@ impl Device for X11 {
                 tracing::warn!("the X11 server refused an event: {error:?}");
             }
         }
+        Ok(())
+    }
+}
+
+impl Watchable for X11 {
+    fn way(&self) -> std::io::Result<(Way, Option<std::os::fd::OwnedFd>)> {
+        Ok((Way::X11, None))
+    }
+
+    fn reconnect(&mut self) -> Result<(), OutputError> {
         Ok(())
     }
 }
