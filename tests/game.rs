@@ -15,6 +15,8 @@ mod log;
 mod process;
 #[path = "game/script.rs"]
 mod script;
+#[path = "game/server.rs"]
+mod server;
 #[path = "game/stage.rs"]
 mod stage;
 #[path = "game/tools.rs"]

@@ -27,7 +27,7 @@ use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboar
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_manager_v1::ZwlrVirtualPointerManagerV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
-use super::watch::{Watchable, Way};
+use super::watch::{Grip, Watchable};
 use super::{Device, OutputError};
 use crate::types::{Action, Event, Key, MouseButton, Output};
 
@@ -247,8 +247,8 @@ impl Device for Wayland {
 }
 
 impl Watchable for Wayland {
-    fn way(&self) -> std::io::Result<(Way, Option<OwnedFd>)> {
-        Ok((Way::Cut, Some(self.socket.try_clone()?.into())))
+    fn grip(&self) -> std::io::Result<Grip> {
+        Ok(Grip::Cut(self.socket.try_clone()?.into()))
     }
 
     fn reconnect(&mut self) -> Result<(), OutputError> {

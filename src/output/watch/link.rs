@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use super::Way;
+use super::Grip;
 
 /// Longest wait for a watcher to be ready: it starts in some 10 ms.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -21,24 +21,27 @@ pub(super) const RELEASED: &[u8] = b"released\n";
 pub(super) struct Link {
     line: UnixStream,
     child: Child,
-    way: Way,
+    cuts: bool,
 }
 
 impl Link {
     /// Starts a watcher and waits until it is ready.
-    pub(super) fn start(program: &Path, way: Way, shared: Option<OwnedFd>) -> io::Result<Self> {
+    pub(super) fn start(program: &Path, grip: Grip) -> io::Result<Self> {
         let (line, theirs) = UnixStream::pair()?;
-        let child = Command::new(program)
-            .arg("watch")
-            .arg(match way {
-                Way::X11 => "x11",
-                Way::Cut => "cut",
-            })
-            .stdin(OwnedFd::from(theirs))
-            .stdout(shared.map_or_else(Stdio::null, Stdio::from))
-            .stderr(Stdio::null())
-            .spawn()?;
-        let mut link = Self { line, child, way };
+        let cuts = matches!(grip, Grip::Cut(_));
+        let mut command = Command::new(program);
+        command.arg("watch").stdin(OwnedFd::from(theirs));
+        match grip {
+            Grip::X11(display) => command
+                .arg("x11")
+                .env("DISPLAY", display)
+                .stdout(Stdio::null()),
+            Grip::Cut(shared) => command.arg("cut").stdout(shared),
+        };
+        let child = command.stderr(Stdio::null()).spawn()?;
+        // The child has its end now; ours would keep the line open when it is gone.
+        drop(command);
+        let mut link = Self { line, child, cuts };
         link.line.set_read_timeout(Some(PATIENCE))?;
         let mut said = [0; READY.len()];
         link.line.read_exact(&mut said)?;
@@ -49,8 +52,9 @@ impl Link {
         Ok(link)
     }
 
-    pub(super) fn way(&self) -> Way {
-        self.way
+    /// Whether it lets go by cutting the connection.
+    pub(super) fn cuts(&self) -> bool {
+        self.cuts
     }
 
     /// Tells the watcher a line. One that does not read its lines is as good as gone.

@@ -34,19 +34,28 @@ const AGAIN: Duration = Duration::from_secs(5);
 /// How a watcher lets go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// By releases of its own, over its own connection to the X11 display.
+    /// By releases of its own, over its own connection to the X11 display that `DISPLAY` names.
     X11,
     /// By cutting its parent's connection, which it shares: the compositor releases what a client held.
     Cut,
 }
 
+/// What a watcher is given.
+#[derive(Debug)]
+pub enum Grip {
+    /// The name of an X11 display.
+    X11(String),
+    /// The connection to cut.
+    Cut(OwnedFd),
+}
+
 /// A device whose keys need a watcher.
 pub trait Watchable: Device {
-    /// How a watcher lets go, and the connection that it may cut.
+    /// What a watcher lets go by.
     ///
     /// # Errors
     /// The connection cannot be shared.
-    fn way(&self) -> std::io::Result<(Way, Option<OwnedFd>)>;
+    fn grip(&self) -> std::io::Result<Grip>;
 
     /// Connects again after the connection was cut. Nothing is down then.
     ///
@@ -91,10 +100,8 @@ impl<D: Watchable> Watched<D> {
 
     fn start(&mut self) {
         self.again_at = None;
-        let started = self
-            .device
-            .way()
-            .and_then(|(way, shared)| Link::start(&self.program, way, shared));
+        let grip = self.device.grip();
+        let started = grip.and_then(|grip| Link::start(&self.program, grip));
         match started {
             Ok(link) => {
                 self.link = Some(link);
@@ -135,11 +142,7 @@ impl<D: Watchable> Watched<D> {
             "gelpad was stopped for over {} s: its keys were released",
             STOPPED.as_secs()
         );
-        if self
-            .link
-            .as_ref()
-            .is_some_and(|link| link.way() == Way::Cut)
-        {
+        if self.link.as_ref().is_some_and(Link::cuts) {
             self.device.reconnect()?;
             self.link = None;
             self.start();
