@@ -8,8 +8,8 @@ set -euo pipefail
 presses=${1:-200}
 source "$(dirname "$0")/stage.sh"
 stage 800x600
-# A level without an end and without enemies.
-supertux "$PWD/scripts/level.stl"
+flat_level
+supertux "$folder/flat.stl"
 python3 - "$presses" "$folder/touches.txt" <<'PYTHON'
 import random, sys
 

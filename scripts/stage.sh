@@ -5,10 +5,11 @@
 #   keep PID       a process to end with the script
 #   rom            assembles the game of tests/game to $folder/jump.nes
 #   play PROFILE   plays $folder/touches.txt into the display; waits for its end
-#   supertux       starts SuperTux there, waits for its level, says its process in $game
+#   supertux [LEVEL]  starts SuperTux there, waits for its level, says its process in $game
+#   flat_level     a level of snow, without an end or enemies, as $folder/flat.stl
 #   keys_seen      after `kill $game`: how many steps (64 a second) SuperTux saw each key down, stretch by stretch
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-cargo build --quiet
+[ -n "${GELPAD_BIN:-}" ] || cargo build --quiet
 gelpad=${GELPAD_BIN:-$PWD/target/debug/gelpad}
 folder=$(mktemp -d)
 started=()
@@ -21,6 +22,8 @@ stage() {
   keep $!
   until [ -s "$folder/display" ]; do sleep 0.1; done
   DISPLAY=:$(cat "$folder/display")
+  # What was solved for the pad is not solved again.
+  export XDG_CACHE_HOME=${XDG_CACHE_HOME:-$HOME/.cache}
   export DISPLAY XDG_RUNTIME_DIR=$folder HOME=$folder SDL_AUDIODRIVER=dummy PATH=$PATH:/usr/games
   unset XDG_CONFIG_HOME XDG_DATA_HOME WAYLAND_DISPLAY
 }
@@ -42,6 +45,18 @@ supertux() {
   keep "$game"
   xdotool search --sync --onlyvisible --class supertux2 windowfocus --sync
   sleep 20 # the level has begun, on a slow machine too
+}
+
+flat_level() {
+  python3 - >"$folder/flat.stl" <<'PYTHON'
+width, height, snow = 60, 20, 48
+rows = [[snow if y > 15 or x in (0, width - 1) else 0 for x in range(width)] for y in range(height)]
+tiles = "\n".join(" ".join(map(str, row)) for row in rows)
+print(f"""(supertux-level (version 3) (name "flat") (author "gelpad") (license "CC0")
+  (sector (name "main") (camera (name "Camera") (mode "normal"))
+    (spawnpoint (name "main") (x 900) (y 400))
+    (tilemap (solid #t) (z-pos 0) (width {width}) (height {height}) (tiles {tiles}))))""")
+PYTHON
 }
 
 # A header of 23 bytes, then six a step; it is written out when the game ends.

@@ -103,7 +103,12 @@ fn on_stage(xvfb: &Path, run: fn(&Stage) -> Result<()>) -> Result<()> {
 
 impl Stage {
     fn play(&self, script: &str) -> Result<Gelpad> {
-        Gelpad::play(self.folder.path(), &self.display.name, script, "super-mario")
+        Gelpad::play(
+            self.folder.path(),
+            &self.display.name,
+            script,
+            "super-mario",
+        )
     }
 
     fn said(&self) -> String {
@@ -129,10 +134,14 @@ fn killed(stage: &Stage) -> Result<()> {
     let kills = kills.and_then(|text| text.parse().ok()).unwrap_or(SAMPLE);
     let mut times = Vec::new();
     for round in 0..kills {
-        times.push(kill_once(stage, round as u64, Signal::KILL).with_context(|| format!("kill {round}"))?);
+        times.push(
+            kill_once(stage, round as u64, Signal::KILL)
+                .with_context(|| format!("kill {round}"))?,
+        );
     }
     times.sort();
-    let at = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize].as_secs_f64() * 1e3;
+    let at =
+        |part: f64| times[((times.len() - 1) as f64 * part).round() as usize].as_secs_f64() * 1e3;
     eprintln!(
         "\n{kills} kills with keys held; all up after {:.1} ms (p50), {:.1} ms (p99), {:.1} ms at the latest",
         at(0.5),
@@ -194,7 +203,11 @@ fn without_watcher(stage: &Stage) -> Result<()> {
     };
     kill_process(Pid::from_raw(watcher).context("a process")?, Signal::KILL)?;
     let start = Instant::now();
-    let has_another = || watchers(&stage.display.name).iter().any(|pid| *pid != watcher);
+    let has_another = || {
+        watchers(&stage.display.name)
+            .iter()
+            .any(|pid| *pid != watcher)
+    };
     while !has_another() {
         ensure!(start.elapsed() < PATIENCE, "no other watcher was started");
         std::thread::sleep(Duration::from_millis(50));
@@ -216,7 +229,10 @@ fn deaf(stage: &Stage) -> Result<()> {
         }
     }
     std::thread::sleep(Duration::from_millis(200));
-    ensure!(watchers(&stage.display.name) == first, "the watcher has ended");
+    ensure!(
+        watchers(&stage.display.name) == first,
+        "the watcher has ended"
+    );
     gelpad.signal(Signal::KILL)?;
     stage.display.wait(false, RELEASED).map(drop)
 }
@@ -234,7 +250,7 @@ fn profile_switch(stage: &Stage) -> Result<()> {
     let file = stage.folder.path().join("mine.toml");
     let text = |key: &str| {
         format!(
-            "schema = 1\nname = \"mine\"\n[[region]]\nname = \"all\"\nx = 0\ny = 0\nwidth = 1\nheight = 1\n\
+            "schema = 1\nname = \"mine\"\n[[region]]\nname = \"all\"\nx = 0\ny = 0\nw = 1\nh = 1\n\
              [[binding]]\nregion = \"all\"\noutput = \"key:{key}\"\n"
         )
     };

@@ -86,7 +86,10 @@ impl Device for Faulty {
 
 fn display(stage: &Stage) -> Result<Watched<X11>> {
     let x11 = X11::connect_to(&stage.display.name)?;
-    Ok(Watched::new(x11, PathBuf::from(env!("CARGO_BIN_EXE_gelpad"))))
+    Ok(Watched::new(
+        x11,
+        PathBuf::from(env!("CARGO_BIN_EXE_gelpad")),
+    ))
 }
 
 fn source() -> Result<(Pad, SimulatedSource)> {
