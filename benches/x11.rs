@@ -23,7 +23,9 @@ use gelpad::output::{Device, Watched, X11};
 use gelpad::types::{Action, Event};
 use x11rb::connection::Connection as _;
 use x11rb::protocol::Event as Said;
-use x11rb::protocol::xproto::{ConnectionExt as _, CreateWindowAux, EventMask, InputFocus, WindowClass};
+use x11rb::protocol::xproto::{
+    ConnectionExt as _, CreateWindowAux, EventMask, InputFocus, WindowClass,
+};
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 

@@ -1,8 +1,9 @@
 //! No key stays down, however gelpad ends: killed, stopped, hanging, panicking, at the source's end, at a profile's switch.
 //!
 //! The real binary plays into an X server of the test's own (Xvfb), and another client looks at the keys. So many kills as
-//! `GELPAD_KILLS` says, a sample else; `scripts/kill-a-thousand.sh` does the full count. Where Xvfb is missing the trials are
-//! ignored, and their kind says why; with `GELPAD_TEST_ALL=1` they fail.
+//! `GELPAD_KILLS` says, a sample else; `scripts/kill-a-thousand.sh` does the full count. The kernel's own devices are killed in a
+//! virtual machine. Where Xvfb or the machine is missing the trials are ignored, and their kind says why; with
+//! `GELPAD_TEST_ALL=1` they fail.
 
 #![allow(
     clippy::disallowed_methods,
@@ -13,9 +14,12 @@
 mod display;
 #[path = "kills/gelpad.rs"]
 mod gelpad;
+#[path = "kills/guest.rs"]
+mod guest;
 #[path = "kills/inside.rs"]
 mod inside;
 #[path = "game/process.rs"]
+#[allow(dead_code, reason = "the game test starts more")]
 mod process;
 #[path = "game/server.rs"]
 mod server;
@@ -48,10 +52,19 @@ pub struct Stage {
 }
 
 fn main() -> ExitCode {
+    if std::env::args().nth(1).as_deref() == Some("--inside-the-guest") {
+        return match guest::inside() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("{error:#}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let mut arguments = Arguments::from_args();
     // They measure time.
     arguments.test_threads = Some(1);
-    let trials = vec![
+    let mut trials = vec![
         trial("killed", killed),
         trial("aborted", aborted),
         trial("stopped", stopped),
@@ -63,18 +76,37 @@ fn main() -> ExitCode {
         trial("panic_of_the_output", inside::panic_of_the_output),
         trial("an_output_that_hangs", inside::an_output_that_hangs),
     ];
+    trials.push(needing(guest::missing(), "killed_in_the_guest", || {
+        guest::killed()
+    }));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
 fn trial(name: &str, run: fn(&Stage) -> Result<()>) -> Trial {
+    let xvfb = xvfb();
+    let missing = xvfb.is_none().then(|| "not installed: Xvfb".to_owned());
+    needing(missing, name, move || {
+        on_stage(&xvfb.context("no Xvfb")?, run)
+    })
+}
+
+/// A trial, or an ignored one where something for it is missing.
+fn needing(
+    missing: Option<String>,
+    name: &str,
+    run: impl FnOnce() -> Result<()> + Send + 'static,
+) -> Trial {
     let all = std::env::var_os("GELPAD_TEST_ALL").is_some_and(|value| value == "1");
-    match xvfb() {
-        Some(xvfb) => Trial::test(name, move || {
-            on_stage(&xvfb, run).map_err(|error| Failed::from(format!("{error:#}")))
+    match missing {
+        None => Trial::test(name, || {
+            run().map_err(|error| Failed::from(format!("{error:#}")))
         }),
-        None => Trial::test(name, || Err(Failed::from("not installed: Xvfb")))
-            .with_kind("not installed: Xvfb")
-            .with_ignored_flag(!all),
+        Some(reason) => {
+            let told = reason.clone();
+            Trial::test(name, move || Err(Failed::from(told)))
+                .with_kind(reason)
+                .with_ignored_flag(!all)
+        }
     }
 }
 
@@ -139,16 +171,26 @@ fn killed(stage: &Stage) -> Result<()> {
                 .with_context(|| format!("kill {round}"))?,
         );
     }
+    eprintln!("\n{}", told(&mut times));
+    Ok(())
+}
+
+/// How long keys stayed down, for people.
+fn told(times: &mut [Duration]) -> String {
     times.sort();
-    let at =
-        |part: f64| times[((times.len() - 1) as f64 * part).round() as usize].as_secs_f64() * 1e3;
-    eprintln!(
-        "\n{kills} kills with keys held; all up after {:.1} ms (p50), {:.1} ms (p99), {:.1} ms at the latest",
+    let at = |part: f64| {
+        let index = (times.len().saturating_sub(1) as f64 * part).round() as usize;
+        times
+            .get(index)
+            .map_or(0.0, |time| time.as_secs_f64() * 1e3)
+    };
+    format!(
+        "{} kills with keys held; all up after {:.1} ms (p50), {:.1} ms (p99), {:.1} ms at the latest",
+        times.len(),
         at(0.5),
         at(0.99),
         at(1.0)
-    );
-    Ok(())
+    )
 }
 
 fn aborted(stage: &Stage) -> Result<()> {

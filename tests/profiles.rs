@@ -367,10 +367,16 @@ fn the_guide_names_every_key_and_no_other() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/profiles.md");
     let guide = std::fs::read_to_string(path).expect("the guide");
     let (_, section) = guide.split_once("## Names of keys").expect("a section");
-    let table: String = section.lines().filter(|line| line.starts_with('|')).collect();
+    let table: String = section
+        .lines()
+        .filter(|line| line.starts_with('|'))
+        .collect();
     let is_range = |key: &str| {
         let number = key.trim_start_matches(|c: char| !c.is_ascii_digit());
-        key.len() == 1 || key.strip_suffix(number).is_some_and(|head| ["f", "keypad-"].contains(&head))
+        key.len() == 1
+            || key
+                .strip_suffix(number)
+                .is_some_and(|head| ["f", "keypad-"].contains(&head))
     };
     let unnamed: Vec<String> = Key::all()
         .map(|key| key.to_string())

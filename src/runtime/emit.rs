@@ -69,7 +69,8 @@ impl Emitter {
             if events.is_empty() {
                 let left = self.schedule.next_at();
                 let left = left.map_or(NAP, |at| at.saturating_duration_since(now()));
-                if !left.is_zero() && !(is_last && self.schedule.len() == 0) {
+                let is_over = is_last && self.schedule.len() == 0;
+                if !(left.is_zero() || is_over) {
                     std::thread::park_timeout(left.min(NAP));
                 }
             }

@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(bench.schedule.next_at(), Some(bench.at(334)));
         assert!(bench.sent(333).is_empty());
         assert_eq!(bench.sent(334), ["150.000 release key:f"]);
-        assert_eq!(bench.sent(367), [String::new(); 0]);
+        assert!(bench.sent(367).is_empty());
         assert_eq!(bench.sent(368), ["190.000 press key:f"]);
         assert_eq!(bench.schedule.len(), 0);
     }

@@ -20,12 +20,23 @@ pub struct Gelpad {
 impl Gelpad {
     /// Plays a script with super-mario's keys, or those of a profile.
     pub fn play(folder: &Path, display: &str, script: &str, profile: &str) -> Result<Self> {
+        Self::play_by("keyboard", folder, display, script, profile)
+    }
+
+    /// The same by another output.
+    pub fn play_by(
+        output: &str,
+        folder: &Path,
+        display: &str,
+        script: &str,
+        profile: &str,
+    ) -> Result<Self> {
         let file = folder.join("touches.txt");
         fs::write(&file, script).context("the script")?;
         let child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
             .args(["play", profile, "--source"])
             .arg(format!("simulated:{}", file.display()))
-            .args(["--output", "keyboard", "--headless"])
+            .args(["--output", output, "--headless"])
             .env("DISPLAY", display)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XAUTHORITY")

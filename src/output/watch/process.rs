@@ -141,14 +141,14 @@ impl Known {
 
 /// What lets go.
 enum Hands {
-    X11(X11),
+    X11(Box<X11>),
     Cut(UnixStream),
 }
 
 impl Hands {
     fn reach(way: Way) -> Result<Self, OutputError> {
         match way {
-            Way::X11 => X11::connect().map(Self::X11),
+            Way::X11 => Ok(Self::X11(Box::new(X11::connect()?))),
             Way::Cut => {
                 let shared = io::stdout().as_fd().try_clone_to_owned().map_err(lost)?;
                 Ok(Self::Cut(UnixStream::from(shared)))
