@@ -75,6 +75,8 @@ pub struct Watched<D: Watchable> {
     said_at: Instant,
     /// When to start a watcher again.
     again_at: Option<Instant>,
+    /// Whether the player knows that there is no watcher.
+    loss_told: bool,
     /// When to send anew what is still held.
     anew_at: Option<Instant>,
 }
@@ -92,12 +94,18 @@ impl<D: Watchable> Watched<D> {
             releasing: Vec::new(),
             said_at: now(),
             again_at: None,
+            loss_told: false,
             anew_at: None,
         };
         watched.start();
+        let ready = watched.link.as_mut().map_or(Ok(()), Link::wait);
+        if let Err(error) = ready {
+            watched.lost(&error);
+        }
         watched
     }
 
+    /// Starts a watcher and tells it what is down. It hears that once it is ready: events do not wait.
     fn start(&mut self) {
         self.again_at = None;
         let grip = self.device.grip();
@@ -114,7 +122,9 @@ impl<D: Watchable> Watched<D> {
     }
 
     fn lost(&mut self, error: &std::io::Error) {
-        tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
+        if !std::mem::replace(&mut self.loss_told, true) {
+            tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
+        }
         self.link = None;
         self.again_at = Some(now() + AGAIN);
     }
