@@ -77,8 +77,9 @@ pub struct Watched<D: Watchable> {
     again_at: Option<Instant>,
     /// Whether the player knows that there is no watcher.
     loss_told: bool,
-    /// When to send anew what is still held.
+    /// When to send anew what is still held of what the watcher has released.
     anew_at: Option<Instant>,
+    anew: Vec<Output>,
 }
 
 impl<D: Watchable> Watched<D> {
@@ -96,6 +97,7 @@ impl<D: Watchable> Watched<D> {
             again_at: None,
             loss_told: false,
             anew_at: None,
+            anew: Vec::new(),
         };
         watched.start();
         let ready = watched.link.as_mut().map_or(Ok(()), Link::wait);
@@ -157,15 +159,15 @@ impl<D: Watchable> Watched<D> {
             self.link = None;
             self.start();
         }
+        self.anew.clone_from(&self.down);
         self.anew_at = Some(now() + CATCH_UP);
         Ok(())
     }
 
-    /// Presses again what is held, after the watcher had let go of it.
+    /// Presses again what is still held, after the watcher had let go of it.
     fn send_anew(&mut self) -> Result<(), OutputError> {
         self.anew_at = None;
-        for index in 0..self.down.len() {
-            let output = self.down[index];
+        for output in std::mem::take(&mut self.anew) {
             self.say("press", Some(output));
             self.device.send(&Event {
                 t_ns: 0,
@@ -205,6 +207,7 @@ impl<D: Watchable> Device for Watched<D> {
         self.listen()?;
         match event.action {
             Action::Press(output) => {
+                self.anew.retain(|one| *one != output);
                 self.releasing.retain(|one| *one != output);
                 if !self.down.contains(&output) {
                     self.down.push(output);
@@ -212,6 +215,7 @@ impl<D: Watchable> Device for Watched<D> {
                 self.say("press", Some(output));
             }
             Action::Release(output) => {
+                self.anew.retain(|one| *one != output);
                 self.down.retain(|one| *one != output);
                 self.releasing.push(output);
             }
