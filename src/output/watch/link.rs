@@ -3,6 +3,7 @@
 use std::io::{self, Read as _, Write as _};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -30,7 +31,10 @@ impl Link {
         let (line, theirs) = UnixStream::pair()?;
         let cuts = matches!(grip, Grip::Cut(_));
         let mut command = Command::new(program);
-        command.arg("watch").stdin(OwnedFd::from(theirs));
+        command
+            .arg0("gelpad")
+            .arg("watch")
+            .stdin(OwnedFd::from(theirs));
         match grip {
             Grip::X11(display) => command
                 .arg("x11")
