@@ -310,12 +310,14 @@ fn every_key(home: &Home) -> Result<()> {
     })
     .with_context(|| format!("{} changes of keys were seen", told(&wev.said()).len()))?;
     let mut worst_ms = 0;
-    for (key, pair) in keys.iter().zip(seen.chunks(2)) {
+    for key in &keys {
         let code = u32::from(key.evdev_code()) + 8;
-        let [(down, true, from_ms), (up, false, to_ms)] = *pair else {
-            anyhow::bail!("{key}: {pair:?}");
+        let mut of_key = seen.iter().filter(|(known, ..)| *known == code);
+        let (Some((_, true, from_ms)), Some((_, false, to_ms)), None) =
+            (of_key.next(), of_key.next(), of_key.next())
+        else {
+            anyhow::bail!("{key} was not seen once, down and up again, as {code}");
         };
-        ensure!((down, up) == (code, code), "{key} is {code}, seen {pair:?}");
         let held_ms = to_ms - from_ms;
         ensure!(held_ms >= LEAST_MS, "{key} was held for {held_ms} ms");
         worst_ms = worst_ms.max(held_ms.abs_diff(HELD_MS));
@@ -325,6 +327,10 @@ fn every_key(home: &Home) -> Result<()> {
         "{} changes too many",
         seen.len() - 2 * keys.len()
     );
+    let pressed = seen.iter().filter(|(_, is_down, _)| *is_down);
+    let pressed = pressed.map(|(code, ..)| *code);
+    let order = keys.iter().map(|key| u32::from(key.evdev_code()) + 8);
+    ensure!(pressed.eq(order), "they came in another order");
     eprintln!(
         "\n{} keys, each held for {HELD_MS} ms: at worst {worst_ms} ms off",
         keys.len()
