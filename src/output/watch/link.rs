@@ -36,8 +36,8 @@ impl Link {
             .arg("watch")
             .stdin(OwnedFd::from(theirs));
         match grip {
-            Grip::X11(display) => command
-                .arg("x11")
+            Grip::X11 { display, window } => command
+                .args(["x11", "--window", &window.to_string()])
                 .env("DISPLAY", display)
                 .stdout(Stdio::null()),
             Grip::Cut(shared) => command.arg("cut").stdout(shared),
