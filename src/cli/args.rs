@@ -52,6 +52,23 @@ pub(super) enum Command {
     },
     /// Find out how well a pad's touches can be told, and what bounds it
     Accuracy(AccuracyArgs),
+    /// Release the keys of the gelpad that starts this, when that is killed or stopped
+    #[cfg(target_os = "linux")]
+    #[command(hide = true)]
+    Watch {
+        /// How
+        #[arg(value_enum)]
+        way: WayArg,
+    },
+}
+
+#[cfg(target_os = "linux")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum WayArg {
+    /// By releases on the X11 display
+    X11,
+    /// By cutting the connection on standard output
+    Cut,
 }
 
 #[derive(Args, Debug)]
@@ -198,7 +215,7 @@ pub(super) struct PlayArgs {
     /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
-    /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
+    /// Where events go
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
     /// What a board sends
@@ -395,8 +412,13 @@ impl std::str::FromStr for SourceArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum OutputArg {
+    /// The best there is, and one line that says why; with the simulated pad: trace
     Auto,
+    /// Keys and mouse of this desktop; of the kernel where there is no display
     Keyboard,
+    /// An Xbox 360 pad, a keyboard and a mouse of the Linux kernel (uinput)
+    Gamepad,
+    /// Events as text on stdout
     Trace,
 }
 

@@ -6,12 +6,14 @@
 mod accuracy;
 mod args;
 mod calibrate;
+mod candidates;
 mod changes;
 mod drawing;
 mod exit;
 mod live;
 mod log;
 mod map;
+mod outputs;
 mod pads;
 mod pick;
 mod play;
@@ -41,6 +43,20 @@ pub fn main() -> ExitCode {
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
+        #[cfg(target_os = "linux")]
+        Some(Command::Watch { way }) => watch(way),
     };
     exit::code(outcome)
+}
+
+/// The whole life of a watcher.
+#[cfg(target_os = "linux")]
+fn watch(way: args::WayArg) -> anyhow::Result<exit::Ending> {
+    use crate::output::watch::{Way, watch};
+
+    watch(match way {
+        args::WayArg::X11 => Way::X11,
+        args::WayArg::Cut => Way::Cut,
+    })?;
+    Ok(exit::Ending::Done)
 }
