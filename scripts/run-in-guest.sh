@@ -21,7 +21,7 @@ MODULES=(virtio_pci virtio_console 9pnet_virtio 9p overlay uinput evdev joydev)
 cache=${GELPAD_GUEST:-${XDG_CACHE_HOME:-$HOME/.cache}/gelpad/guest}
 udev= without= share= seconds=120 prepare=
 
-usage() { sed -n '2,/^set/s/^# \{0,1\}//p' "$0" | sed '$d'; }
+usage() { sed -n '2,/^set/s/^# \{0,1\}//p' "$0"; }
 fail() { echo "run-in-guest: $*" >&2; exit 125; }
 
 while [ $# -gt 0 ]; do

@@ -195,7 +195,7 @@ pub(super) struct PlayArgs {
     /// A shipped pad, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
+    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`; `gamepad`: a gamepad or switch instead of a pad
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
     /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
@@ -372,6 +372,8 @@ pub(super) enum SourceArg {
     Serial(String),
     /// A file, in real time.
     Replay(PathBuf),
+    /// Gamepads and switches.
+    Gamepad,
 }
 
 impl std::str::FromStr for SourceArg {
@@ -386,9 +388,12 @@ impl std::str::FromStr for SourceArg {
             ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
             ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
             ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
+            ("gamepad", None) => Ok(Self::Gamepad),
             ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
             ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
-            _ => Err("write simulated, simulated:SCRIPT, serial:PORT or replay:FILE".to_owned()),
+            _ => Err(
+                "write simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
+            ),
         }
     }
 }

@@ -66,6 +66,12 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let checked = resolve::checked(&args.profile, args.user.as_deref())?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
+    if args.source == SourceArg::Gamepad && profile.parts.is_empty() {
+        anyhow::bail!(
+            "the profile {} is not played by a gamepad: none of its bindings has a `from`\n  help: write `from = \"pad:a\"` in a binding, or try the profile super-mario-gamepad",
+            profile.name
+        );
+    }
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
@@ -88,6 +94,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
             SourceArg::Simulated(Some(script)) => format!("simulated pad, {}", script.display()),
             SourceArg::Serial(port) => port.clone(),
             SourceArg::Replay(file) => file.display().to_string(),
+            SourceArg::Gamepad => "gamepad".to_owned(),
         },
         output: device.name().to_owned(),
     };
@@ -116,8 +123,21 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
             Box::new(source?)
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
+        SourceArg::Gamepad => gamepad()?,
         SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
     })
+}
+
+#[cfg(feature = "gilrs")]
+fn gamepad() -> anyhow::Result<Box<dyn Source>> {
+    Ok(Box::new(crate::source::GamepadSource::open()?))
+}
+
+#[cfg(not(feature = "gilrs"))]
+fn gamepad() -> anyhow::Result<Box<dyn Source>> {
+    anyhow::bail!(
+        "this gelpad was built without gamepads\n  help: install libudev-dev, then cargo install --path . --features gilrs"
+    )
 }
 
 fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
