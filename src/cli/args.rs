@@ -198,7 +198,7 @@ pub(super) struct PlayArgs {
     /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`; `gamepad`: a gamepad or switch instead of a pad
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
-    /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
+    /// Where events go
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
     /// What a board sends
@@ -400,8 +400,13 @@ impl std::str::FromStr for SourceArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum OutputArg {
+    /// The best there is, and one line that says why; with the simulated pad: trace
     Auto,
+    /// Keys and mouse of this desktop; of the kernel where there is no display
     Keyboard,
+    /// An Xbox 360 pad, a keyboard and a mouse of the Linux kernel (uinput)
+    Gamepad,
+    /// Events as text on stdout
     Trace,
 }
 

@@ -230,6 +230,6 @@ fn own_pads() -> usize {
         .filter_map(Result::ok)
         .filter(|entry| entry.file_name().to_string_lossy().starts_with("event"))
         .filter_map(|entry| std::fs::read_to_string(entry.path().join("device/phys")).ok())
-        .filter(|phys| phys.trim() == OWN_PHYS)
+        .filter(|phys| phys.trim().as_bytes() == OWN_PHYS.to_bytes())
         .count()
 }

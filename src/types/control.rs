@@ -21,7 +21,7 @@ pub struct Control {
 }
 
 /// Where gelpad's own gamepads say they are plugged in, so that gelpad never plays itself.
-pub const OWN_PHYS: &str = "gelpad/pad";
+pub const OWN_PHYS: &core::ffi::CStr = c"gelpad/pad";
 
 /// A set of buttons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

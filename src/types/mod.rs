@@ -10,6 +10,7 @@ mod event;
 mod fault;
 mod frame;
 mod image;
+mod keys;
 mod method;
 mod names;
 mod touch;
@@ -20,9 +21,10 @@ pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;
 pub use image::{Image, PixelGrid};
+pub use keys::Key;
 pub use method::Method;
 pub(crate) use names::nearest;
-pub use names::{Axis, Button, Key, MouseButton, UnknownName};
+pub use names::{Axis, Button, MouseButton, UnknownName};
 pub use touch::{Contact, Phase, Touch, TouchId};
 
 /// A point on the pad in millimetres: origin at the bottom-left, x to the right, y up.
