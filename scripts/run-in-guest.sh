@@ -22,7 +22,10 @@ cache=${GELPAD_GUEST:-${XDG_CACHE_HOME:-$HOME/.cache}/gelpad/guest}
 udev= without= share= seconds=120 prepare=
 
 usage() { sed -n '2,/^set/s/^# \{0,1\}//p' "$0"; }
-fail() { echo "run-in-guest: $*" >&2; exit 125; }
+fail() {
+  echo "run-in-guest: $*" >&2
+  exit 125
+}
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -130,7 +133,7 @@ ip link set lo up
 if [ -n "$UDEV" ]; then
   mkdir -p /host/run/udev
   [ -e /host/usr/bin/udevadm ] || cp /udev/udevadm /host/usr/bin/
-  [ -e /host/usr/lib/udev/rules.d ] || { mkdir -p /host/usr/lib/udev; cp -r /udev/rules.d /host/usr/lib/udev/; }
+  mkdir -p /host/usr/lib/udev/rules.d; cp /udev/rules.d/* /host/usr/lib/udev/rules.d/
   ln -s /usr/bin/udevadm /host/run/systemd-udevd
   # udev does nothing in what it takes for a container's root.
   export SYSTEMD_IGNORE_CHROOT=1

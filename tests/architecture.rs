@@ -29,6 +29,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
         ],
     ),
+    ("doctor", &["types", "output"]),
     (
         "cli",
         &[
@@ -45,6 +46,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cache",
             "calibrate",
             "study",
+            "doctor",
         ],
     ),
 ];

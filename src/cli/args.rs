@@ -52,6 +52,21 @@ pub(super) enum Command {
     },
     /// Find out how well a pad's touches can be told, and what bounds it
     Accuracy(AccuracyArgs),
+    /// Find out whether this machine can play, and what to do where it cannot
+    Doctor(DoctorArgs),
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad doctor                            each line is ok, or what is wrong and the command that mends it
+  sudo gelpad doctor --install-rule        lets who sits at this machine make gamepads; says first what it will do
+
+Exit code 1 if play would not work. It makes a gamepad for a second, and presses on X11 a key that has no meaning.")]
+pub(super) struct DoctorArgs {
+    /// Write the udev rule for gamepads and FTDI adapters, after saying what will be done
+    #[arg(long)]
+    pub install_rule: bool,
 }
 
 #[derive(Args, Debug)]

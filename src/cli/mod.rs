@@ -7,8 +7,11 @@ mod accuracy;
 mod args;
 mod calibrate;
 mod changes;
+#[cfg(target_os = "linux")]
+mod doctor;
 mod drawing;
 mod exit;
+mod gamepads;
 mod live;
 mod log;
 mod map;
@@ -42,6 +45,10 @@ pub fn main() -> ExitCode {
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
+        #[cfg(target_os = "linux")]
+        Some(Command::Doctor(args)) => doctor::run(&args),
+        #[cfg(not(target_os = "linux"))]
+        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("the doctor knows Linux only")),
     };
     exit::code(outcome)
 }

@@ -13,6 +13,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use super::args::{PlayArgs, SourceArg};
 use super::changes::Changes;
 use super::exit::{self, Ending};
+use super::gamepads::{self, Opened};
 use super::live::{LiveView, Title, Wish};
 use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
@@ -25,7 +26,7 @@ use crate::runtime::{self, Command, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::Method;
+use crate::types::{Button, Method, Output};
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -76,6 +77,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     if let Some(told) = told {
         say(&told);
     }
+    let source = source(device.takes(Output::Button(Button::A)));
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
@@ -104,8 +106,9 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     run(&pad, made, source, device, title, Some(changes))
 }
 
-fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
-    Ok(match &args.source {
+fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
+    let source: Box<dyn Source> = match &args.source {
+        SourceArg::Gamepad => return gamepads::open(),
         SourceArg::Simulated(script_path) => {
             let script = match script_path {
                 Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
@@ -123,21 +126,9 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
             Box::new(source?)
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Gamepad => gamepad()?,
         SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
-    })
-}
-
-#[cfg(feature = "gilrs")]
-fn gamepad() -> anyhow::Result<Box<dyn Source>> {
-    Ok(Box::new(crate::source::GamepadSource::open()?))
-}
-
-#[cfg(not(feature = "gilrs"))]
-fn gamepad() -> anyhow::Result<Box<dyn Source>> {
-    anyhow::bail!(
-        "this gelpad was built without gamepads\n  help: install libudev-dev, then cargo install --path . --features gilrs"
-    )
+    };
+    Ok(Box::new(|_| source))
 }
 
 /// An engine, and what remakes its matrices.
