@@ -60,6 +60,8 @@ pub(super) enum Command {
         #[arg(value_enum)]
         way: WayArg,
     },
+    /// Find out whether this machine can play, and what to do where it cannot
+    Doctor(DoctorArgs),
 }
 
 #[cfg(target_os = "linux")]
@@ -69,6 +71,19 @@ pub(super) enum WayArg {
     X11,
     /// By cutting the connection on standard output
     Cut,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad doctor                            each line is ok, or what is wrong and the command that mends it
+  sudo gelpad doctor --install-rule        lets who sits at this machine make gamepads; says first what it will do
+
+Exit code 1 if play would not work. It makes a gamepad for a second, and presses on X11 a key that has no meaning.")]
+pub(super) struct DoctorArgs {
+    /// Write the udev rule for gamepads and FTDI adapters, after saying what will be done
+    #[arg(long)]
+    pub install_rule: bool,
 }
 
 #[derive(Args, Debug)]
@@ -212,7 +227,7 @@ pub(super) struct PlayArgs {
     /// A shipped pad, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
+    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`; `gamepad`: a gamepad or switch instead of a pad
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
     /// Where events go
@@ -389,6 +404,8 @@ pub(super) enum SourceArg {
     Serial(String),
     /// A file, in real time.
     Replay(PathBuf),
+    /// Gamepads and switches.
+    Gamepad,
 }
 
 impl std::str::FromStr for SourceArg {
@@ -403,9 +420,12 @@ impl std::str::FromStr for SourceArg {
             ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
             ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
             ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
+            ("gamepad", None) => Ok(Self::Gamepad),
             ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
             ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
-            _ => Err("write simulated, simulated:SCRIPT, serial:PORT or replay:FILE".to_owned()),
+            _ => Err(
+                "write simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
+            ),
         }
     }
 }

@@ -8,8 +8,11 @@ mod args;
 mod calibrate;
 mod candidates;
 mod changes;
+#[cfg(target_os = "linux")]
+mod doctor;
 mod drawing;
 mod exit;
+mod gamepads;
 mod live;
 mod log;
 mod map;
@@ -45,6 +48,10 @@ pub fn main() -> ExitCode {
         Some(Command::Accuracy(args)) => accuracy::run(&args),
         #[cfg(target_os = "linux")]
         Some(Command::Watch { way }) => watch(way),
+        #[cfg(target_os = "linux")]
+        Some(Command::Doctor(args)) => doctor::run(&args),
+        #[cfg(not(target_os = "linux"))]
+        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("the doctor knows Linux only")),
     };
     exit::code(outcome)
 }

@@ -13,6 +13,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use super::args::{PlayArgs, SourceArg};
 use super::changes::Changes;
 use super::exit::{self, Ending};
+use super::gamepads::{self, Opened};
 use super::live::{LiveView, Title, Wish};
 use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
@@ -25,7 +26,7 @@ use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::Method;
+use crate::types::{Button, Method, Output};
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -63,6 +64,12 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let checked = resolve::checked(&args.profile, args.user.as_deref())?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
+    if args.source == SourceArg::Gamepad && profile.parts.is_empty() {
+        anyhow::bail!(
+            "the profile {} is not played by a gamepad: none of its bindings has a `from`\n  help: write `from = \"pad:a\"` in a binding, or try the profile super-mario-gamepad",
+            profile.name
+        );
+    }
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
@@ -70,6 +77,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     if let Some(told) = told {
         say(&told);
     }
+    let source = source(device.takes(Output::Button(Button::A)));
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
@@ -88,6 +96,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
             SourceArg::Simulated(Some(script)) => format!("simulated pad, {}", script.display()),
             SourceArg::Serial(port) => port.clone(),
             SourceArg::Replay(file) => file.display().to_string(),
+            SourceArg::Gamepad => "gamepad".to_owned(),
         },
         output: device.name().to_owned(),
     };
@@ -97,8 +106,9 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     run(&pad, made, source, device, title, Some(changes))
 }
 
-fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
-    Ok(match &args.source {
+fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
+    let source: Box<dyn Source> = match &args.source {
+        SourceArg::Gamepad => return gamepads::open(),
         SourceArg::Simulated(script_path) => {
             let script = match script_path {
                 Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
@@ -117,7 +127,8 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
-    })
+    };
+    Ok(Box::new(|_| source))
 }
 
 /// An engine, and what remakes its matrices.
