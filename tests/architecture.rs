@@ -17,6 +17,13 @@ const TABLE: &[(&str, &[&str])] = &[
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
     ("cache", &["types", "pad", "eit", "touch"]),
+    ("session", &["types"]),
+    (
+        "tape",
+        &[
+            "types", "pad", "eit", "touch", "profile", "engine", "session",
+        ],
+    ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
     ("calibrate", &["types", "pad", "eit", "touch"]),
@@ -24,7 +31,8 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "runtime",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
+            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session", "tape",
+            "source", "output",
         ],
     ),
     (
@@ -37,6 +45,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "profile",
             "gesture",
             "engine",
+            "session",
+            "tape",
             "source",
             "output",
             "runtime",

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError};
 
+use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
 use super::{Arrived, Command, Due, EngineReport, NAP, View, nanos};
 use crate::eit::REFERENCE_FRAMES;
@@ -30,6 +31,7 @@ pub(super) struct EngineThread {
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
     pub(super) view: View,
+    pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
     pub(super) latency: Histogram<u64>,
     pub(super) pace: Pace,
@@ -214,6 +216,14 @@ impl EngineThread {
 
     fn input(&mut self, input: &Input, frame_at: Option<Instant>) {
         self.engine.input(input, &mut self.fresh);
+        let step = Step {
+            input,
+            touches: self.engine.touches().down,
+            events: &self.fresh,
+        };
+        for listener in &mut self.listeners {
+            listener.step(&step);
+        }
         for event in self.fresh.drain(..) {
             if self.view.events.len() == VIEW_EVENTS {
                 self.view.events.pop_front();

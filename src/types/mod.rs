@@ -4,6 +4,7 @@
 //! Every stage of the way of a frame is a plain function between two of these types, so this module
 //! imports nothing of ours and everything else imports it.
 
+mod bytes;
 mod colour;
 mod event;
 mod fault;
@@ -13,6 +14,7 @@ mod method;
 mod names;
 mod touch;
 
+pub use bytes::ByteReader;
 pub use colour::heat;
 pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
