@@ -195,10 +195,10 @@ pub(super) struct PlayArgs {
     /// A shipped pad, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
+    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`; `gamepad`: a gamepad or switch instead of a pad
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
-    /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
+    /// Where events go
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
     /// What a board sends
@@ -372,6 +372,8 @@ pub(super) enum SourceArg {
     Serial(String),
     /// A file, in real time.
     Replay(PathBuf),
+    /// Gamepads and switches.
+    Gamepad,
 }
 
 impl std::str::FromStr for SourceArg {
@@ -386,17 +388,25 @@ impl std::str::FromStr for SourceArg {
             ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
             ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
             ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
+            ("gamepad", None) => Ok(Self::Gamepad),
             ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
             ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
-            _ => Err("write simulated, simulated:SCRIPT, serial:PORT or replay:FILE".to_owned()),
+            _ => Err(
+                "write simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
+            ),
         }
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum OutputArg {
+    /// The best there is, and one line that says why; with the simulated pad: trace
     Auto,
+    /// Keys and mouse of this desktop; of the kernel where there is no display
     Keyboard,
+    /// An Xbox 360 pad, a keyboard and a mouse of the Linux kernel (uinput)
+    Gamepad,
+    /// Events as text on stdout
     Trace,
 }
 

@@ -12,6 +12,7 @@ mod exit;
 mod live;
 mod log;
 mod map;
+mod outputs;
 mod pads;
 mod pick;
 mod play;

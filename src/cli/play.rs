@@ -10,21 +10,22 @@ use anyhow::Context as _;
 use hdrhistogram::Histogram;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 
-use super::args::{OutputArg, PlayArgs, SourceArg};
+use super::args::{PlayArgs, SourceArg};
 use super::changes::Changes;
 use super::exit::{self, Ending};
 use super::live::{LiveView, Title, Wish};
+use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
 use super::resolve;
 use crate::engine::Engine;
-use crate::output::{Device, Keyboard, OutputError, Trace};
+use crate::output::{Device, OutputError};
 use crate::pad::{DEFAULT_PAD, Pad};
-use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
+use crate::profile::{DEFAULT_PROFILE, Profile};
 use crate::runtime::{self, Command, Running, Summary};
 use crate::source::serial::SerialSource;
 use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::{Method, Output};
+use crate::types::Method;
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -41,11 +42,7 @@ pub(super) fn level() -> anyhow::Result<Ending> {
     let noise = Noise::new(LEVEL_NOISE.0, LEVEL_NOISE.1);
     let source = SimulatedSource::new(&pad, &script, noise)?;
     let live = can_show();
-    let device: Box<dyn Device> = if live {
-        Box::new(Trace::new(std::io::sink()))
-    } else {
-        Box::new(Trace::new(std::io::stdout()))
-    };
+    let device = outputs::trace(live);
     let title = Title {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
@@ -66,10 +63,19 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let checked = resolve::checked(&args.profile, args.user.as_deref())?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
+    if args.source == SourceArg::Gamepad && profile.parts.is_empty() {
+        anyhow::bail!(
+            "the profile {} is not played by a gamepad: none of its bindings has a `from`\n  help: write `from = \"pad:a\"` in a binding, or try the profile super-mario-gamepad",
+            profile.name
+        );
+    }
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
-    let device = device(args, live)?;
+    let Chosen { device, told } = outputs::open(args.output, &args.source, live)?;
+    if let Some(told) = told {
+        say(&told);
+    }
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
@@ -88,6 +94,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
             SourceArg::Simulated(Some(script)) => format!("simulated pad, {}", script.display()),
             SourceArg::Serial(port) => port.clone(),
             SourceArg::Replay(file) => file.display().to_string(),
+            SourceArg::Gamepad => "gamepad".to_owned(),
         },
         output: device.name().to_owned(),
     };
@@ -116,79 +123,21 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
             Box::new(source?)
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
+        SourceArg::Gamepad => gamepad()?,
         SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
     })
 }
 
-fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
-    let trace = || -> Box<dyn Device> {
-        if live {
-            Box::new(Trace::new(std::io::sink()))
-        } else {
-            Box::new(Trace::new(std::io::stdout()))
-        }
-    };
-    Ok(match (args.output, &args.source) {
-        (OutputArg::Keyboard, _) => Box::new(Keyboard::connect()?),
-        // A demonstration must not type into whatever has the focus.
-        (OutputArg::Trace, _) | (OutputArg::Auto, SourceArg::Simulated(_)) => trace(),
-        (OutputArg::Auto, _) => match Keyboard::connect() {
-            Ok(keyboard) => Box::new(keyboard),
-            Err(error) => {
-                say(&format!("output: trace ({error})"));
-                trace()
-            }
-        },
-    })
+#[cfg(feature = "gilrs")]
+fn gamepad() -> anyhow::Result<Box<dyn Source>> {
+    Ok(Box::new(crate::source::GamepadSource::open()?))
 }
 
-/// What a device has, asked before it is handed over.
-struct Takes {
-    device: &'static str,
-    keys: bool,
-    pads: bool,
-    mice: bool,
-}
-
-impl Takes {
-    fn of(device: &dyn Device) -> Self {
-        let takes = |name: &str| name.parse().is_ok_and(|output| device.takes(output));
-        Self {
-            device: device.name(),
-            keys: takes("key:a"),
-            pads: takes("pad:a"),
-            mice: takes("mouse:left"),
-        }
-    }
-
-    /// What a profile drives and the device does not have, as a message.
-    fn lacking(&self, profile: &Profile) -> Option<String> {
-        let pressed = profile.outputs.iter().find(|output| !match output {
-            Output::Key(_) => self.keys,
-            Output::Button(_) => self.pads,
-            Output::Mouse(_) => self.mice,
-        });
-        let moved = || {
-            profile
-                .bindings
-                .iter()
-                .find_map(|binding| match binding.gesture {
-                    Gesture::Stick(_) | Gesture::Trigger(_) if !self.pads => {
-                        Some(profile.outputs_of(binding))
-                    }
-                    Gesture::Pointer(_) if !self.mice => Some(profile.outputs_of(binding)),
-                    _ => None,
-                })
-        };
-        let what = match pressed {
-            Some(output) => format!("presses {output}"),
-            None => format!("moves {}", moved()?),
-        };
-        Some(format!(
-            "the profile {} {what}, which the {} does not have\n  help: bind a key (key:NAME), or choose another --output",
-            profile.name, self.device
-        ))
-    }
+#[cfg(not(feature = "gilrs"))]
+fn gamepad() -> anyhow::Result<Box<dyn Source>> {
+    anyhow::bail!(
+        "this gelpad was built without gamepads\n  help: install libudev-dev, then cargo install --path . --features gilrs"
+    )
 }
 
 /// An engine, and what remakes its matrices.

@@ -35,7 +35,7 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
                 }
             }
             Ok(Reading::End) => break Ok(Ending::Done),
-            Ok(Reading::Skipped { .. } | Reading::Idle) => {}
+            Ok(Reading::Control(_) | Reading::Skipped { .. } | Reading::Idle) => {}
             Err(error) => break Err(error.into()),
         }
     };

@@ -157,19 +157,18 @@ fn region_key(entries: &Entries) -> String {
     words(entries.values.get("name"))
 }
 
-/// What a binding binds: region, gesture, direction and layer.
+/// What a binding binds: region (or what it is played from, where it has none), gesture, direction and layer.
 fn binding_key(entries: &Entries) -> String {
     let gesture = match words(entries.values.get("gesture")) {
         none if none.is_empty() => "press".to_owned(),
         gesture => gesture,
     };
     let word = |key| words(entries.values.get(key));
-    format!(
-        "{}/{gesture}/{}/{}",
-        word("region"),
-        word("direction"),
-        word("layer")
-    )
+    let place = match word("region") {
+        none if none.is_empty() => word("from"),
+        region => region,
+    };
+    format!("{place}/{gesture}/{}/{}", word("direction"), word("layer"))
 }
 
 fn words(value: Option<&Value>) -> String {

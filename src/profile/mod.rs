@@ -34,7 +34,7 @@ pub use shipped::{
     DEFAULT_PROFILE, SHIPPED_PROFILES, SHIPPED_USERS, ShippedProfile, shipped_profile, shipped_user,
 };
 
-use crate::types::{Faulty, Method, Output, PointMm};
+use crate::types::{Faulty, Method, Output, Part, PointMm};
 
 /// A checked profile.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,8 @@ pub struct Profile {
     pub settings: Settings,
     /// Regions, topmost first: where they overlap, the first in the list takes the touch.
     pub regions: Vec<Region>,
+    /// Every part of a gamepad or switch that some binding is played by, once.
+    pub parts: Vec<Part>,
     /// Every output that some binding drives, once.
     pub outputs: Vec<Output>,
     /// Names of the layers that bindings lie on.

@@ -30,7 +30,7 @@ use crate::output::{Device, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Image, Nanos, Output, Touch};
 use emit::output_thread;
 use feed::source_thread;
 use rebuild::Rebuilder;
@@ -130,8 +130,23 @@ struct Threads {
 }
 
 struct Arrived {
-    frame: Frame,
+    what: Arrival,
     at: Instant,
+}
+
+/// What a source gives.
+enum Arrival {
+    Frame(Frame),
+    Control(Control),
+}
+
+impl Arrival {
+    fn t_ns(&self) -> Nanos {
+        match self {
+            Self::Frame(frame) => frame.t_ns,
+            Self::Control(control) => control.t_ns,
+        }
+    }
 }
 
 struct Due {

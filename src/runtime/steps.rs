@@ -10,11 +10,11 @@ use rtrb::{Consumer, Producer, PushError};
 
 use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
-use super::{Arrived, Command, Due, EngineReport, NAP, View, nanos};
+use super::{Arrival, Arrived, Command, Due, EngineReport, NAP, View, nanos};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
-use crate::types::{Event, Nanos};
+use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -53,7 +53,11 @@ impl EngineThread {
             self.take_losses();
             self.take_controls();
             if let Ok(arrived) = self.frames.pop() {
-                self.frame(arrived);
+                let Arrived { what, at } = arrived;
+                match what {
+                    Arrival::Frame(frame) => self.frame(frame, at),
+                    Arrival::Control(control) => self.control(&control, at),
+                }
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
                 break;
             } else {
@@ -100,8 +104,18 @@ impl EngineThread {
         }
     }
 
-    fn frame(&mut self, arrived: Arrived) {
-        let Arrived { frame, at } = arrived;
+    /// A gamepad's state: it has no image, and is no frame to be counted.
+    fn control(&mut self, control: &Control, at: Instant) {
+        self.silent = false;
+        self.first_ns.get_or_insert(control.t_ns);
+        self.last_frame = Some((control.t_ns, at));
+        self.view.t_ns = control.t_ns;
+        self.input(&Input::Control(*control), Some(at));
+        self.latency.saturating_record(nanos(at.elapsed()));
+        self.publish();
+    }
+
+    fn frame(&mut self, frame: Frame, at: Instant) {
         if self.silent {
             self.silent = false;
             tracing::warn!("the board sends again");

@@ -3,6 +3,7 @@
 mod binding;
 mod gesture;
 mod macros;
+mod part;
 mod region;
 mod settings;
 mod target;
@@ -145,6 +146,7 @@ impl Check {
             method: self.word::<Method>(top, "method", super::Table::Profile),
             settings,
             regions,
+            parts: Vec::new(),
             outputs: Vec::new(),
             layers: self.layers(&text.bindings),
             bindings: Vec::new(),
@@ -180,7 +182,8 @@ fn origins(text: &super::text::Text, sources: &[Source]) -> Vec<Origin> {
         let name = entries
             .values
             .get("name")
-            .or_else(|| entries.values.get("region"));
+            .or_else(|| entries.values.get("region"))
+            .or_else(|| entries.values.get("from"));
         Origin {
             key: format!("{kind} {}", name.map_or(String::new(), written)),
             value: String::new(),
