@@ -19,7 +19,11 @@ pub(super) struct Chosen {
 ///
 /// # Errors
 /// What was asked for cannot be opened.
-pub(super) fn open(output: OutputArg, source: &SourceArg, live: bool) -> Result<Chosen, OutputError> {
+pub(super) fn open(
+    output: OutputArg,
+    source: &SourceArg,
+    live: bool,
+) -> Result<Chosen, OutputError> {
     let told = None;
     let device: Box<dyn Device> = match (output, source) {
         (OutputArg::Trace, _) => trace(live),

@@ -4,12 +4,14 @@
 //! no key down.
 
 mod trace;
+mod tuio;
 #[cfg(target_os = "linux")]
 pub mod uinput;
 #[cfg(target_os = "linux")]
 mod x11;
 
 pub use trace::Trace;
+pub use tuio::{Tuio, TuioError};
 #[cfg(target_os = "linux")]
 pub use uinput::Uinput;
 #[cfg(target_os = "linux")]

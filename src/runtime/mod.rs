@@ -15,6 +15,7 @@ mod listen;
 mod rebuild;
 mod record;
 mod steps;
+mod touches;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -38,6 +39,7 @@ use steps::EngineThread;
 
 pub use listen::{Listener, Step};
 pub use record::{RecordError, RecordReport, Recorder, record};
+pub use touches::send_touches;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;

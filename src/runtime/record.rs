@@ -245,15 +245,18 @@ impl Tape {
     }
 
     fn end(mut self) -> RecordReport {
-        let Some(mut writer) = self.writer.take() else {
+        let Some(writer) = self.writer.take() else {
             return self.report;
         };
-        if let Err(error) = writer.finish().and_then(|()| writer.flush()) {
-            drop(writer);
-            self.give_up(&error.reason());
+        // A file without an end is whole up to there: nothing that was played is missing.
+        let finished = writer.finish().map_err(|error| error.reason());
+        let flushed =
+            finished.and_then(|file| file.into_inner().map_err(|error| error.to_string()));
+        if let Err(why) = flushed {
+            tracing::warn!("{}: left without an end: {why}", self.path.display());
+            let _ = self.file.set_len(self.whole);
             return self.report;
         }
-        drop(writer);
         if let Err(error) = session::pack(&self.path) {
             tracing::warn!("{}: left unpacked: {error}", self.path.display());
         }

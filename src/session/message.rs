@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::volts::{self, MOST_FRAMES, Packer, Unpacker};
-use crate::types::{Action, Event, Frame, Nanos, Output, Phase, Touch};
+use crate::types::{Action, Axis, Buttons, Control, Event, Frame, Nanos, Output, Phase, Touch};
 
 /// No time of a source comes near this: thirty years.
 const LATEST_NS: Nanos = 1_000_000_000_000_000_000;
@@ -43,6 +43,8 @@ pub enum Message {
     Touches(Touches),
     /// What came of an input: an event.
     Event(Event),
+    /// Input: what gamepads and switches say.
+    Control(Control),
 }
 
 /// A time.
@@ -171,9 +173,9 @@ pub fn touches_sum(touches: &[Touch]) -> u32 {
 }
 
 /// Topics, in the order of their channels' numbers.
-pub const TOPICS: [&str; 11] = [
+pub const TOPICS: [&str; 12] = [
     "/frames", "/tick", "/profile", "/pause", "/matrix", "/rezero", "/lost", "/end", "/gap",
-    "/touches", "/event",
+    "/touches", "/event", "/control",
 ];
 
 /// Bytes that are no message of their topic.
@@ -202,6 +204,7 @@ impl Message {
             Self::Gap(_) => 8,
             Self::Touches(_) => 9,
             Self::Event(_) => 10,
+            Self::Control(_) => 11,
         }
     }
 
@@ -214,6 +217,7 @@ impl Message {
             Self::Profile(texts) => Some(texts.t_ns),
             Self::Touches(touches) => Some(touches.t_ns),
             Self::Event(event) => Some(event.t_ns),
+            Self::Control(control) => Some(control.t_ns),
             Self::Matrix(_) | Self::Lost(_) | Self::Gap(_) => None,
         }
     }
@@ -230,6 +234,7 @@ impl Message {
             Self::Gap(gap) => json(gap),
             Self::Touches(touches) => json(touches),
             Self::Event(event) => json(&EventLine::of(event)),
+            Self::Control(control) => json(&ControlLine::of(control)),
         }
     }
 
@@ -264,6 +269,11 @@ impl Message {
             "/event" => Self::Event(
                 read::<EventLine>(bytes)
                     .and_then(|line| line.event())
+                    .map_err(bad)?,
+            ),
+            "/control" => Self::Control(
+                read::<ControlLine>(bytes)
+                    .and_then(|line| line.control())
                     .map_err(bad)?,
             ),
             _ => return Ok(None),
@@ -397,6 +407,41 @@ impl EventLine {
     }
 }
 
+/// A gamepad's whole state.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ControlLine {
+    t_ns: Nanos,
+    present: bool,
+    /// A bit a button, in the order of `Button::ALL`.
+    buttons: u16,
+    /// In the order of `Axis::ALL`.
+    axes: [f32; Axis::ALL.len()],
+}
+
+impl ControlLine {
+    fn of(control: &Control) -> Self {
+        Self {
+            t_ns: control.t_ns,
+            present: control.present,
+            buttons: control.buttons.bits(),
+            axes: control.axes,
+        }
+    }
+
+    fn control(self) -> Result<Control, String> {
+        if self.axes.iter().any(|value| !(-1.0..=1.0).contains(value)) {
+            return Err("an axis out of range".to_owned());
+        }
+        Ok(Control {
+            t_ns: self.t_ns,
+            present: self.present,
+            buttons: Buttons::from_bits(self.buttons),
+            axes: self.axes,
+        })
+    }
+}
+
 fn json(value: &impl Serialize) -> Vec<u8> {
     // Plain structs of numbers, texts and lists: nothing in them can fail.
     serde_json::to_vec(value).unwrap_or_default()
@@ -424,7 +469,7 @@ mod tests {
             let action = match kind {
                 0 => Action::Press("key:f".parse().expect("a key")),
                 1 => Action::Release("pad:left-shoulder".parse().expect("a button")),
-                2 => Action::Axis(crate::types::Axis::LeftY, value),
+                2 => Action::Axis(Axis::LeftY, value),
                 3 => Action::Motion { dx, dy },
                 _ => Action::Wheel { dx, dy },
             };

@@ -1,7 +1,7 @@
 //! Copies a recording: packed when it has ended, or as much of a damaged one as can be read.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Seek, Write as _};
+use std::io::{BufReader, BufWriter, Read, Seek};
 use std::path::Path;
 
 use super::message::{Gap, Message};
@@ -95,9 +95,8 @@ fn copy_into<R: Read + Seek>(
     setup: &Setup,
     to: &Path,
 ) -> Result<Salvage, CopyError> {
-    let mut file = BufWriter::new(File::create(to)?);
     let mut salvage = Salvage::default();
-    let mut writer = Writer::packed(&mut file, setup)?;
+    let mut writer = Writer::packed(BufWriter::new(File::create(to)?), setup)?;
     let mut known_losses = 0;
     while let Some(message) = reader.next()? {
         let (losses, _) = reader.losses();
@@ -123,9 +122,7 @@ fn copy_into<R: Read + Seek>(
             _ => salvage.inputs += 1,
         }
     }
-    writer.finish()?;
-    drop(writer);
-    file.flush()?;
+    let file = writer.finish()?;
     file.into_inner()
         .map_err(std::io::IntoInnerError::into_error)?
         .sync_all()?;

@@ -1,7 +1,7 @@
 //! The JSON schema of each topic: what MCAP tools show fields by.
 
 /// Schema of each of [`super::TOPICS`], as name and text.
-pub(super) const SCHEMAS: [(&str, &str); 11] = [
+pub(super) const SCHEMAS: [(&str, &str); 12] = [
     (
         "gelpad.Frames",
         r#"{"type":"object","description":"Readings of the pad as received: t_ns of the first frame, dt_ns from each to the next, volts: f32 values, see docs/recordings.md","properties":{"t_ns":{"type":"integer"},"dt_ns":{"type":"array","items":{"type":"integer"}},"volts":{"type":"string","contentEncoding":"base64"}}}"#,
@@ -45,5 +45,9 @@ pub(super) const SCHEMAS: [(&str, &str); 11] = [
     (
         "gelpad.Event",
         r#"{"type":"object","description":"What a device was told","properties":{"t_ns":{"type":"integer"},"action":{"type":"string","enum":["press","release","axis","motion","wheel"]},"target":{"type":"string"},"value":{"type":"number"},"dx":{"type":"integer"},"dy":{"type":"integer"}}}"#,
+    ),
+    (
+        "gelpad.Control",
+        r#"{"type":"object","description":"What gamepads and switches say","properties":{"t_ns":{"type":"integer"},"present":{"type":"boolean"},"buttons":{"type":"integer"},"axes":{"type":"array","items":{"type":"number"}}}}"#,
     ),
 ];

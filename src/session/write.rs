@@ -192,10 +192,10 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub fn finish(&mut self) -> Result<(), WriteError> {
+    pub fn finish(mut self) -> Result<W, WriteError> {
         self.end_block()?;
         self.file.finish()?;
-        Ok(())
+        Ok(self.file.into_inner())
     }
 
     fn pack(&mut self, frame: &Frame) -> Result<(), WriteError> {

@@ -12,6 +12,7 @@ use crate::types::Nanos;
 pub fn message_of(input: &Input) -> Option<Message> {
     Some(match input {
         Input::Frame(frame) => Message::Frames(vec![frame.clone()]),
+        Input::Control(control) => Message::Control(*control),
         Input::Tick { due_ns } => Message::Tick(At { t_ns: *due_ns }),
         Input::Profile { t_ns, profile } => Message::Profile(texts_of(profile, *t_ns)),
         Input::Pause { t_ns } => Message::Pause(At { t_ns: *t_ns }),

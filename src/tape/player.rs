@@ -82,6 +82,7 @@ impl<R: Read + Seek> Player<R> {
                 self.frames = frames.into();
                 return self.next();
             }
+            Message::Control(control) => Input::Control(control),
             Message::Tick(at) => Input::Tick { due_ns: at.t_ns },
             Message::Profile(texts) => {
                 let checked = read_texts(&texts).read().map_err(|faulty| {
@@ -187,6 +188,7 @@ fn strange(what: String) -> PlayerError {
 fn time_of(input: &Input) -> Option<Nanos> {
     match input {
         Input::Frame(frame) => Some(frame.t_ns),
+        Input::Control(control) => Some(control.t_ns),
         Input::Tick { due_ns: t_ns }
         | Input::Profile { t_ns, .. }
         | Input::Pause { t_ns }

@@ -122,7 +122,10 @@ mod tests {
     #[test]
     fn every_key_is_listed_once_and_has_a_keycode_of_x11() {
         let all: Vec<Key> = Key::all().collect();
-        assert!(all.is_sorted() && all.len() == KEYS.len() - 1, "`return` is `enter`");
+        assert!(
+            all.is_sorted() && all.len() == KEYS.len() - 1,
+            "`return` is `enter`"
+        );
         assert!(all.windows(2).all(|pair| pair[0] != pair[1]));
         assert!(all.iter().all(|key| key.evdev_code() + X11_OFFSET <= 255));
     }

@@ -18,9 +18,7 @@ pub(super) struct Keyboard {
 
 impl Keyboard {
     pub(super) fn create() -> io::Result<Self> {
-        let keys: AttributeSet<KeyCode> = Key::all()
-            .map(|key| KeyCode(key.evdev_code()))
-            .collect();
+        let keys: AttributeSet<KeyCode> = Key::all().map(|key| KeyCode(key.evdev_code())).collect();
         let device = builder()?
             .name(NAME)
             .input_id(InputId::new(BusType::BUS_VIRTUAL, 0, 0, 1))

@@ -10,7 +10,12 @@ pub(super) struct Report {
 
 impl Report {
     /// Adds a change; gives the report so far if it must go out first, because it has that key already.
-    pub(super) fn add(&mut self, kind: EventType, code: u16, value: i32) -> Option<Vec<InputEvent>> {
+    pub(super) fn add(
+        &mut self,
+        kind: EventType,
+        code: u16,
+        value: i32,
+    ) -> Option<Vec<InputEvent>> {
         let known = self
             .changes
             .iter()
@@ -48,7 +53,10 @@ mod tests {
     use super::*;
 
     fn told(changes: &[InputEvent]) -> Vec<(u16, i32)> {
-        changes.iter().map(|change| (change.code(), change.value())).collect()
+        changes
+            .iter()
+            .map(|change| (change.code(), change.value()))
+            .collect()
     }
 
     #[test]
@@ -60,7 +68,9 @@ mod tests {
         assert!(report.add(EventType::RELATIVE, 30, -1).is_none());
         assert!(report.add(EventType::ABSOLUTE, 0, 100).is_none());
         assert!(report.add(EventType::ABSOLUTE, 0, 90).is_none());
-        let first = report.add(EventType::KEY, 30, 0).expect("must go out first");
+        let first = report
+            .add(EventType::KEY, 30, 0)
+            .expect("must go out first");
         assert_eq!(told(&first), [(30, 1), (31, 1), (30, 3), (0, 90)]);
         assert_eq!(told(&report.take()), [(30, 0)]);
         assert!(report.is_empty());

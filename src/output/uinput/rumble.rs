@@ -141,7 +141,9 @@ impl Motors {
                     self.effects.remove(&(erase.effect_id() as u16));
                     erase.set_retval(0);
                 }
-                EventSummary::ForceFeedback(_, effect, value) => self.play(effect.0, value == PLAYING),
+                EventSummary::ForceFeedback(_, effect, value) => {
+                    self.play(effect.0, value == PLAYING)
+                }
                 _ => {}
             }
         }
@@ -170,7 +172,10 @@ impl Motors {
     }
 }
 
-#[allow(clippy::disallowed_methods, reason = "a game gives the length of an effect by the clock")]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "a game gives the length of an effect by the clock"
+)]
 fn now() -> Instant {
     Instant::now()
 }
