@@ -13,9 +13,12 @@
 mod emit;
 mod feed;
 mod latency;
+mod listen;
 mod rebuild;
+mod record;
 mod schedule;
 mod steps;
+mod touches;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -38,6 +41,10 @@ use latency::EngineTimes;
 pub use latency::{Emitted, Spread, Stages};
 use rebuild::Rebuilder;
 use steps::EngineThread;
+
+pub use listen::{Listener, Step};
+pub use record::{RecordError, RecordReport, Recorder, record};
+pub use touches::send_touches;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -210,6 +217,20 @@ pub fn start(
     source: Box<dyn Source>,
     device: Box<dyn Device>,
 ) -> std::io::Result<Running> {
+    start_with(engine, builder, source, device, Vec::new())
+}
+
+/// The same, and listeners are told of every step of the engine.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_with(
+    engine: Engine,
+    builder: SensingBuilder,
+    source: Box<dyn Source>,
+    device: Box<dyn Device>,
+    listeners: Vec<Box<dyn Listener>>,
+) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
     let lost = Arc::new(AtomicU64::new(0));
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
@@ -253,6 +274,7 @@ pub fn start(
             output: to_output,
             views: views_in,
             view: blank,
+            listeners,
             fresh: Vec::new(),
             times: EngineTimes::new(),
             emitted,

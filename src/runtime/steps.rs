@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use rtrb::{Consumer, Producer, PushError};
 
 use super::latency::{Emitted, EngineTimes};
+use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
 use super::schedule::Due;
 use super::{Arrival, Arrived, Command, EngineReport, NAP, View, nanos, now};
@@ -31,6 +32,7 @@ pub(super) struct EngineThread {
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
     pub(super) view: View,
+    pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
     pub(super) times: EngineTimes,
     /// What the output's thread tells.
@@ -252,6 +254,14 @@ impl EngineThread {
             }
             _ => frame_at.unwrap_or(made),
         };
+        let step = Step {
+            input,
+            touches: self.engine.touches().down,
+            events: &self.fresh,
+        };
+        for listener in &mut self.listeners {
+            listener.step(&step);
+        }
         let count = self.fresh.len();
         for (index, event) in self.fresh.drain(..).enumerate() {
             if self.view.events.len() == VIEW_EVENTS {
