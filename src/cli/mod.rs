@@ -7,8 +7,10 @@ mod accuracy;
 mod args;
 mod calibrate;
 mod changes;
+mod device;
 mod drawing;
 mod exit;
+mod listen;
 mod live;
 mod log;
 mod map;
@@ -36,6 +38,8 @@ pub fn main() -> ExitCode {
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
+        Some(Command::Listen(args)) => listen::listen(&args),
+        Some(Command::Device(args)) => device::device(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),

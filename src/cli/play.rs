@@ -1,7 +1,6 @@
 //! `gelpad play`, and the level that plays without arguments.
 
 use std::io::IsTerminal as _;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -22,7 +21,7 @@ use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
 use crate::runtime::{self, Command, Running, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
+use crate::source::{LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError, open_file};
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, Output};
 
@@ -115,8 +114,13 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
             }
             Box::new(source?)
         }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
     })
 }
 
@@ -361,12 +365,12 @@ fn counted(count: u64, what: &str) -> String {
 const ENDINGS: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
 
 /// Signals as flags.
-struct Signals {
+pub(super) struct Signals {
     received: [Arc<AtomicBool>; ENDINGS.len()],
 }
 
 impl Signals {
-    fn listen() -> anyhow::Result<Self> {
+    pub(super) fn listen() -> anyhow::Result<Self> {
         let any = Arc::new(AtomicBool::new(false));
         let received = ENDINGS.map(|_| Arc::new(AtomicBool::new(false)));
         for (signal, flag) in ENDINGS.into_iter().zip(&received) {
@@ -382,7 +386,7 @@ impl Signals {
         Ok(Self { received })
     }
 
-    fn received(&self) -> Option<i32> {
+    pub(super) fn received(&self) -> Option<i32> {
         let index = self
             .received
             .iter()

@@ -9,14 +9,14 @@ use super::args::{PrintArg, ReplayArgs};
 use super::exit::Ending;
 use super::resolve;
 use crate::engine::{Engine, Input};
-use crate::source::{FramesCsv, Reading, Source as _};
+use crate::source::{Reading, open_file};
 use crate::types::{Event, Frame, Touch, ms_from_nanos};
 
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     let pad = resolve::pad(&args.pad)?;
     let profile = resolve::profile(&args.profile, args.user.as_deref())?;
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
-    let mut source = FramesCsv::open(&args.file, pad.channels())?;
+    let mut source = open_file(&args.file, &pad)?;
     let method = resolve::method(args.method, &profile, &pad);
     let builder = resolve::sensing(&pad, method)?;
     let mut engine = Engine::new(&pad, Arc::new(builder.first()?), profile).corrected(correction);
@@ -35,7 +35,7 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
                 }
             }
             Ok(Reading::End) => break Ok(Ending::Done),
-            Ok(Reading::Skipped { .. } | Reading::Idle) => {}
+            Ok(Reading::Skipped { .. } | Reading::Gone { .. } | Reading::Idle) => {}
             Err(error) => break Err(error.into()),
         }
     };

@@ -129,6 +129,15 @@ struct Arrived {
     at: Instant,
 }
 
+/// What the source tells the engine beside frames.
+#[derive(Default)]
+struct Losses {
+    /// Frames that were lost since the engine last looked.
+    frames: AtomicU64,
+    /// The board went away behind the frames that are queued.
+    gone: AtomicBool,
+}
+
 struct Due {
     event: Event,
     /// Arrival of the frame that caused it; none for a tick.
@@ -165,7 +174,7 @@ pub fn start(
     device: Box<dyn Device>,
 ) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
-    let lost = Arc::new(AtomicU64::new(0));
+    let losses = Arc::new(Losses::default());
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
@@ -189,7 +198,7 @@ pub fn start(
         .name("output".to_owned())
         .spawn(move || output_thread(device, events_out))?;
     let to_output = output.thread().clone();
-    let lost_frames = Arc::clone(&lost);
+    let engine_losses = Arc::clone(&losses);
     let engine = Builder::new().name("engine".to_owned()).spawn(move || {
         // Without a thread to build on, play goes on as it is.
         let rebuilder = Rebuilder::start(builder, std::thread::current());
@@ -198,7 +207,7 @@ pub fn start(
             rebuilder: rebuilder.ok(),
             frames: frames_out,
             commands: commands_out,
-            lost: lost_frames,
+            losses: engine_losses,
             events: events_in,
             output: to_output,
             views: views_in,
@@ -218,7 +227,7 @@ pub fn start(
     let stopping = Arc::clone(&stop);
     let source = Builder::new()
         .name("source".to_owned())
-        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
+        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &losses))?;
     Ok(Running {
         stop,
         commands: commands_in,
