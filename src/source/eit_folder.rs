@@ -34,7 +34,8 @@ impl EitFolder {
                     problem: error.to_string(),
                 }
             })?;
-        tracing::warn!(
+        tracing::info!(
+            target: "gelpad::told",
             "{}: {} frames, {} frames/s; {}",
             path.display(),
             paths.len(),

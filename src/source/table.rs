@@ -50,7 +50,8 @@ impl FramesTable {
                 line,
                 problem,
             })?;
-        tracing::warn!(
+        tracing::info!(
+            target: "gelpad::told",
             "{}: {} frames at {FRAMES_PER_S} frames/s, as tables have no times; {told}",
             path.display(),
             frames.len()

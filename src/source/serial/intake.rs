@@ -75,7 +75,7 @@ impl Intake {
                 Decoded::Garbled { reason, .. } => {
                     tracing::debug!("before the first frame: {reason}")
                 }
-                Decoded::Note(text) => tracing::warn!("{text}"),
+                Decoded::Note(text) => tracing::info!(target: "gelpad::told", "{text}"),
             }
         }
         self.decoded = decoded;
@@ -141,7 +141,7 @@ impl Intake {
             &self.pad,
         )
         .map_err(SourceError::Arrangement)?;
-        tracing::warn!("{}", found.told());
+        tracing::info!(target: "gelpad::told", "{}", found.told());
         let had_one = self.arrangement.is_some();
         for (frame, arrived_ns) in std::mem::take(&mut self.unsure) {
             let volts = found.apply(&frame.values);
