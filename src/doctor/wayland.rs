@@ -125,3 +125,81 @@ pub(super) fn judge(compositor: &Compositor, built_in: bool) -> Line {
         .mend("install libxkbcommon-dev, then cargo install --path . --features wayland"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::net::UnixListener;
+
+    use super::*;
+    use crate::doctor::State;
+
+    fn message(object: u32, opcode: u32, body: &[u8]) -> Vec<u8> {
+        let size = (8 + body.len()) as u32;
+        let words = [object, size << 16 | opcode].map(u32::to_ne_bytes);
+        [words.concat().as_slice(), body].concat()
+    }
+
+    fn global(number: u32, name: &str) -> Vec<u8> {
+        let length = name.len() + 1;
+        let mut body = [number, length as u32].map(u32::to_ne_bytes).concat();
+        body.extend(name.bytes());
+        body.resize(8 + length.next_multiple_of(4), 0);
+        body.extend(1_u32.to_ne_bytes());
+        message(REGISTRY, 0, &body)
+    }
+
+    /// A desktop that offers some protocols, as the format's description says.
+    fn asked(offered: &[&str]) -> Compositor {
+        let folder = tempfile::tempdir().expect("a folder");
+        let listener = UnixListener::bind(folder.path().join("wayland-9")).expect("a socket");
+        let mut said: Vec<u8> = offered
+            .iter()
+            .zip(1..)
+            .flat_map(|(name, i)| global(i, name))
+            .collect();
+        said.extend(message(CALLBACK, 0, &7_u32.to_ne_bytes()));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let (mut stream, _) = listener.accept().expect("someone");
+                stream.write_all(&said).expect("told");
+                // Until it has read everything.
+                let _ = stream.read(&mut [0; 64]);
+                let _ = stream.read(&mut [0; 64]);
+            });
+            let settings = [
+                ("WAYLAND_DISPLAY", "wayland-9"),
+                ("XDG_RUNTIME_DIR", folder.path().to_str().expect("a path")),
+            ];
+            look(&Machine::under(std::path::Path::new("/"), &settings))
+        })
+    }
+
+    #[test]
+    fn a_desktop_takes_keys_if_it_offers_the_protocol() {
+        let sway = asked(&["wl_compositor", PROTOCOL, "wl_seat"]);
+        assert_eq!(sway, Compositor::Works("wayland-9".to_owned()));
+        assert_eq!(judge(&sway, true).state, State::Ok);
+        let unbuilt = judge(&sway, false);
+        assert!(
+            unbuilt
+                .mend
+                .is_some_and(|mend| mend.contains("--features wayland"))
+        );
+        let weston = asked(&["wl_compositor", "wl_seat"]);
+        let line = judge(&weston, true);
+        assert!(line.state == State::Wrong && line.found.contains(PROTOCOL));
+        assert!(
+            line.mend
+                .is_some_and(|mend| mend.contains("--install-rule"))
+        );
+    }
+
+    #[test]
+    fn a_desktop_that_is_gone_is_told_from_none() {
+        let nowhere = [("WAYLAND_DISPLAY", "/nowhere/at-all")];
+        let gone = look(&Machine::under(std::path::Path::new("/"), &nowhere));
+        assert_eq!(judge(&gone, true).state, State::Wrong);
+        let none = look(&Machine::under(std::path::Path::new("/"), &[]));
+        assert_eq!(judge(&none, true).state, State::Note);
+    }
+}

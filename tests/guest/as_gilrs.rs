@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use gelpad::output::Uinput;
 use gelpad::types::{Action, Axis, Button, Output};
 use gilrs::{EventType, Gilrs};
 
 use crate::pad::{cases, send};
 
+const TRIGGERS: [gilrs::Button; 2] = [gilrs::Button::LeftTrigger2, gilrs::Button::RightTrigger2];
 /// Longest wait for one event: the guest is slow, and a missing one must not hang.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -33,20 +34,22 @@ pub fn read() -> Result<()> {
     for case in cases() {
         send(&mut pad, case.action)?;
         wait(&mut gilrs, |event| is(event, case.action))
-            .map_err(|error| error.context(format!("{:?}", case.action)))?;
+            .with_context(|| format!("{:?}", case.action))?;
     }
     drop(pad);
     wait(&mut gilrs, |event| *event == EventType::Disconnected)?;
     Ok(())
 }
 
-/// Waits for an event of a kind; others that come before it must be of no button.
+/// Waits for an event of a kind; others that come before it must be of no button but a trigger, which is one too.
 fn wait(gilrs: &mut Gilrs, is_it: impl Fn(&EventType) -> bool) -> Result<()> {
     while let Some(event) = gilrs.next_event_blocking(Some(PATIENCE)) {
         if is_it(&event.event) {
             return Ok(());
         }
-        if let EventType::ButtonPressed(button, _) = event.event {
+        if let EventType::ButtonPressed(button, _) = event.event
+            && !TRIGGERS.contains(&button)
+        {
             bail!("{button:?} was pressed instead");
         }
     }

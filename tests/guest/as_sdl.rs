@@ -44,8 +44,9 @@ pub fn read() -> Result<()> {
     let mut pad = Uinput::create()?;
     let mut reader = Reader::start()?;
     let name = reader.line()?;
+    // Which of the two depends on the list of pads that the library came with.
     ensure!(
-        name == "Xbox 360 Controller",
+        ["Xbox 360 Controller", "X360 Controller"].contains(&name.as_str()),
         "SDL2 takes the pad for a {name}"
     );
     for case in cases() {

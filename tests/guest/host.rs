@@ -13,10 +13,24 @@ const WITHOUT_GILRS: &str = "built without the feature gilrs";
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
 
 /// How a guest is to be.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Guest {
     /// udev runs in it.
     pub udev: bool,
+    /// A module that is not loaded.
+    pub without: Option<&'static str>,
+    /// It is given up after so long.
+    pub timeout_s: u32,
+}
+
+impl Default for Guest {
+    fn default() -> Self {
+        Self {
+            udev: false,
+            without: None,
+            timeout_s: 300,
+        }
+    }
 }
 
 impl Guest {
@@ -38,14 +52,19 @@ impl Guest {
             .clone()
     }
 
-    /// Runs a part of this program in it.
+    /// Runs a part of this program in it; it must go well.
+    #[allow(dead_code)]
     pub fn inside(self, part: &str) -> Result<()> {
         let own = std::env::current_exe().context("which program is this?")?;
-        self.run(&[own.to_str().context("an odd path")?, "--inside", part])
+        let said = self.run(&[own.to_str().context("an odd path")?, "--inside", part])?;
+        let Said { code, out, err } = &said;
+        println!("{out}");
+        ensure!(*code == 0, "exit code {code}\n{out}\n{err}");
+        Ok(())
     }
 
-    /// Runs a command in it; its exit code must be 0.
-    pub fn run(self, command: &[&str]) -> Result<()> {
+    /// Runs a command in it.
+    pub fn run(self, command: &[&str]) -> Result<Said> {
         let mut run = Command::new(SCRIPT);
         if self.udev {
             run.arg("--udev");
@@ -53,17 +72,39 @@ impl Guest {
             // Without it gilrs looks for devices by itself.
             run.env("GILRS_DISABLE_UDEV", "1");
         }
-        run.args(["--share", env!("CARGO_TARGET_TMPDIR")]);
-        let output = run.args(command).output().context(SCRIPT)?;
-        let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_end().to_owned();
-        let (out, err) = (said(&output.stdout), said(&output.stderr));
-        println!("{out}");
-        ensure!(output.status.success(), "{}\n{out}\n{err}", output.status);
-        Ok(())
+        if let Some(module) = self.without {
+            run.args(["--without", module]);
+        }
+        run.args(["--timeout", &self.timeout_s.to_string()]);
+        Said::by(run.args(command))
+    }
+}
+
+/// What a program said, and its exit code.
+#[derive(Clone, Debug)]
+pub struct Said {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+impl Said {
+    /// Runs a program to its end.
+    pub fn by(command: &mut Command) -> Result<Self> {
+        let output = command
+            .output()
+            .with_context(|| format!("{:?}", command.get_program()))?;
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_end().to_owned();
+        Ok(Self {
+            code: output.status.code().context("killed")?,
+            out: text(&output.stdout),
+            err: text(&output.stderr),
+        })
     }
 }
 
 /// What the trials about gilrs need.
+#[allow(dead_code)]
 pub fn needs_gilrs() -> Result<(), String> {
     if cfg!(feature = "gilrs") {
         Guest::needs()

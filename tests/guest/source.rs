@@ -1,7 +1,6 @@
 //! A gamepad as gelpad's source: one that this test makes drives the gelpad binary, whose trace is read.
 
 use std::io::{BufRead as _, BufReader, Lines};
-use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
@@ -20,6 +19,9 @@ const BOUNCE: Duration = Duration::from_millis(60);
 const REST: Duration = Duration::from_millis(500);
 /// Longer than gelpad takes to tell a button from none.
 const HELD: Duration = Duration::from_millis(100);
+
+/// Where the guest keeps the profile that is played.
+const PLAYED: &str = "/tmp/played.toml";
 
 const PROFILE: &str = r#"
 schema = 1
@@ -79,19 +81,51 @@ impl Pad {
     }
 }
 
+/// A box with switches, as assistive ones show themselves: buttons without a gamepad's layout.
+pub struct SwitchBox(VirtualDevice);
+
+impl SwitchBox {
+    pub fn plug_in() -> Result<Self> {
+        // BTN_0 and on. Two axes that mean nothing: without them gilrs takes nothing for a gamepad.
+        let keys = AttributeSet::from_iter((FIRST_SWITCH..FIRST_SWITCH + 4).map(KeyCode));
+        let axis = AbsInfo::new(0, 0, 255, 0, 0, 0);
+        let mut made = VirtualDevice::builder()?
+            .name("Switch interface")
+            .input_id(InputId::new(BusType::BUS_USB, 0x1234, 0x0001, 1))
+            .with_keys(&keys)?;
+        for code in [AbsoluteAxisCode::ABS_VOLUME, AbsoluteAxisCode::ABS_MISC] {
+            made = made.with_absolute_axis(&UinputAbsSetup::new(code, axis))?;
+        }
+        Ok(Self(made.build()?))
+    }
+
+    /// Holds a switch, counted from 0.
+    pub fn press(&mut self, switch: u16, length: Duration) -> Result<()> {
+        for value in [1, 0] {
+            let code = FIRST_SWITCH + switch;
+            self.0
+                .emit(&[InputEvent::new(EventType::KEY.0, code, value)])?;
+            if value == 1 {
+                sleep(length);
+            }
+        }
+        Ok(())
+    }
+}
+
 /// gelpad, playing.
-struct Gelpad {
+pub struct Gelpad {
     child: Child,
     trace: Lines<BufReader<ChildStdout>>,
     said: Lines<BufReader<std::process::ChildStderr>>,
 }
 
 impl Gelpad {
-    fn start(arguments: &[&str]) -> Result<Self> {
-        let profile = PathBuf::from("/tmp/by-gamepad.toml");
-        std::fs::write(&profile, PROFILE)?;
+    /// Plays a profile by whatever gamepad there is.
+    pub fn start(profile: &str, arguments: &[&str]) -> Result<Self> {
+        std::fs::write(PLAYED, profile)?;
         let mut child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
-            .args(["play", "/tmp/by-gamepad.toml", "--source", "gamepad"])
+            .args(["play", PLAYED, "--source", "gamepad"])
             .args(["--headless"])
             .args(arguments)
             .stdout(Stdio::piped())
@@ -108,7 +142,7 @@ impl Gelpad {
     }
 
     /// Waits for a message that holds some words.
-    fn says(&mut self, words: &str) -> Result<()> {
+    pub fn says(&mut self, words: &str) -> Result<()> {
         for line in self.said.by_ref() {
             let line = line?;
             eprintln!("gelpad: {line}");
@@ -126,6 +160,7 @@ impl Gelpad {
                 bail!("gelpad ended before {event}");
             };
             let line = line?;
+            eprintln!("gelpad sends: {line}");
             let (_, what) = line.split_once(' ').context("an event")?;
             ensure!(what == *event, "{line} instead of {event}");
         }
@@ -142,12 +177,14 @@ impl Gelpad {
     }
 }
 
+/// `BTN_0`.
+const FIRST_SWITCH: u16 = 0x100;
 const A: u16 = 0x130;
 const X: u16 = 0x133;
 
 pub fn play() -> Result<()> {
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
-    let mut gelpad = Gelpad::start(&["--output", "trace"])?;
+    let mut gelpad = Gelpad::start(PROFILE, &["--output", "trace"])?;
     gelpad.says("gamepad: ")?;
 
     pad.key(A, true)?;
@@ -200,7 +237,7 @@ pub fn play() -> Result<()> {
 /// A gamepad plays gelpad's own pad, which looks just like it: what that does must not come back in.
 pub fn play_beside_own() -> Result<()> {
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
-    let mut gelpad = Gelpad::start(&["--output", "gamepad"])?;
+    let mut gelpad = Gelpad::start(PROFILE, &["--output", "gamepad"])?;
     gelpad.says("gamepad: ")?;
     let mut own = own_keyboard()?;
     sleep(REST);
