@@ -8,6 +8,8 @@
 pub mod cache;
 pub mod calibrate;
 pub mod cli;
+#[cfg(target_os = "linux")]
+pub mod doctor;
 pub mod eit;
 pub mod engine;
 pub mod gesture;
@@ -15,7 +17,9 @@ pub mod output;
 pub mod pad;
 pub mod profile;
 pub mod runtime;
+pub mod session;
 pub mod source;
 pub mod study;
+pub mod tape;
 pub mod touch;
 pub mod types;

@@ -8,8 +8,15 @@ mod args;
 mod calibrate;
 mod candidates;
 mod changes;
+mod device;
+#[cfg(target_os = "linux")]
+mod doctor;
 mod drawing;
 mod exit;
+mod export;
+mod files;
+mod gamepads;
+mod listen;
 mod live;
 mod log;
 mod map;
@@ -17,8 +24,10 @@ mod outputs;
 mod pads;
 mod pick;
 mod play;
+mod played_with;
 mod profiles;
 mod progress;
+mod recover;
 mod replay;
 mod resolve;
 mod study;
@@ -38,6 +47,10 @@ pub fn main() -> ExitCode {
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
+        Some(Command::Recover(args)) => recover::recover(&args),
+        Some(Command::Export(args)) => export::export(&args),
+        Some(Command::Listen(args)) => listen::listen(&args),
+        Some(Command::Device(args)) => device::device(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),
@@ -45,6 +58,10 @@ pub fn main() -> ExitCode {
         Some(Command::Accuracy(args)) => accuracy::run(&args),
         #[cfg(target_os = "linux")]
         Some(Command::Watch { way, window }) => watch(way, window),
+        #[cfg(target_os = "linux")]
+        Some(Command::Doctor(args)) => doctor::run(&args),
+        #[cfg(not(target_os = "linux"))]
+        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("the doctor knows Linux only")),
     };
     exit::code(outcome)
 }

@@ -6,6 +6,7 @@
 #[cfg(any(windows, target_os = "macos"))]
 mod system;
 mod trace;
+mod tuio;
 #[cfg(target_os = "linux")]
 pub mod uinput;
 #[cfg(target_os = "linux")]
@@ -18,6 +19,7 @@ mod x11;
 #[cfg(any(windows, target_os = "macos"))]
 pub use system::System;
 pub use trace::Trace;
+pub use tuio::{Tuio, TuioError};
 #[cfg(target_os = "linux")]
 pub use uinput::Uinput;
 #[cfg(target_os = "linux")]

@@ -13,9 +13,12 @@
 mod emit;
 mod feed;
 mod latency;
+mod listen;
 mod rebuild;
+mod record;
 mod schedule;
 mod steps;
+mod touches;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -31,13 +34,17 @@ use crate::output::{Device, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Image, Nanos, Output, Touch};
 use emit::output_thread;
 use feed::source_thread;
 use latency::EngineTimes;
 pub use latency::{Emitted, Spread, Stages};
 use rebuild::Rebuilder;
 use steps::EngineThread;
+
+pub use listen::{Listener, Step};
+pub use record::{RecordError, RecordReport, Recorder, record};
+pub use touches::send_touches;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -144,8 +151,32 @@ struct Threads {
 }
 
 struct Arrived {
-    frame: Frame,
+    what: Arrival,
     at: Instant,
+}
+
+/// What a source gives.
+enum Arrival {
+    Frame(Frame),
+    Control(Control),
+}
+
+impl Arrival {
+    fn t_ns(&self) -> Nanos {
+        match self {
+            Self::Frame(frame) => frame.t_ns,
+            Self::Control(control) => control.t_ns,
+        }
+    }
+}
+
+/// What the source tells the engine beside frames.
+#[derive(Default)]
+struct Losses {
+    /// Frames that were lost since the engine last looked.
+    frames: AtomicU64,
+    /// The board went away behind the frames that are queued.
+    gone: AtomicBool,
 }
 
 #[derive(Default)]
@@ -195,8 +226,22 @@ pub fn start(
     source: Box<dyn Source>,
     device: Box<dyn Device>,
 ) -> std::io::Result<Running> {
+    start_with(engine, builder, source, device, Vec::new())
+}
+
+/// The same, and listeners are told of every step of the engine.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_with(
+    engine: Engine,
+    builder: SensingBuilder,
+    source: Box<dyn Source>,
+    device: Box<dyn Device>,
+    listeners: Vec<Box<dyn Listener>>,
+) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
-    let lost = Arc::new(AtomicU64::new(0));
+    let losses = Arc::new(Losses::default());
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
@@ -224,7 +269,7 @@ pub fn start(
         .name("output".to_owned())
         .spawn(move || output_thread(device, events_out, told))?;
     let to_output = output.thread().clone();
-    let lost_frames = Arc::clone(&lost);
+    let engine_losses = Arc::clone(&losses);
     let engine = Builder::new().name("engine".to_owned()).spawn(move || {
         // Without a thread to build on, play goes on as it is.
         let rebuilder = Rebuilder::start(builder, std::thread::current());
@@ -233,11 +278,12 @@ pub fn start(
             rebuilder: rebuilder.ok(),
             frames: frames_out,
             commands: commands_out,
-            lost: lost_frames,
+            losses: engine_losses,
             events: events_in,
             output: to_output,
             views: views_in,
             view: blank,
+            listeners,
             fresh: Vec::new(),
             times: EngineTimes::new(),
             emitted,
@@ -254,7 +300,7 @@ pub fn start(
     let stopping = Arc::clone(&stop);
     let source = Builder::new()
         .name("source".to_owned())
-        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
+        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &losses))?;
     Ok(Running {
         stop,
         commands: commands_in,

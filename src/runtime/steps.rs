@@ -1,20 +1,21 @@
 //! The engine's thread: every input in the order in which it comes, events to the output, what there is to see to the views.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, Producer, PushError};
 
 use super::latency::{Emitted, EngineTimes};
+use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
 use super::schedule::Due;
-use super::{Arrived, Command, EngineReport, NAP, View, nanos, now};
+use super::{Arrival, Arrived, Command, EngineReport, Losses, NAP, View, nanos, now};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
-use crate::types::{Event, Nanos};
+use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -26,11 +27,12 @@ pub(super) struct EngineThread {
     pub(super) rebuilder: Option<Rebuilder>,
     pub(super) frames: Consumer<Arrived>,
     pub(super) commands: Consumer<Command>,
-    pub(super) lost: Arc<AtomicU64>,
+    pub(super) losses: Arc<Losses>,
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
     pub(super) view: View,
+    pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
     pub(super) times: EngineTimes,
     /// What the output's thread tells.
@@ -54,7 +56,11 @@ impl EngineThread {
             self.take_losses();
             self.take_controls();
             if let Ok(arrived) = self.frames.pop() {
-                self.frame(arrived);
+                let Arrived { what, at } = arrived;
+                match what {
+                    Arrival::Frame(frame) => self.frame(frame, at),
+                    Arrival::Control(control) => self.control(&control, at),
+                }
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
                 break;
             } else {
@@ -81,7 +87,7 @@ impl EngineThread {
     }
 
     fn take_losses(&mut self) {
-        let lost = self.lost.swap(0, Ordering::Relaxed);
+        let lost = self.losses.frames.swap(0, Ordering::Relaxed);
         if lost > 0 {
             self.input(&Input::Lost { frames: lost }, None);
             self.view.lost_frames += lost;
@@ -101,8 +107,20 @@ impl EngineThread {
         }
     }
 
-    fn frame(&mut self, arrived: Arrived) {
-        let Arrived { frame, at } = arrived;
+    /// A gamepad's state: it has no image, and is no frame to be counted.
+    fn control(&mut self, control: &Control, at: Instant) {
+        self.silent = false;
+        self.first_ns.get_or_insert(control.t_ns);
+        self.last_frame = Some((control.t_ns, at));
+        self.view.t_ns = control.t_ns;
+        let taken = now();
+        self.input(&Input::Control(*control), Some(at));
+        // There is nothing to place.
+        self.times.note(at, taken, taken);
+        self.publish();
+    }
+
+    fn frame(&mut self, frame: Frame, at: Instant) {
         if self.silent {
             self.silent = false;
             tracing::warn!("the board sends again");
@@ -187,8 +205,14 @@ impl EngineThread {
         if !nap.is_zero() {
             std::thread::park_timeout(nap);
         }
+        // What came before the board went is played first.
+        let gone = self.losses.gone.load(Ordering::Acquire);
         if self.frames.is_empty() {
             self.tick_until(self.now_ns());
+            if gone {
+                self.losses.gone.store(false, Ordering::Relaxed);
+                self.fall_silent();
+            }
             self.watch();
         }
     }
@@ -199,14 +223,20 @@ impl EngineThread {
             .last_frame
             .is_some_and(|(_, at)| at.elapsed() > SILENCE);
         if self.pace == Pace::ByDevice && quiet && !self.silent {
-            self.silent = true;
-            let t_ns = self.now_ns();
-            self.input(&Input::End { t_ns }, None);
-            self.publish();
+            self.fall_silent();
             tracing::warn!(
                 "the board has been silent for {} ms: all keys are up",
                 SILENCE.as_millis()
             );
+        }
+    }
+
+    fn fall_silent(&mut self) {
+        if !self.silent {
+            self.silent = true;
+            let t_ns = self.now_ns();
+            self.input(&Input::End { t_ns }, None);
+            self.publish();
         }
     }
 
@@ -236,6 +266,14 @@ impl EngineThread {
             }
             _ => frame_at.unwrap_or(made),
         };
+        let step = Step {
+            input,
+            touches: self.engine.touches().down,
+            events: &self.fresh,
+        };
+        for listener in &mut self.listeners {
+            listener.step(&step);
+        }
         let count = self.fresh.len();
         for (index, event) in self.fresh.drain(..).enumerate() {
             if self.view.events.len() == VIEW_EVENTS {

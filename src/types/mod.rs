@@ -1,10 +1,12 @@
-//! What the stages hand to each other: frames, images, contacts, touches, events, and the names of
-//! keys and buttons.
+//! What the stages hand to each other: frames, states of gamepads, images, contacts, touches, events, and the
+//! names of keys and buttons.
 //!
 //! Every stage of the way of a frame is a plain function between two of these types, so this module
 //! imports nothing of ours and everything else imports it.
 
+mod bytes;
 mod colour;
+mod control;
 mod event;
 mod fault;
 mod frame;
@@ -14,7 +16,9 @@ mod method;
 mod names;
 mod touch;
 
+pub use bytes::ByteReader;
 pub use colour::heat;
+pub use control::{Buttons, Control, Part};
 pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;
