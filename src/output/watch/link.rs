@@ -72,6 +72,12 @@ impl Link {
         self.line.write_all(line.as_bytes())
     }
 
+    /// Ends one that does not read its lines: it would take the end of the line for its parent's, and release what is held.
+    pub(super) fn kill(mut self) {
+        // It may be gone already.
+        let _ = self.child.kill();
+    }
+
     /// Whether it has let go of everything since it was last asked.
     pub(super) fn has_released(&mut self) -> bool {
         let mut said = [0; 4 * RELEASED.len()];

@@ -135,7 +135,9 @@ impl<D: Watchable> Watched<D> {
         if !std::mem::replace(&mut self.loss_told, true) {
             tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
         }
-        self.link = None;
+        if let Some(link) = self.link.take() {
+            link.kill();
+        }
         self.again_at = Some(now() + AGAIN);
     }
 
