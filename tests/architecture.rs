@@ -19,6 +19,13 @@ const TABLE: &[(&str, &[&str])] = &[
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
     ("cache", &["types", "pad", "eit", "touch"]),
+    ("session", &["types"]),
+    (
+        "tape",
+        &[
+            "types", "pad", "eit", "touch", "profile", "engine", "session",
+        ],
+    ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
     ("calibrate", &["types", "pad", "eit", "touch"]),
@@ -26,7 +33,8 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "runtime",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
+            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session", "tape",
+            "source", "output",
         ],
     ),
     ("doctor", &["types", "output"]),
@@ -40,6 +48,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "profile",
             "gesture",
             "engine",
+            "session",
+            "tape",
             "source",
             "output",
             "runtime",

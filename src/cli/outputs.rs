@@ -3,14 +3,15 @@
 use std::collections::BTreeSet;
 
 use super::args::{OutputArg, SourceArg};
-use crate::output::{Device, OutputError, Trace, Uinput, X11};
+use super::candidates::{Candidate, KERNEL, KERNEL_KEYBOARD, desktop};
+use crate::output::{Device, OutputError, Trace};
 use crate::profile::{Gesture, Profile, Target};
 use crate::types::{Button, Key, MouseButton, Output};
 
 /// The output that was chosen.
 pub(super) struct Chosen {
     pub device: Box<dyn Device>,
-    /// A line for the player where it was for gelpad to choose: which, and why no better one.
+    /// For the player, where it was for gelpad to choose: which, and why no better one.
     pub told: Option<String>,
 }
 
@@ -24,16 +25,23 @@ pub(super) fn open(
     source: &SourceArg,
     live: bool,
 ) -> Result<Chosen, OutputError> {
-    let told = None;
     let device: Box<dyn Device> = match (output, source) {
         (OutputArg::Trace, _) => trace(live),
-        (OutputArg::Gamepad, _) => Box::new(Uinput::create()?),
-        (OutputArg::Keyboard, _) => desktop()?,
+        (OutputArg::Gamepad, _) => (KERNEL.open)()?,
+        (OutputArg::Keyboard, _) => match first(desktop(set("WAYLAND_DISPLAY"), set("DISPLAY"))) {
+            (Some(device), _) => device,
+            (None, reasons) => {
+                return Err(OutputError::NoDevice {
+                    device: "keyboard",
+                    reason: reasons.join("; "),
+                });
+            }
+        },
         // A demonstration must not type into whatever has the focus.
         (OutputArg::Auto, SourceArg::Simulated(_)) => trace(live),
         (OutputArg::Auto, _) => return Ok(best(live)),
     };
-    Ok(Chosen { device, told })
+    Ok(Chosen { device, told: None })
 }
 
 /// Events as text.
@@ -45,41 +53,50 @@ pub(super) fn trace(live: bool) -> Box<dyn Device> {
     }
 }
 
-/// Keys and mouse of the desktop that we are in; of the kernel where there is none.
-fn desktop() -> Result<Box<dyn Device>, OutputError> {
-    if std::env::var_os("DISPLAY").is_none_or(|name| name.is_empty())
-        && let Ok(device) = Uinput::without_pad()
-    {
-        return Ok(Box::new(device));
+/// The first that opens: devices of the kernel reach every program, have a pad, and are released by it; then the desktop's own;
+/// then nothing but text.
+fn best(live: bool) -> Chosen {
+    let (has_wayland, has_x11) = (set("WAYLAND_DISPLAY"), set("DISPLAY"));
+    let mut candidates = vec![KERNEL];
+    if has_wayland || has_x11 {
+        let of_desktop = desktop(has_wayland, has_x11);
+        let others = of_desktop.into_iter();
+        // Where the pad cannot be made, the keyboard cannot either.
+        candidates.extend(others.filter(|one| one.name != KERNEL_KEYBOARD.name));
     }
-    Ok(Box::new(X11::connect()?))
+    let (device, mut reasons) = first(candidates);
+    if !(has_wayland || has_x11) && device.is_none() {
+        reasons.push("no desktop: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned());
+    }
+    let device = device.unwrap_or_else(|| trace(live));
+    let why = match reasons.is_empty() {
+        true => String::new(),
+        false => format!(" (not {})", reasons.join("; not ")),
+    };
+    Chosen {
+        told: Some(format!("output: {}{why}", device.name())),
+        device,
+    }
 }
 
-/// The first that opens: devices of the kernel reach every program and are released by it; then the desktop's own; then
-/// nothing but text.
-fn best(live: bool) -> Chosen {
+/// The first that opens, and why those before did not.
+fn first(candidates: Vec<Candidate>) -> (Option<Box<dyn Device>>, Vec<String>) {
     let mut reasons = Vec::new();
-    let device: Box<dyn Device> = match Uinput::create() {
-        Ok(device) => Box::new(device),
-        Err(error) => {
-            reasons.push(OutputError::from(error).to_string());
-            match desktop() {
-                Ok(device) => device,
-                Err(error) => {
-                    reasons.push(error.to_string());
-                    trace(live)
-                }
+    for candidate in candidates {
+        match (candidate.open)() {
+            Ok(device) => return (Some(device), reasons),
+            Err(OutputError::NoDevice { reason, .. }) => {
+                reasons.push(format!("{}: {reason}", candidate.name));
             }
+            Err(error) => reasons.push(format!("{}: {error}", candidate.name)),
         }
-    };
-    let mut told = format!("output: {}", device.name());
-    for reason in reasons {
-        told.push_str(&format!("; {reason}"));
     }
-    Chosen {
-        device,
-        told: Some(told),
-    }
+    (None, reasons)
+}
+
+/// Whether a variable of the environment says something.
+fn set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
 /// What a device has, asked before it is handed over.

@@ -1,7 +1,6 @@
 //! `gelpad play`, and the level that plays without arguments.
 
 use std::io::IsTerminal as _;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -17,14 +16,19 @@ use super::gamepads::{self, Opened};
 use super::live::{LiveView, Title, Wish};
 use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
+use super::played_with::{Asides, PlayedWith};
+use super::replay::is_recording;
 use super::resolve;
 use crate::engine::Engine;
 use crate::output::{Device, OutputError};
 use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Profile};
-use crate::runtime::{self, Command, Running, Summary};
+use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
+use crate::source::{
+    FramesCsv, LEVEL_SCRIPT, Noise, RecordedFrames, Script, SimulatedSource, Source, SourceError,
+};
+use crate::tape::Kit;
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Button, Method, Output};
 
@@ -48,9 +52,18 @@ pub(super) fn level() -> anyhow::Result<Ending> {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
     };
-    let made = engine(&pad, profile, Method::default(), None)?;
+    let (builder, kit) = kit(pad, String::new(), profile, Method::default(), None)?;
     let title = live.then_some(title);
-    run(&pad, made, Box::new(source), device, title, None)
+    let (made, asides) = ((kit.engine(), builder), Asides::default());
+    run(
+        &kit.pad,
+        made,
+        Box::new(source),
+        device,
+        title,
+        None,
+        asides,
+    )
 }
 
 /// Whether there is a terminal that can be drawn on.
@@ -60,8 +73,13 @@ fn can_show() -> bool {
 
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
-    let pad = resolve::pad(&args.pad)?;
-    let checked = resolve::checked(&args.profile, args.user.as_deref())?;
+    let PlayedWith {
+        pad,
+        pad_toml,
+        checked,
+        argument,
+        correction,
+    } = PlayedWith::of(args)?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
     if args.source == SourceArg::Gamepad && profile.parts.is_empty() {
@@ -70,7 +88,6 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
             profile.name
         );
     }
-    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
     let Chosen { device, told } = outputs::open(args.output, &args.source, live)?;
@@ -82,14 +99,12 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
     }
-    let picker = args.follow.then(|| Picker::new(&args.profile));
-    let changes = Changes::new(
-        &args.profile,
-        args.user.as_deref(),
-        &checked,
-        picker,
-        Box::new(move |profile| takes.lacking(profile)),
-    );
+    // A profile out of a recording lies nowhere where it could be saved anew.
+    let changes = argument.map(|argument| {
+        let picker = args.follow.then(|| Picker::new(&argument));
+        let refuse = Box::new(move |profile: &Profile| takes.lacking(profile));
+        Changes::new(&argument, args.user.as_deref(), &checked, picker, refuse)
+    });
     let title = Title {
         source: match &args.source {
             SourceArg::Simulated(None) => "simulated pad, the level".to_owned(),
@@ -102,8 +117,10 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     };
     let method = resolve::method(args.method, &profile, &pad);
     let title = live.then_some(title);
-    let made = engine(&pad, profile, method, correction)?;
-    run(&pad, made, source, device, title, Some(changes))
+    let (builder, kit) = kit(pad, pad_toml, profile, method, correction)?;
+    let asides = Asides::start(args, &kit)?;
+    let made = (kit.engine(), builder);
+    run(&kit.pad, made, source, device, title, changes, asides)
 }
 
 fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
@@ -126,22 +143,34 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
             Box::new(source?)
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
+        SourceArg::Replay(file) if is_recording(file)? => {
+            Box::new(RecordedFrames::open(file, pad.channels())?)
+        }
+        SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
     };
     Ok(Box::new(|_| source))
 }
 
-/// An engine, and what remakes its matrices.
-fn engine(
-    pad: &Pad,
+/// What an engine is made of, and what remakes its matrices.
+fn kit(
+    pad: Pad,
+    pad_toml: String,
     profile: Arc<Profile>,
     method: Method,
     correction: Option<Correction>,
-) -> anyhow::Result<(Engine, SensingBuilder)> {
-    let builder = resolve::sensing(pad, method)?;
+) -> anyhow::Result<(SensingBuilder, Kit)> {
+    let builder = resolve::sensing(&pad, method)?;
     let sensing = Arc::new(builder.first()?);
-    let engine = Engine::new(pad, sensing, profile).corrected(correction);
-    Ok((engine, builder))
+    let locating = sensing.locating.as_ref();
+    let kit = Kit {
+        table: locating.map(|locating| Arc::clone(locating.table())),
+        pad,
+        pad_toml,
+        profile,
+        correction,
+        sensing,
+    };
+    Ok((builder, kit))
 }
 
 /// Plays until the source ends or a signal comes; shows it if a title is given.
@@ -152,6 +181,7 @@ fn run(
     device: Box<dyn Device>,
     title: Option<Title>,
     changes: Option<Changes>,
+    asides: Asides,
 ) -> anyhow::Result<Ending> {
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad)?),
@@ -159,13 +189,22 @@ fn run(
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
-    let mut running =
-        runtime::start(engine, builder, source, device).context("no thread to play on")?;
+    let Asides {
+        listeners,
+        recorder,
+    } = asides;
+    let mut running = runtime::start_with(engine, builder, source, device, listeners)
+        .context("no thread to play on")?;
     let watched = watch(&mut running, &signals, view.as_mut(), changes);
     running.stop();
     let summary = running.join();
     drop(view);
-    conclude(summary, watched?)
+    let ending = conclude(summary, watched?);
+    match recorder.map(|recorder| recorder.conclude()) {
+        // What was lost matters less than why it ended.
+        Some(Ending::LostData) if matches!(ending, Ok(Ending::Done)) => Ok(Ending::LostData),
+        _ => ending,
+    }
 }
 
 /// Draws and waits; returns the signal that ended it, if one did.
@@ -244,7 +283,7 @@ fn conclude(summary: Summary, signal: Option<i32>) -> anyhow::Result<Ending> {
 }
 
 /// A line for the player; a closed stderr is no reason to stop.
-fn say(text: &str) {
+pub(super) fn say(text: &str) {
     use std::io::Write as _;
 
     let _ = writeln!(std::io::stderr(), "{text}");
@@ -285,8 +324,30 @@ fn told(summary: &Summary) -> String {
             "\nframe to device: {}",
             times(&summary.frame_to_device_ns)
         ));
+        text.push_str(&format!("\n{}", by_stage(&summary.stages)));
+    }
+    if summary.late_events > 0 {
+        text.push_str(&format!(
+            "\n{} of {} went out late, the latest by {:.0} ms: is the computer busy?",
+            summary.late_events,
+            counted(summary.events, "event"),
+            summary.latest.as_secs_f64() * 1e3
+        ));
     }
     text
+}
+
+/// Median and p99 of every stage, us.
+fn by_stage(stages: &Stages) -> String {
+    let parts = [
+        ("queue", stages.queue),
+        ("touches", stages.touches),
+        ("events", stages.events),
+        ("device", stages.device),
+    ];
+    let parts = parts
+        .map(|(name, spread)| format!("{name} {:.0} / {:.0} us", spread.median_us, spread.p99_us));
+    format!("by stage, median / p99: {}", parts.join(", "))
 }
 
 fn counted(count: u64, what: &str) -> String {
@@ -301,12 +362,12 @@ fn counted(count: u64, what: &str) -> String {
 const ENDINGS: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
 
 /// Signals as flags.
-struct Signals {
+pub(super) struct Signals {
     received: [Arc<AtomicBool>; ENDINGS.len()],
 }
 
 impl Signals {
-    fn listen() -> anyhow::Result<Self> {
+    pub(super) fn listen() -> anyhow::Result<Self> {
         let any = Arc::new(AtomicBool::new(false));
         let received = ENDINGS.map(|_| Arc::new(AtomicBool::new(false)));
         for (signal, flag) in ENDINGS.into_iter().zip(&received) {
@@ -322,7 +383,7 @@ impl Signals {
         Ok(Self { received })
     }
 
-    fn received(&self) -> Option<i32> {
+    pub(super) fn received(&self) -> Option<i32> {
         let index = self
             .received
             .iter()

@@ -13,6 +13,15 @@ use crate::types::{Fault, Faulty};
 /// A profile stands on so many others at most.
 pub const MOST_BASES: usize = 8;
 
+/// The texts that a profile was read from: what makes it anew, wherever they are by then.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Texts {
+    /// The bases that it extends, the lowest first, and last its own.
+    pub chain: Vec<Source>,
+    /// One person's settings over it.
+    pub user: Option<Source>,
+}
+
 /// A text and the name that messages give it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {

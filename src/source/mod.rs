@@ -8,6 +8,7 @@ mod frames_csv;
 #[cfg(feature = "gilrs")]
 mod gamepad;
 mod noise;
+mod recorded;
 mod robot;
 mod script;
 pub mod serial;
@@ -18,6 +19,7 @@ pub use frames_csv::FramesCsv;
 #[cfg(feature = "gilrs")]
 pub use gamepad::GamepadSource;
 pub use noise::Noise;
+pub use recorded::RecordedFrames;
 pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
 pub use simulated::{SimulatedPad, SimulatedSource};
@@ -74,6 +76,14 @@ pub enum SourceError {
         line: u64,
         /// What is wrong there.
         problem: String,
+    },
+    /// A recording cannot be read, or not further.
+    #[error("{}: {error}", path.display())]
+    Recording {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        error: crate::session::ReadError,
     },
     /// A finger of a script misses the pad.
     #[error("finger {id} at ({x}, {y}) mm is off the pad, which is {width} x {height} mm")]

@@ -4,6 +4,7 @@
 //! Every stage of the way of a frame is a plain function between two of these types, so this module
 //! imports nothing of ours and everything else imports it.
 
+mod bytes;
 mod colour;
 mod control;
 mod event;
@@ -15,6 +16,7 @@ mod method;
 mod names;
 mod touch;
 
+pub use bytes::ByteReader;
 pub use colour::heat;
 pub use control::{Buttons, Control, Part};
 pub use event::{Action, Event, Output};
