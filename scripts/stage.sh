@@ -13,7 +13,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 gelpad=${GELPAD_BIN:-$PWD/target/debug/gelpad}
 folder=$(mktemp -d)
 started=()
-trap 'kill -9 "${started[@]}" 2>/dev/null || true; rm -rf "$folder"' EXIT
+trap 'exec 2>/dev/null; kill -9 "${started[@]}" || true; rm -rf "$folder"' EXIT
 
 keep() { started+=("$1"); }
 

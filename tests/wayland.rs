@@ -271,7 +271,7 @@ fn told(wev: &str) -> Vec<Told> {
                 after[..end].parse().ok()
             };
             Some((
-                number(" key:")?,
+                number("; key:")?,
                 line.contains("(pressed)"),
                 number("time:")?,
             ))
@@ -357,7 +357,11 @@ fn killed_and_stopped(home: &Home) -> Result<()> {
 
 fn without_protocol(home: &Home) -> Result<()> {
     let (_weston, display) = home.compositor("weston", &["--backend=headless-backend.so"])?;
-    let mut gelpad = home.gelpad(&display, &profile("output = \"key:f\""), "t:300 end\n")?;
+    let mut gelpad = home.gelpad(
+        &display,
+        &profile("output = \"key:f\""),
+        "t:300 down 1 50 50\nt:600 end\n",
+    )?;
     let code = gelpad.code()?;
     let said = gelpad.said();
     ensure!(code == Some(1), "exit code {code:?}: {said}");

@@ -8,6 +8,7 @@ mod args;
 mod calibrate;
 mod candidates;
 mod changes;
+mod device;
 #[cfg(target_os = "linux")]
 mod doctor;
 mod drawing;
@@ -15,6 +16,7 @@ mod exit;
 mod export;
 mod files;
 mod gamepads;
+mod listen;
 mod live;
 mod log;
 mod map;
@@ -47,6 +49,8 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Recover(args)) => recover::recover(&args),
         Some(Command::Export(args)) => export::export(&args),
+        Some(Command::Listen(args)) => listen::listen(&args),
+        Some(Command::Device(args)) => device::device(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),

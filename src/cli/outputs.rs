@@ -28,7 +28,7 @@ pub(super) fn open(
     let device: Box<dyn Device> = match (output, source) {
         (OutputArg::Trace, _) => trace(live),
         (OutputArg::Gamepad, _) => (KERNEL.open)()?,
-        (OutputArg::Keyboard, _) => match first(desktop(set("WAYLAND_DISPLAY"), set("DISPLAY"))) {
+        (OutputArg::Keyboard, _) => match first(&desktop(set("WAYLAND_DISPLAY"), set("DISPLAY"))) {
             (Some(device), _) => device,
             (None, reasons) => {
                 return Err(OutputError::NoDevice {
@@ -53,8 +53,8 @@ pub(super) fn trace(live: bool) -> Box<dyn Device> {
     }
 }
 
-/// The first that opens: devices of the kernel reach every program, have a pad, and are released by it; then the desktop's own;
-/// then nothing but text.
+/// The first that opens: devices of the kernel reach every program and are released by it; then the desktop's own; then
+/// nothing but text.
 fn best(live: bool) -> Chosen {
     let (has_wayland, has_x11) = (set("WAYLAND_DISPLAY"), set("DISPLAY"));
     let mut candidates = vec![KERNEL];
@@ -63,11 +63,24 @@ fn best(live: bool) -> Chosen {
         let others = of_desktop.into_iter();
         // Where the pad cannot be made, the keyboard cannot either.
         candidates.extend(others.filter(|one| one.name != KERNEL_KEYBOARD.name));
+    } else {
+        candidates.push(NO_DESKTOP);
     }
-    let (device, mut reasons) = first(candidates);
-    if !(has_wayland || has_x11) && device.is_none() {
-        reasons.push("no desktop: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned());
-    }
+    best_of(&candidates, live)
+}
+
+const NO_DESKTOP: Candidate = Candidate {
+    name: "a desktop",
+    open: || {
+        Err(OutputError::NoDevice {
+            device: "desktop",
+            reason: "neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned(),
+        })
+    },
+};
+
+fn best_of(candidates: &[Candidate], live: bool) -> Chosen {
+    let (device, reasons) = first(candidates);
     let device = device.unwrap_or_else(|| trace(live));
     let why = match reasons.is_empty() {
         true => String::new(),
@@ -80,7 +93,7 @@ fn best(live: bool) -> Chosen {
 }
 
 /// The first that opens, and why those before did not.
-fn first(candidates: Vec<Candidate>) -> (Option<Box<dyn Device>>, Vec<String>) {
+fn first(candidates: &[Candidate]) -> (Option<Box<dyn Device>>, Vec<String>) {
     let mut reasons = Vec::new();
     for candidate in candidates {
         match (candidate.open)() {
@@ -145,5 +158,78 @@ impl Takes {
             "the profile {} {what}, which the {} does not have\n  help: {instead}",
             profile.name, self.device
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::types::Event;
+
+    /// A device with a name, and with keys if the name says so.
+    struct Named(&'static str);
+
+    impl Device for Named {
+        fn name(&self) -> &str {
+            self.0
+        }
+
+        fn takes(&self, output: Output) -> bool {
+            matches!(output, Output::Key(_))
+        }
+
+        fn send(&mut self, _: &Event) -> Result<(), OutputError> {
+            Ok(())
+        }
+    }
+
+    const LOCKED: Candidate = Candidate {
+        name: "the kernel's pad",
+        open: || {
+            Err(OutputError::NoDevice {
+                device: "uinput",
+                reason: "not yours to write: do this".to_owned(),
+            })
+        },
+    };
+    const KEYS: Candidate = Candidate {
+        name: "X11",
+        open: || Ok(Box::new(Named("keyboard of :0"))),
+    };
+
+    #[test]
+    fn the_first_that_opens_is_chosen_and_the_line_says_why_no_better_one() {
+        let told = |candidates: &[Candidate]| best_of(candidates, true).told.unwrap_or_default();
+        assert_eq!(told(&[KEYS, LOCKED]), "output: keyboard of :0");
+        assert_eq!(
+            told(&[LOCKED, KEYS]),
+            "output: keyboard of :0 (not the kernel's pad: not yours to write: do this)"
+        );
+        assert_eq!(
+            told(&[LOCKED, NO_DESKTOP]),
+            "output: trace (not the kernel's pad: not yours to write: do this; not a desktop: neither WAYLAND_DISPLAY nor \
+             DISPLAY is set)"
+        );
+    }
+
+    #[test]
+    fn what_a_profile_drives_and_the_device_lacks_is_told() {
+        let takes = Takes::of(&Named("keyboard"));
+        let lacking = |output: &str| {
+            let toml = format!(
+                "schema = 1\nname = \"p\"\n[[region]]\nname = \"r\"\nx = 0\ny = 0\nw = 1\nh = 1\n\
+                 [[binding]]\nregion = \"r\"\noutput = \"{output}\"\n"
+            );
+            takes.lacking(&Profile::from_toml("p", &toml).expect("sound"))
+        };
+        assert_eq!(lacking("key:media-next"), None);
+        for (output, what) in [
+            ("pad:a", "presses pad:a"),
+            ("mouse:left", "presses mouse:left"),
+            ("mouse:wheel-up", "moves mouse:wheel-up"),
+        ] {
+            let said = lacking(output).expect("lacking");
+            assert!(said.contains(what) && said.contains("help: "), "{said}");
+        }
     }
 }

@@ -17,7 +17,6 @@ use super::live::{LiveView, Title, Wish};
 use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
 use super::played_with::{Asides, PlayedWith};
-use super::replay::is_recording;
 use super::resolve;
 use crate::engine::Engine;
 use crate::output::{Device, OutputError};
@@ -25,9 +24,7 @@ use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Profile};
 use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{
-    FramesCsv, LEVEL_SCRIPT, Noise, RecordedFrames, Script, SimulatedSource, Source, SourceError,
-};
+use crate::source::{LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError, open_file};
 use crate::tape::Kit;
 use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Button, Method, Output};
@@ -142,11 +139,13 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
             }
             Box::new(source?)
         }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) if is_recording(file)? => {
-            Box::new(RecordedFrames::open(file, pad.channels())?)
-        }
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
     };
     Ok(Box::new(|_| source))
 }

@@ -170,6 +170,15 @@ impl Arrival {
     }
 }
 
+/// What the source tells the engine beside frames.
+#[derive(Default)]
+struct Losses {
+    /// Frames that were lost since the engine last looked.
+    frames: AtomicU64,
+    /// The board went away behind the frames that are queued.
+    gone: AtomicBool,
+}
+
 #[derive(Default)]
 struct SourceReport {
     skipped: u64,
@@ -232,7 +241,7 @@ pub fn start_with(
     listeners: Vec<Box<dyn Listener>>,
 ) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
-    let lost = Arc::new(AtomicU64::new(0));
+    let losses = Arc::new(Losses::default());
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
@@ -260,7 +269,7 @@ pub fn start_with(
         .name("output".to_owned())
         .spawn(move || output_thread(device, events_out, told))?;
     let to_output = output.thread().clone();
-    let lost_frames = Arc::clone(&lost);
+    let engine_losses = Arc::clone(&losses);
     let engine = Builder::new().name("engine".to_owned()).spawn(move || {
         // Without a thread to build on, play goes on as it is.
         let rebuilder = Rebuilder::start(builder, std::thread::current());
@@ -269,7 +278,7 @@ pub fn start_with(
             rebuilder: rebuilder.ok(),
             frames: frames_out,
             commands: commands_out,
-            lost: lost_frames,
+            losses: engine_losses,
             events: events_in,
             output: to_output,
             views: views_in,
@@ -291,7 +300,7 @@ pub fn start_with(
     let stopping = Arc::clone(&stop);
     let source = Builder::new()
         .name("source".to_owned())
-        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
+        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &losses))?;
     Ok(Running {
         stop,
         commands: commands_in,

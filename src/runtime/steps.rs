@@ -1,7 +1,7 @@
 //! The engine's thread: every input in the order in which it comes, events to the output, what there is to see to the views.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use super::latency::{Emitted, EngineTimes};
 use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
 use super::schedule::Due;
-use super::{Arrival, Arrived, Command, EngineReport, NAP, View, nanos, now};
+use super::{Arrival, Arrived, Command, EngineReport, Losses, NAP, View, nanos, now};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
@@ -27,7 +27,7 @@ pub(super) struct EngineThread {
     pub(super) rebuilder: Option<Rebuilder>,
     pub(super) frames: Consumer<Arrived>,
     pub(super) commands: Consumer<Command>,
-    pub(super) lost: Arc<AtomicU64>,
+    pub(super) losses: Arc<Losses>,
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
@@ -87,7 +87,7 @@ impl EngineThread {
     }
 
     fn take_losses(&mut self) {
-        let lost = self.lost.swap(0, Ordering::Relaxed);
+        let lost = self.losses.frames.swap(0, Ordering::Relaxed);
         if lost > 0 {
             self.input(&Input::Lost { frames: lost }, None);
             self.view.lost_frames += lost;
@@ -205,8 +205,14 @@ impl EngineThread {
         if !nap.is_zero() {
             std::thread::park_timeout(nap);
         }
+        // What came before the board went is played first.
+        let gone = self.losses.gone.load(Ordering::Acquire);
         if self.frames.is_empty() {
             self.tick_until(self.now_ns());
+            if gone {
+                self.losses.gone.store(false, Ordering::Relaxed);
+                self.fall_silent();
+            }
             self.watch();
         }
     }
@@ -217,14 +223,20 @@ impl EngineThread {
             .last_frame
             .is_some_and(|(_, at)| at.elapsed() > SILENCE);
         if self.pace == Pace::ByDevice && quiet && !self.silent {
-            self.silent = true;
-            let t_ns = self.now_ns();
-            self.input(&Input::End { t_ns }, None);
-            self.publish();
+            self.fall_silent();
             tracing::warn!(
                 "the board has been silent for {} ms: all keys are up",
                 SILENCE.as_millis()
             );
+        }
+    }
+
+    fn fall_silent(&mut self) {
+        if !self.silent {
+            self.silent = true;
+            let t_ns = self.now_ns();
+            self.input(&Input::End { t_ns }, None);
+            self.publish();
         }
     }
 

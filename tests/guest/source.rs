@@ -109,17 +109,11 @@ impl SwitchBox {
         Ok(Self(made.build()?))
     }
 
-    /// Holds a switch, counted from 0.
-    pub fn press(&mut self, switch: u16, length: Duration) -> Result<()> {
-        for value in [1, 0] {
-            let code = FIRST_SWITCH + switch;
-            self.0
-                .emit(&[InputEvent::new(EventType::KEY.0, code, value)])?;
-            if value == 1 {
-                sleep(length);
-            }
-        }
-        Ok(())
+    /// Presses or releases a switch, counted from 0.
+    pub fn set(&mut self, switch: u16, is_down: bool) -> Result<()> {
+        let code = FIRST_SWITCH + switch;
+        let event = InputEvent::new(EventType::KEY.0, code, i32::from(is_down));
+        Ok(self.0.emit(&[event])?)
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Starts a watcher and waits until it is ready.
+    /// Starts a watcher.
     pub(super) fn start(program: &Path, grip: Grip) -> io::Result<Self> {
         let (line, theirs) = UnixStream::pair()?;
         let cuts = matches!(grip, Grip::Cut(_));
@@ -41,15 +41,21 @@ impl Link {
         let child = command.stderr(Stdio::null()).spawn()?;
         // The child has its end now; ours would keep the line open when it is gone.
         drop(command);
-        let mut link = Self { line, child, cuts };
-        link.line.set_read_timeout(Some(PATIENCE))?;
+        let link = Self { line, child, cuts };
+        link.line.set_nonblocking(true)?;
+        Ok(link)
+    }
+
+    /// Waits until it is ready.
+    pub(super) fn wait(&mut self) -> io::Result<()> {
+        self.line.set_nonblocking(false)?;
+        self.line.set_read_timeout(Some(PATIENCE))?;
         let mut said = [0; READY.len()];
-        link.line.read_exact(&mut said)?;
+        self.line.read_exact(&mut said)?;
         if said != READY {
             return Err(io::Error::other("the watcher did not get ready"));
         }
-        link.line.set_nonblocking(true)?;
-        Ok(link)
+        self.line.set_nonblocking(true)
     }
 
     /// Whether it lets go by cutting the connection.
@@ -65,7 +71,10 @@ impl Link {
     /// Whether it has let go of everything since it was last asked.
     pub(super) fn has_released(&mut self) -> bool {
         let mut said = [0; 4 * RELEASED.len()];
-        matches!(self.line.read(&mut said), Ok(count) if count > 0)
+        let count = self.line.read(&mut said).unwrap_or(0);
+        said[..count]
+            .windows(RELEASED.len())
+            .any(|line| line == RELEASED)
     }
 }
 

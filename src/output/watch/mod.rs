@@ -75,8 +75,11 @@ pub struct Watched<D: Watchable> {
     said_at: Instant,
     /// When to start a watcher again.
     again_at: Option<Instant>,
-    /// When to send anew what is still held.
+    /// Whether the player knows that there is no watcher.
+    loss_told: bool,
+    /// When to send anew what is still held of what the watcher has released.
     anew_at: Option<Instant>,
+    anew: Vec<Output>,
 }
 
 impl<D: Watchable> Watched<D> {
@@ -92,12 +95,19 @@ impl<D: Watchable> Watched<D> {
             releasing: Vec::new(),
             said_at: now(),
             again_at: None,
+            loss_told: false,
             anew_at: None,
+            anew: Vec::new(),
         };
         watched.start();
+        let ready = watched.link.as_mut().map_or(Ok(()), Link::wait);
+        if let Err(error) = ready {
+            watched.lost(&error);
+        }
         watched
     }
 
+    /// Starts a watcher and tells it what is down. It hears that once it is ready: events do not wait.
     fn start(&mut self) {
         self.again_at = None;
         let grip = self.device.grip();
@@ -114,7 +124,9 @@ impl<D: Watchable> Watched<D> {
     }
 
     fn lost(&mut self, error: &std::io::Error) {
-        tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
+        if !std::mem::replace(&mut self.loss_told, true) {
+            tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
+        }
         self.link = None;
         self.again_at = Some(now() + AGAIN);
     }
@@ -147,15 +159,15 @@ impl<D: Watchable> Watched<D> {
             self.link = None;
             self.start();
         }
+        self.anew.clone_from(&self.down);
         self.anew_at = Some(now() + CATCH_UP);
         Ok(())
     }
 
-    /// Presses again what is held, after the watcher had let go of it.
+    /// Presses again what is still held, after the watcher had let go of it.
     fn send_anew(&mut self) -> Result<(), OutputError> {
         self.anew_at = None;
-        for index in 0..self.down.len() {
-            let output = self.down[index];
+        for output in std::mem::take(&mut self.anew) {
             self.say("press", Some(output));
             self.device.send(&Event {
                 t_ns: 0,
@@ -195,6 +207,7 @@ impl<D: Watchable> Device for Watched<D> {
         self.listen()?;
         match event.action {
             Action::Press(output) => {
+                self.anew.retain(|one| *one != output);
                 self.releasing.retain(|one| *one != output);
                 if !self.down.contains(&output) {
                     self.down.push(output);
@@ -202,6 +215,7 @@ impl<D: Watchable> Device for Watched<D> {
                 self.say("press", Some(output));
             }
             Action::Release(output) => {
+                self.anew.retain(|one| *one != output);
                 self.down.retain(|one| *one != output);
                 self.releasing.push(output);
             }
