@@ -37,6 +37,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "source", "output",
         ],
     ),
+    ("doctor", &["types", "output"]),
     (
         "cli",
         &[
@@ -55,6 +56,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cache",
             "calibrate",
             "study",
+            "doctor",
         ],
     ),
 ];
