@@ -80,7 +80,7 @@ fn main() -> ExitCode {
 
 fn trial(name: &str, run: fn() -> Result<()>) -> Trial {
     Trial::test(name, move || {
-        run().map_err(|error| Failed::from(format!("{error:?}")))
+        run().map_err(|error| Failed::from(format!("{error:#}")))
     })
 }
 

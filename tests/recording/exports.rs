@@ -1,12 +1,13 @@
 //! Recordings as others read them: CSV, evemu, a movie that fceux plays, MCAP by its own package for Python.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
 use crate::process::Process;
 use crate::sessions::straight;
@@ -142,27 +143,20 @@ pub fn movie() -> Result<()> {
     let mut fceux = Process::start("fceux", &mut fceux, path)?;
     let seen = fceux.wait_for("the movie's end", 2 * PATIENCE, || {
         let seen = seen(&log)?;
-        Ok((seen.len() > movie.len()).then_some(seen))
+        Ok(seen.contains_key(&movie.len()).then_some(seen))
     })?;
-    let off = (0..4).find(|off| matches(&movie, &seen, *off) == movie.len() - 4);
-    let Some(off) = off else {
-        let best: Vec<usize> = (0..4).map(|off| matches(&movie, &seen, off)).collect();
-        bail!(
-            "of {} frames {best:?} are the same, by frames that the log begins late",
-            movie.len()
+    for (index, row) in movie.iter().enumerate() {
+        let frame = index + 1;
+        let saw = seen
+            .get(&frame)
+            .with_context(|| format!("frame {frame} is not in the log"))?;
+        ensure!(
+            row == saw,
+            "frame {frame}: the movie says {row}, the game saw {saw}"
         );
-    };
-    println!(
-        "fceux: {} frames, all as exported; the log begins with frame {off}",
-        movie.len() - 4
-    );
+    }
+    println!("fceux: {} frames, all as exported", movie.len());
     Ok(())
-}
-
-/// Frames of which the game saw what the movie says, if its log begins so many frames late.
-fn matches(movie: &[String], seen: &[String], off: usize) -> usize {
-    let pairs = movie.iter().skip(off).zip(seen).take(movie.len() - 4);
-    pairs.filter(|(row, saw)| row == saw).count()
 }
 
 /// The buttons of each frame of a movie.
@@ -174,40 +168,43 @@ fn rows(path: &Path) -> Result<Vec<String>> {
         .collect())
 }
 
-/// The buttons of each frame as the game saw them, in the movie's letters.
-fn seen(log: &Path) -> Result<Vec<String>> {
+/// The buttons as the game saw them in each frame that it has run, counted from 1, in the movie's letters.
+fn seen(log: &Path) -> Result<BTreeMap<usize, String>> {
     let text = fs::read_to_string(log).unwrap_or_default();
     let mut lines = text
         .split_inclusive('\n')
         .filter_map(|line| line.strip_suffix('\n'));
     let Some(header) = lines.next() else {
-        return Ok(Vec::new());
+        return Ok(BTreeMap::new());
     };
     let columns: Vec<&str> = header.split(',').collect();
+    let place = |name: &str| {
+        columns
+            .iter()
+            .position(|column| *column == name)
+            .context("a column")
+    };
     let order = ["right", "left", "down", "up", "start", "select", "B", "A"];
     let places: Vec<usize> = order
         .iter()
-        .map(|name| {
-            columns
-                .iter()
-                .position(|column| column == name)
-                .context("a column")
-        })
+        .map(|name| place(name))
         .collect::<Result<_>>()?;
-    let row = |line: &str| -> String {
-        let cells: Vec<&str> = line.split(',').collect();
-        let letters = places.iter().zip("RLDUTSBA".chars());
-        letters
-            .map(|(place, letter)| {
+    let frame = place("frame")?;
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let letters = places.iter().zip("RLDUTSBA".chars());
+            let letter = |(place, letter): (&usize, char)| {
                 if cells.get(*place) == Some(&"1") {
                     letter
                 } else {
                     '.'
                 }
-            })
-            .collect()
-    };
-    Ok(lines.map(row).collect())
+            };
+            let number: usize = cells.get(frame).context("a frame")?.parse()?;
+            Ok((number, letters.map(letter).collect()))
+        })
+        .collect()
 }
 
 fn assemble(tools: &Tools, folder: &Path) -> Result<PathBuf> {

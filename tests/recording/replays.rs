@@ -325,7 +325,8 @@ pub fn no_guest() -> Option<String> {
 
 /// The guest's processor has no AVX2: it sums as that of the host does.
 pub fn in_guest() -> Result<()> {
-    let folder = tempfile::tempdir()?;
+    // The guest has a /tmp of its own.
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR"))?;
     let path = folder.path().join("session.mcap");
     eventful(&path)?;
     let output = Command::new(GUEST)

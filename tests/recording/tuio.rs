@@ -145,6 +145,7 @@ pub fn python() -> Result<()> {
     let told = printed(&output);
     let places: Vec<[f32; 2]> = told
         .lines()
+        .filter_map(|line| line.strip_prefix("cursor "))
         .map(|line| {
             let mut words = line.split(' ').skip(1).map(str::parse::<f32>);
             let mut next = || words.next().context("a number")?.context("a number");

@@ -1,4 +1,6 @@
-"""A client of python-tuio: prints each cursor that it was told of, with its id and last place, once standard input is closed."""
+"""A client of python-tuio: prints each cursor that it was told of, with its id and last place, once standard input is closed.
+
+The package prints lines of its own; ours begin with `cursor`."""
 
 import sys
 import threading
@@ -21,4 +23,4 @@ client.add_listener(Listener())
 threading.Thread(target=client.start, daemon=True).start()
 sys.stdin.read()
 for name, (x, y) in sorted(seen.items()):
-    print(name, x, y)
+    print("cursor", name, x, y)

@@ -115,7 +115,8 @@ output = "key:x"
 [[binding]]
 region = "left"
 gesture = "stick"
-output = "stick:left"
+axis_x = "pad:left-x"
+axis_y = "pad:left-y"
 "#;
 
 /// Writes the recording anew: only ever for a next version, beside the old one.
@@ -149,10 +150,10 @@ pub fn write() -> Result<()> {
         .iter()
         .map(|fingers| simulated.volts(fingers))
         .collect::<Result<_, _>>()?;
+    let other = Arc::new(Profile::from_toml("other.toml", OTHER)?);
     let mut noise = Noise::new(60.0, 11);
     let mut engine = kit.engine();
     let mut scribe = Scribe::packed(BufWriter::new(File::create(&path)?), &kit.to_setup())?;
-    let other = Arc::new(Profile::from_toml("other.toml", OTHER)?);
     let wild =
         |frame: u64, channel: u64| ((frame * 7919 + channel * 104_729) % 1000) as f32 / 500.0;
     for frame in 0..700u64 {
