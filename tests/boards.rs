@@ -361,11 +361,23 @@ fn another_format_in_mid_stream_is_no_frame_and_the_former_goes_on() {
 #[test]
 fn play_goes_on_through_everything_and_holds_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (port, script) = (folder.path().join("port"), folder.path().join("touches.txt"));
+    let (port, script) = (
+        folder.path().join("port"),
+        folder.path().join("touches.txt"),
+    );
     std::fs::write(&script, "t:300 down 1 80 50\nt:700 up 1\nt:900 end").expect("written");
     let mut device = Command::new(env!("CARGO_BIN_EXE_gelpad"))
-        .args(["device", "--format", "gelpad", "--rate", "100", "--frames", "900"])
-        .args(["--lose-bytes", "0.01", "--flip-bits", "0.001", "--half-frames", "5"])
+        .args([
+            "device", "--format", "gelpad", "--rate", "100", "--frames", "900",
+        ])
+        .args([
+            "--lose-bytes",
+            "0.01",
+            "--flip-bits",
+            "0.001",
+            "--half-frames",
+            "5",
+        ])
         .args(["--pause", "1.5,800", "--hang-up", "3,600", "--script"])
         .arg(&script)
         .arg("--port")

@@ -67,7 +67,9 @@ fn deed() -> impl Strategy<Value = String> {
         "hold-preferred",
     ])
     .prop_map(|flavour| {
-        format!("gesture = \"tap-hold\", flavour = \"{flavour}\", tap = \"key:c\", hold = \"key:d\"")
+        format!(
+            "gesture = \"tap-hold\", flavour = \"{flavour}\", tap = \"key:c\", hold = \"key:d\""
+        )
     });
     prop_oneof![4 => single, 1 => tap_hold]
 }
@@ -87,8 +89,14 @@ fn profiles(settings: &str, deeds: &[String; 2], chord: bool) -> [Arc<Profile>; 
         Arc::new(read.unwrap_or_else(|faulty| panic!("{faulty}\n{text}")))
     };
     [
-        whole(["region = \"l\"", "region = \"r\""], "region = [\"l\", \"r\"]"),
-        whole(["from = \"pad:a\"", "from = \"pad:b\""], "from = [\"pad:a\", \"pad:b\"]"),
+        whole(
+            ["region = \"l\"", "region = \"r\""],
+            "region = [\"l\", \"r\"]",
+        ),
+        whole(
+            ["from = \"pad:a\"", "from = \"pad:b\""],
+            "from = [\"pad:a\", \"pad:b\"]",
+        ),
     ]
 }
 
@@ -159,7 +167,9 @@ fn finish(mut gestures: Gestures, t_ns: Nanos, mut events: Vec<Event>) -> Vec<Ev
 }
 
 fn state() -> impl Strategy<Value = (u64, bool, u16, [f32; Axis::ALL.len()])> {
-    let axes = prop::array::uniform6(prop::sample::select(vec![-1.0f32, -0.3, 0.0, 0.1, 0.6, 1.0]));
+    let axes = prop::array::uniform6(prop::sample::select(vec![
+        -1.0f32, -0.3, 0.0, 0.1, 0.6, 1.0,
+    ]));
     (1..200u64, prop::bool::weighted(0.9), any::<u16>(), axes)
 }
 
