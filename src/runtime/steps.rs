@@ -268,7 +268,9 @@ impl EngineThread {
         }
         let slot = self.views.input_buffer_mut();
         slot.signals.volts.clone_from(&self.view.signals.volts);
-        slot.signals.reference.clone_from(&self.view.signals.reference);
+        slot.signals
+            .reference
+            .clone_from(&self.view.signals.reference);
         slot.signals.noise.clone_from(&self.view.signals.noise);
         if detector.is_ready() {
             let (changes, explained) = detector.changes();
