@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::{Align2, CornerRadius, FontId, Key, Rect, Sense, Stroke, Ui, Vec2};
 
 use super::desk::{Choice, Desk, From, Started, To};
+use super::edit::EditView;
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
@@ -102,6 +103,8 @@ pub struct App {
     pub failed: Option<String>,
     /// The pad in a window of its own.
     pub pad_window: PadWindow,
+    /// The editor.
+    pub edit: EditView,
     desk: Arc<dyn Desk>,
     names: Names,
     starting: Option<(Choice, Receiver<Result<Started, String>>)>,
@@ -127,6 +130,7 @@ impl App {
             playing: Playing::nothing(),
             failed: None,
             pad_window: PadWindow::default(),
+            edit: EditView::default(),
             desk,
             names,
             starting: None,
@@ -269,6 +273,7 @@ impl App {
                     &self.names,
                 )
             }
+            Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
             _ => None,
         }
     }

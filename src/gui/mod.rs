@@ -6,22 +6,23 @@
 //! Invariants: the window reads the newest view and asks for things; it never waits for the engine, and the engine never for
 //! it. It is repainted when something has changed. It gets no keys of its own (`hush.rs`).
 
-mod app;
+pub mod app;
 pub mod desk;
-mod fingers;
+pub mod edit;
+pub mod fingers;
 pub mod hush;
-mod pad_window;
-mod picture;
-mod place;
+pub mod pad_window;
+pub mod picture;
+pub mod place;
 pub mod play;
-mod playing;
-mod press;
+pub mod playing;
+pub mod press;
 pub mod problem;
-mod regions;
+pub mod regions;
 pub mod still;
-mod story;
+pub mod story;
 pub mod theme;
-mod waker;
+pub mod waker;
 
 pub use app::{App, Tab};
 pub use playing::Playing;

@@ -12,6 +12,7 @@ use super::regions::{self, RegionState};
 use super::story::Stroke as TouchStroke;
 use super::theme;
 use crate::pad::Outline;
+use crate::profile::Profile;
 use crate::types::{Image, NANOS_PER_MS, Nanos, PixelGrid, Touch, heat};
 
 /// The colour scale ends at this relative rise, or at the image's peak if that is higher.
@@ -45,8 +46,15 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Draws the pad into a room; returns where it lies.
-    pub fn draw(&mut self, ui: &Ui, room: Rect, playing: &Playing, shown: Shown) -> Place {
+    /// Draws the pad with a profile's regions into a room; returns where it lies.
+    pub fn draw(
+        &mut self,
+        ui: &Ui,
+        room: Rect,
+        playing: &Playing,
+        profile: &Profile,
+        shown: Shown,
+    ) -> Place {
         let view = &playing.view;
         let edge = if shown.electrodes { 22.0 } else { 4.0 };
         let mut inner = room.shrink(edge);
@@ -54,7 +62,7 @@ impl Picture {
             inner.max.x -= SCALE_ROOM;
         }
         let pad_mm = playing.pad.outline.size_mm();
-        let place = Place::fit(inner, pad_mm, &view.profile.settings);
+        let place = Place::fit(inner, pad_mm, &profile.settings);
         if place.rect.width() < 8.0 {
             return place;
         }
@@ -66,10 +74,10 @@ impl Picture {
             electrodes(&painter, &place, playing, ui);
         }
         if shown.regions {
-            let states = regions::states(&view.profile, &view.held);
+            let states = regions::states(profile, &view.held);
             // Lowest first, so that what lies on top is drawn last.
             for index in (0..states.len()).rev() {
-                region(&painter, &place, playing, index, &states[index]);
+                region(&painter, &place, profile, index, &states[index]);
             }
         }
         for stroke in &playing.story.strokes {
@@ -246,11 +254,10 @@ fn electrodes(painter: &egui::Painter, place: &Place, playing: &Playing, ui: &Ui
 fn region(
     painter: &egui::Painter,
     place: &Place,
-    playing: &Playing,
+    profile: &Profile,
     index: usize,
     state: &RegionState,
 ) {
-    let profile = &playing.view.profile;
     let region = &profile.regions[index];
     let placed = region.placed(place.seen_mm, &profile.settings.area);
     let corners: Vec<Pos2> = placed

@@ -1,7 +1,7 @@
 //! The view to play in: the pad and what it does, the last seconds, what is held, and the worst problem with what mends it.
 
 pub mod controller;
-mod strip;
+pub mod strip;
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
@@ -112,7 +112,7 @@ pub fn pad(
         electrodes: false,
         scale,
     };
-    let place = picture.draw(ui, room, playing, shown);
+    let place = picture.draw(ui, room, playing, &playing.view.profile, shown);
     let response = ui.interact(
         place.rect,
         ui.scope_id().with("pad"),
