@@ -9,6 +9,7 @@ mod correct;
 mod curve;
 mod features;
 mod maps;
+pub mod orientation;
 mod presses;
 mod process;
 mod regression;
