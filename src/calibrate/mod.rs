@@ -12,6 +12,7 @@ mod maps;
 pub mod orientation;
 mod presses;
 mod process;
+pub mod recommend;
 mod regression;
 
 pub use correct::{Fitted, correction};
