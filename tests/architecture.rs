@@ -19,7 +19,10 @@ const TABLE: &[(&str, &[&str])] = &[
     ("cache", &["types", "pad", "eit", "touch"]),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
-    ("calibrate", &["types", "pad", "eit", "touch"]),
+    (
+        "calibrate",
+        &["types", "pad", "eit", "touch", "profile", "gesture"],
+    ),
     ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
