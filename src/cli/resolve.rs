@@ -114,6 +114,13 @@ pub(super) fn profile(argument: &str, user: Option<&str>) -> anyhow::Result<Arc<
     Ok(Arc::new(checked.profile))
 }
 
+/// A profile that is there already, with another person's settings.
+pub(super) fn with_user(profile: &Profile, user: Option<&str>) -> anyhow::Result<Arc<Profile>> {
+    let mut texts = profile.texts.clone();
+    texts.user = user.map(self::user).transpose()?;
+    Ok(Arc::new(texts.read()?.profile))
+}
+
 /// A profile with one person's settings, and what is odd about it.
 pub(super) fn checked(argument: &str, user: Option<&str>) -> anyhow::Result<Checked> {
     let user = user.map(self::user).transpose()?;

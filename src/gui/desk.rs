@@ -1,10 +1,11 @@
 //! What the window asks of whoever starts games: it names what is wanted and gets a running game, a text, or a sentence that
 //! says what is wrong. The command line gives it, so that both resolve names and files in the same way; tests give their own.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::record::tape::Tape;
 use crate::pad::Pad;
 use crate::profile::{Checked, Source};
 use crate::runtime::Running;
@@ -86,6 +87,9 @@ impl Choice {
 pub trait Watch: Send {
     /// Looks once; says what the player should know.
     fn look(&mut self, running: &mut Running, say: &mut dyn FnMut(String));
+
+    /// The game is over and its threads are joined: packs what was recorded.
+    fn end(&mut self) {}
 }
 
 /// A game that has been started.
@@ -137,6 +141,18 @@ pub trait Desk: Send + Sync {
     /// # Errors
     /// Everything that is wrong, each at its place.
     fn check(&self, profile: Source, user: Option<&str>) -> Result<Checked, Faulty>;
+
+    /// The text of a pad.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn pad_text(&self, name: &str) -> Result<String, String>;
+
+    /// Reads a recording, or frames as CSV for what is played now; may take seconds.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn tape(&self, file: &Path, choice: &Choice) -> Result<Tape, String>;
 
     /// Where the player's own profiles and people lie.
     fn own_folder(&self) -> Option<PathBuf>;

@@ -43,7 +43,7 @@ impl Hushed {
 }
 
 impl Device for Hushed {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         self.device.name()
     }
 
@@ -94,7 +94,7 @@ mod tests {
     struct Seen(Arc<Mutex<Vec<String>>>);
 
     impl Device for Seen {
-        fn name(&self) -> &'static str {
+        fn name(&self) -> &str {
             "seen"
         }
 

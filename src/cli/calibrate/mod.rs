@@ -125,6 +125,7 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
+        SourceArg::Gamepad => bail!("a gamepad has no places that could be learned"),
     };
     let presser = match args.source {
         Some(SourceArg::Serial(_)) => Presser::Listens,

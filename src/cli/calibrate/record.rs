@@ -96,7 +96,7 @@ pub(super) fn record(
                 }
             },
             Reading::Skipped { reason } => tracing::warn!("skipped what is no frame: {reason}"),
-            Reading::Idle => {}
+            Reading::Control(_) | Reading::Idle => {}
             Reading::End if presser == Presser::GoesOn => bail!(
                 "{index} presses were seen for {} places: one that was missed cannot be told from its neighbours\n  help: press harder or longer, or give the file's own number with --points",
                 places.len()
