@@ -11,6 +11,8 @@ pub mod cli;
 pub mod eit;
 pub mod engine;
 pub mod gesture;
+#[cfg(feature = "gui")]
+pub mod gui;
 pub mod output;
 pub mod pad;
 pub mod profile;

@@ -97,7 +97,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     run(&pad, made, source, device, title, Some(changes))
 }
 
-fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
+pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
     Ok(match &args.source {
         SourceArg::Simulated(script_path) => {
             let script = match script_path {
@@ -142,8 +142,20 @@ fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
     })
 }
 
+/// A device that takes everything and sends nothing: for the window's try-outs.
+#[cfg(feature = "gui")]
+pub(super) fn silent() -> Box<dyn Device> {
+    Box::new(Trace::new(std::io::sink()))
+}
+
+/// This desktop's own device: for the window, which asks whether it may.
+#[cfg(feature = "gui")]
+pub(super) fn desktop(_: &Profile) -> anyhow::Result<Box<dyn Device>> {
+    Ok(Box::new(Keyboard::connect()?))
+}
+
 /// What a device has, asked before it is handed over.
-struct Takes {
+pub(super) struct Takes {
     device: &'static str,
     keys: bool,
     pads: bool,
@@ -151,7 +163,7 @@ struct Takes {
 }
 
 impl Takes {
-    fn of(device: &dyn Device) -> Self {
+    pub(super) fn of(device: &dyn Device) -> Self {
         let takes = |name: &str| name.parse().is_ok_and(|output| device.takes(output));
         Self {
             device: device.name(),
@@ -162,7 +174,7 @@ impl Takes {
     }
 
     /// What a profile drives and the device does not have, as a message.
-    fn lacking(&self, profile: &Profile) -> Option<String> {
+    pub(super) fn lacking(&self, profile: &Profile) -> Option<String> {
         let pressed = profile.outputs.iter().find(|output| !match output {
             Output::Key(_) => self.keys,
             Output::Button(_) => self.pads,
@@ -192,7 +204,7 @@ impl Takes {
 }
 
 /// An engine, and what remakes its matrices.
-fn engine(
+pub(super) fn engine(
     pad: &Pad,
     profile: Arc<Profile>,
     method: Method,
@@ -265,7 +277,7 @@ fn watch(
 }
 
 /// What a text for the terminal says first, without its colours.
-fn in_one_line(text: &str) -> String {
+pub(super) fn in_one_line(text: &str) -> String {
     let mut plain = String::new();
     let mut is_colour = false;
     for character in text.chars() {
@@ -361,12 +373,12 @@ fn counted(count: u64, what: &str) -> String {
 const ENDINGS: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
 
 /// Signals as flags.
-struct Signals {
+pub(super) struct Signals {
     received: [Arc<AtomicBool>; ENDINGS.len()],
 }
 
 impl Signals {
-    fn listen() -> anyhow::Result<Self> {
+    pub(super) fn listen() -> anyhow::Result<Self> {
         let any = Arc::new(AtomicBool::new(false));
         let received = ENDINGS.map(|_| Arc::new(AtomicBool::new(false)));
         for (signal, flag) in ENDINGS.into_iter().zip(&received) {
@@ -382,7 +394,7 @@ impl Signals {
         Ok(Self { received })
     }
 
-    fn received(&self) -> Option<i32> {
+    pub(super) fn received(&self) -> Option<i32> {
         let index = self
             .received
             .iter()

@@ -13,6 +13,7 @@ mod emit;
 mod feed;
 mod rebuild;
 mod steps;
+mod wake;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -33,6 +34,7 @@ use emit::output_thread;
 use feed::source_thread;
 use rebuild::Rebuilder;
 use steps::EngineThread;
+use wake::Wake;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -73,6 +75,10 @@ pub struct View {
     pub held: Vec<Output>,
     /// The last events, oldest first.
     pub events: VecDeque<Event>,
+    /// Events so far: tells which of the last ones are new.
+    pub events_so_far: u64,
+    /// What the newest frame measured, for those who build pads.
+    pub signals: Signals,
     /// Frames so far.
     pub frames: u64,
     /// Frames that were lost or garbled.
@@ -83,6 +89,21 @@ pub struct View {
     pub frames_per_s: f64,
     /// From a frame's arrival to its events, median so far, us.
     pub latency_us: u64,
+}
+
+/// What a frame measured, channel by channel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// The voltages as they came.
+    pub volts: Vec<f32>,
+    /// Their relative change against the untouched pad; empty before there is one.
+    pub changes: Vec<f32>,
+    /// How much of that the touches explain; the rest is the fit's residual.
+    pub explained: Vec<f32>,
+    /// The untouched pad's voltages, as of the last half second.
+    pub reference: Vec<f32>,
+    /// Deviation of each reading from frame to frame, relative; infinite for a channel that is left out.
+    pub noise: Vec<f32>,
 }
 
 /// What was played, when it is over.
@@ -115,6 +136,7 @@ pub struct Running {
     stop: Arc<AtomicBool>,
     commands: Producer<Command>,
     views: triple_buffer::Output<View>,
+    wake: Arc<Wake>,
     threads: Option<Threads>,
 }
 
@@ -177,6 +199,8 @@ pub fn start(
         touches: Vec::new(),
         held: Vec::new(),
         events: VecDeque::new(),
+        events_so_far: 0,
+        signals: Signals::default(),
         frames: 0,
         lost_frames: 0,
         lost_electrodes: Vec::new(),
@@ -184,6 +208,8 @@ pub fn start(
         latency_us: 0,
     };
     let pace = source.pace();
+    let wake = Arc::new(Wake::default());
+    let waking = Arc::clone(&wake);
     let (views_in, views) = triple_buffer::triple_buffer(&blank);
     let output = Builder::new()
         .name("output".to_owned())
@@ -202,6 +228,7 @@ pub fn start(
             events: events_in,
             output: to_output,
             views: views_in,
+            wake: waking,
             view: blank,
             fresh: Vec::new(),
             latency: new_histogram(),
@@ -223,6 +250,7 @@ pub fn start(
         stop,
         commands: commands_in,
         views,
+        wake,
         threads: Some(Threads {
             source,
             engine,
@@ -255,6 +283,11 @@ impl Running {
             threads.engine.thread().unpark();
         }
         taken
+    }
+
+    /// Wakes a thread whenever there is a newer view: it need not ask again and again. The first thread stays the one.
+    pub fn wake(&self, thread: std::thread::Thread) {
+        self.wake.who(thread);
     }
 
     /// The newest view.

@@ -9,7 +9,7 @@ use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError};
 
 use super::rebuild::Rebuilder;
-use super::{Arrived, Command, Due, EngineReport, NAP, View, nanos};
+use super::{Arrived, Command, Due, EngineReport, NAP, View, Wake, nanos};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
@@ -19,6 +19,8 @@ use crate::types::{Event, Nanos};
 const SILENCE: Duration = Duration::from_millis(500);
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
+/// What changes slowly of the signals is looked at once in so many frames.
+const SLOW_SIGNALS: u64 = 50;
 
 pub(super) struct EngineThread {
     pub(super) engine: Engine,
@@ -29,6 +31,7 @@ pub(super) struct EngineThread {
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
+    pub(super) wake: Arc<Wake>,
     pub(super) view: View,
     pub(super) fresh: Vec<Event>,
     pub(super) latency: Histogram<u64>,
@@ -108,6 +111,7 @@ impl EngineThread {
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;
+        self.view.signals.volts.clone_from(&frame.volts);
         self.input(&Input::Frame(frame), Some(at));
         let took = nanos(at.elapsed());
         self.latency.saturating_record(took);
@@ -219,6 +223,7 @@ impl EngineThread {
                 self.view.events.pop_front();
             }
             self.view.events.push_back(event);
+            self.view.events_so_far += 1;
             let mut due = Due { event, frame_at };
             // Events are never dropped: a device that falls 1024 events behind makes the engine wait.
             while let Err(PushError::Full(back)) = self.events.push(due) {
@@ -255,7 +260,26 @@ impl EngineThread {
 
     fn publish(&mut self) {
         let state = self.engine.touches();
+        let detector = self.engine.detector();
+        if self.view.frames.is_multiple_of(SLOW_SIGNALS) && detector.is_ready() {
+            let [reference, noise] = detector.at_rest();
+            self.view.signals.reference = reference;
+            self.view.signals.noise = noise;
+        }
         let slot = self.views.input_buffer_mut();
+        slot.signals.volts.clone_from(&self.view.signals.volts);
+        slot.signals
+            .reference
+            .clone_from(&self.view.signals.reference);
+        slot.signals.noise.clone_from(&self.view.signals.noise);
+        if detector.is_ready() {
+            let (changes, explained) = detector.changes();
+            slot.signals.changes.clear();
+            slot.signals.changes.extend_from_slice(changes);
+            slot.signals.explained.clear();
+            slot.signals.explained.extend_from_slice(explained);
+        }
+        slot.events_so_far = self.view.events_so_far;
         slot.t_ns = self.view.t_ns;
         slot.profile = Arc::clone(self.engine.profile());
         slot.paused = self.engine.is_paused();
@@ -271,5 +295,6 @@ impl EngineThread {
         slot.frames_per_s = self.view.frames_per_s;
         slot.latency_us = self.view.latency_us;
         self.views.publish();
+        self.wake.wake();
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod eit_text;
 mod frames_csv;
+mod live;
 mod noise;
 mod robot;
 mod script;
@@ -13,6 +14,7 @@ mod simulated;
 pub mod wire;
 
 pub use frames_csv::FramesCsv;
+pub use live::{Hand, LiveSource};
 pub use noise::Noise;
 pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
