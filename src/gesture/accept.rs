@@ -59,6 +59,8 @@ struct Watched {
     at_mm: PointMm,
     force: f64,
     radius_mm: f64,
+    /// When it came back the last time, and when it had lifted before.
+    back: Option<(Nanos, Nanos)>,
     state: State,
 }
 
@@ -216,6 +218,9 @@ impl Accept {
         });
         if let Some(watched) = back {
             watched.source = touch.id;
+            if let State::Lifting { at } = watched.state {
+                watched.back = Some((t_ns, at - settings.tremor_ns));
+            }
             watched.state = State::Passed;
             return;
         }
@@ -238,6 +243,7 @@ impl Accept {
             at_mm,
             force,
             radius_mm,
+            back: None,
             state: State::Passed,
         };
         if rests {
@@ -315,8 +321,15 @@ impl Accept {
         let watched = &mut self.watched[index];
         match watched.state {
             State::Passed if self.settings.tremor_ns > 0 => {
+                // A re-touch that SlowKeys would not count makes the press no longer.
+                let lifted_ns = match watched.back {
+                    Some((since_ns, before_ns)) if t_ns - since_ns < self.settings.slow_keys_ns => {
+                        before_ns
+                    }
+                    _ => t_ns,
+                };
                 watched.state = State::Lifting {
-                    at: t_ns + self.settings.tremor_ns,
+                    at: (lifted_ns + self.settings.tremor_ns).max(t_ns),
                 };
                 return;
             }

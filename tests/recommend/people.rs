@@ -115,19 +115,22 @@ impl Person {
                 }
             }
             Kind::Tremor => {
-                let short_ms = between(120.0, 350.0);
+                let short_ms = 120.0 * (between(0.0, 1.0) * f64::ln(500.0 / 120.0)).exp();
+                let tremor_hz = between(4.0, 8.0);
+                let period_ms = 1000.0 / tremor_hz;
                 Self {
-                    short: Time(short_ms, 0.3),
-                    long: Time(short_ms * between(2.2, 3.5), 0.25),
-                    gap: Time(between(300.0, 700.0), 0.2),
+                    short: Time(short_ms, 0.25),
+                    long: Time(300.0 + short_ms * between(2.2, 3.0), 0.2),
+                    gap: Time(between(300.0, 900.0), 0.2),
                     aim_mm: 4.0,
                     brush: between(0.05, 0.15),
                     brush_ms: [20.0, 80.0],
                     brush_mm: [15.0, 40.0],
                     cut: between(0.3, 0.8),
                     cuts: 3,
-                    cut_ms: [30.0, 150.0],
-                    tremor_hz: between(4.0, 8.0),
+                    // The finger is off the pad for a quarter to six tenths of a swing: 31 to 150 ms.
+                    cut_ms: [0.25 * period_ms, 0.6 * period_ms],
+                    tremor_hz,
                     tremor_mm: between(2.0, 8.0),
                     force: between(0.2, 0.6),
                     random: ChaCha8Rng::seed_from_u64(0),

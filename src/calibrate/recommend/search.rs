@@ -6,9 +6,9 @@
 use super::{Judge, Overlay, RecommendError, Trial};
 
 /// Each press is tried this many times as slow: nobody presses twice alike.
-const PACES: [f64; 3] = [0.85, 1.0, 1.18];
+const PACES: [f64; 3] = [0.9, 1.0, 1.1];
 /// A press that nobody meant is as bad as so many that do not come out.
-const WRONG_WORTH: f64 = 1.0;
+const WRONG_WORTH: f64 = 2.0;
 /// Rounds over all settings, at most.
 const MOST_ROUNDS: usize = 4;
 
@@ -16,7 +16,7 @@ const MOST_ROUNDS: usize = 4;
 pub(super) const LONG_MS: &[u32] = &[
     120, 160, 200, 250, 300, 350, 400, 500, 600, 700, 800, 1000, 1200, 1500,
 ];
-const TREMOR_MS: &[u32] = &[0, 40, 70, 100, 130, 160, 200, 250];
+const TREMOR_MS: &[u32] = &[0, 40, 60, 80, 100, 130, 160, 200, 250];
 const TREMOR_MM: &[u32] = &[0, 6, 10, 15, 20, 25, 30];
 const SLOW_KEYS_MS: &[u32] = &[0, 40, 60, 80, 100, 130, 160, 200, 250, 300];
 const BOUNCE_KEYS_MS: &[u32] = &[0, 60, 100, 150, 200, 250, 300, 400];
@@ -97,8 +97,13 @@ pub fn climb<E>(
         slow_keys_ms: 60,
         ..slow.clone()
     };
+    let careful = Overlay {
+        slow_keys_ms: 100,
+        long_ms: 500,
+        ..both.clone()
+    };
     let mut best: Option<(f64, Overlay)> = None;
-    for start in [plain, joined, slow, both] {
+    for start in [plain, joined, slow, both, careful] {
         let mut here = start;
         let mut reached = value(&here)?;
         for _ in 0..MOST_ROUNDS {
@@ -126,7 +131,7 @@ pub fn climb<E>(
             best = Some((reached, here));
         }
     }
-    Ok(best.map_or_else(|| unreachable!("four beginnings"), |(_, overlay)| overlay))
+    Ok(best.map_or_else(|| unreachable!("five beginnings"), |(_, overlay)| overlay))
 }
 
 /// The highest of values along one setting; of the first run of equals, the middle one.
