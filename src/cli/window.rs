@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use anyhow::Context as _;
 use clap::Parser as _;
 
 use super::args::{Arguments, Command, PlayArgs};
@@ -10,19 +11,21 @@ use super::changes::Changes;
 use super::exit::{self, Ending};
 use super::outputs::{self, Takes};
 use super::played_with::{Asides, PlayedWith, Recording};
-use super::{play, replay, resolve};
+use super::{calibrate, play, replay, resolve};
+use crate::calibrate::recommend::{Recommendation, Trial, recommend};
+use crate::calibrate::{Press, Presses, correction};
 use crate::engine::{Engine, Input};
 use crate::gui::desk::{Choice, Desk, From, Started, To, Watch};
 use crate::gui::hush::Hushed;
 use crate::gui::record::tape::Tape;
 use crate::gui::{self, Opening, Tab};
 use crate::output::Device;
-use crate::pad::SHIPPED_PADS;
+use crate::pad::{Pad, SHIPPED_PADS};
 use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::{self, Running};
 use crate::source::{self, FramesCsv, LiveSource, Noise, Reading, Source as _};
 use crate::tape::Played;
-use crate::types::Faulty;
+use crate::types::{Faulty, PointMm};
 
 /// Noise of the simulated pad, dB, and its seed.
 const NOISE: (f64, u64) = (60.0, 1);
@@ -115,6 +118,26 @@ impl Desk for OwnDesk {
 
     fn tape(&self, file: &Path, choice: &Choice) -> Result<Tape, String> {
         tape(file, choice).map_err(|error| format!("{error:#}"))
+    }
+
+    fn places(&self, pad: &Pad, count: usize) -> Vec<PointMm> {
+        calibrate::places(pad, count)
+    }
+
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
+        learn(pad, presses).map_err(|error| format!("{error:#}"))
+    }
+
+    fn recommend(
+        &self,
+        trials: &[Trial],
+        choice: &Choice,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String> {
+        let text = resolve::profile_text(&choice.profile).map_err(|error| format!("{error:#}"))?;
+        let profile = Source::from(text);
+        let find = resolve::bases_of(&profile.name);
+        recommend(trials, &profile, &find, pad_mm).map_err(|error| error.to_string())
     }
 
     fn pad_text(&self, name: &str) -> Result<String, String> {
@@ -267,6 +290,23 @@ fn tape(file: &Path, choice: &Choice) -> anyhow::Result<Tape> {
             Reading::Control(_) | Reading::Skipped { .. } | Reading::Idle => {}
         }
     }
+}
+
+/// Learns a calibration and saves it in the player's own folder.
+fn learn(pad: &Pad, presses: Vec<Press>) -> anyhow::Result<(PathBuf, String)> {
+    let presses = Presses::new("the presses", presses)?;
+    let fitted = correction(&presses, pad.outline.size_mm())?;
+    let folder =
+        resolve::own_folder().context("there is no folder for settings of your own: set HOME")?;
+    let folder = folder.join("calibrations");
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let path = folder.join(format!("{}.calibration.json", pad.name));
+    calibrate::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;
+    let told = format!(
+        "touches were off by {:.1} mm, now by {:.1} mm (mean, each press left out in turn)",
+        fitted.model.mean_mm, fitted.lone.mean_mm
+    );
+    Ok((path, told))
 }
 
 /// Looks after a game of the window.

@@ -177,6 +177,7 @@ impl Accept {
             at_mm: change.at,
             force: change.force,
             radius_mm: 0.0,
+            back: None,
             state: State::Passed,
         };
         if bounces(&self.released, settings, watched.place, t_ns) {

@@ -5,13 +5,18 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Align2, CornerRadius, FontId, Key, Rect, Sense, Stroke, Ui, Vec2};
 
+use super::comfort::Comfort;
 use super::desk::{Choice, Desk, From, Started, To};
 use super::edit::EditView;
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
 use super::playing::Playing;
+use super::practice::{Level, Practice, PracticeView};
 use super::problem::{self, Around, Mend};
+use super::record::RecordView;
+use super::setup::SetUpView;
+use super::signals::SignalsView;
 use super::theme;
 use super::waker::Waker;
 use crate::runtime::Command;
@@ -20,6 +25,8 @@ use crate::runtime::Command;
 const RAIL: (f32, f32) = (92.0, 70.0);
 /// A window narrower than this has the narrow rail, points.
 const NARROW: f32 = 1000.0;
+/// The pad beside the level, share of the width.
+const PAD_BESIDE: f32 = 0.36;
 /// The line at the bottom, points.
 const STATUS: f32 = 26.0;
 
@@ -105,6 +112,18 @@ pub struct App {
     pub pad_window: PadWindow,
     /// The editor.
     pub edit: EditView,
+    /// The wizard.
+    pub set_up: SetUpView,
+    /// Recordings.
+    pub record: RecordView,
+    /// Voltages.
+    pub signals: SignalsView,
+    /// How the window looks and answers.
+    pub comfort: Comfort,
+    /// The level.
+    pub practice: Practice,
+    practice_view: PracticeView,
+    practised_events: u64,
     desk: Arc<dyn Desk>,
     names: Names,
     starting: Option<(Choice, Receiver<Result<Started, String>>)>,
@@ -125,7 +144,17 @@ impl App {
             users: desk.users(),
             ports: desk.ports(),
         };
+        let comfort = Comfort::of(desk.as_ref());
+        let mut practice = Practice::new(Level::ours());
+        practice.set_best_s(comfort.look.best_s);
         Self {
+            set_up: SetUpView::default(),
+            record: RecordView::default(),
+            signals: SignalsView::default(),
+            practice,
+            practice_view: PracticeView::default(),
+            practised_events: 0,
+            comfort,
             tab: Tab::Play,
             playing: Playing::nothing(),
             failed: None,
@@ -209,8 +238,24 @@ impl App {
         if self.playing.look() {
             self.last_view_s = ctx.time();
         }
+        self.feed_practice();
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
         self.playing.hush(focused);
+    }
+
+    /// Hands new events to the level, as a game would get them.
+    fn feed_practice(&mut self) {
+        let view = &self.playing.view;
+        if view.events_so_far == self.practised_events {
+            return;
+        }
+        self.practice.follow(&view.profile);
+        let fresh = view.events_so_far.saturating_sub(self.practised_events);
+        let skip = (view.events.len() as u64).saturating_sub(fresh) as usize;
+        self.practised_events = view.events_so_far;
+        for event in view.events.iter().skip(skip) {
+            self.practice.event(event);
+        }
     }
 
     /// Draws the window.
@@ -219,6 +264,7 @@ impl App {
             theme::dress(ui.ctx());
             self.dressed = true;
         }
+        self.comfort.dress(ui.ctx());
         self.look(&ui.ctx().clone());
         self.keys(ui);
         let palette = theme::of(ui);
@@ -248,6 +294,7 @@ impl App {
         }
         let ctx = ui.ctx().clone();
         self.pad_window.show(&ctx, &mut self.playing);
+        self.comfort.sign(ui, &self.playing);
     }
 
     /// The worst problem now.
@@ -273,8 +320,23 @@ impl App {
                     &self.names,
                 )
             }
+            Tab::Practice => {
+                self.practise(ui);
+                None
+            }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
-            _ => None,
+            Tab::SetUp => self
+                .set_up
+                .ui(ui, &mut self.playing, &self.desk, &mut self.names),
+            Tab::Record => self.record.ui(ui, &self.playing, &self.desk),
+            Tab::Signals => {
+                self.signals.ui(ui, &self.playing);
+                None
+            }
+            Tab::Feedback => {
+                self.comfort.ui(ui, &self.playing);
+                None
+            }
         }
     }
 
@@ -282,9 +344,33 @@ impl App {
         match wish {
             Wish::Play(choice) => self.play(choice),
             Wish::PadWindow => self.pad_window.open = true,
-            Wish::Record => {}
+            Wish::Record => self.record(),
+            Wish::ShowPlay => self.tab = Tab::Play,
             Wish::Mend(mend) => self.mend(&mend),
         }
+    }
+
+    /// The level, and beside it the pad that plays it.
+    fn practise(&mut self, ui: &mut Ui) {
+        let room = ui.available_rect_before_wrap();
+        let pad_width = (room.width() * PAD_BESIDE).min(room.height());
+        let pad = Rect::from_min_size(room.min, Vec2::new(pad_width, room.height()));
+        let level = Rect::from_min_max(egui::pos2(pad.right() + 12.0, room.top()), room.max);
+        play::pad(ui, pad, &mut self.picture, &mut self.playing, false);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(level), |ui| {
+            self.practice_view.ui(ui, &mut self.practice);
+        });
+        self.comfort.look.best_s = self.practice.best_s();
+    }
+
+    /// Begins a recording, or ends it: the game starts anew, as a recording begins with the untouched pad.
+    fn record(&mut self) {
+        let mut choice = self.playing.choice.clone();
+        match choice.record.take() {
+            Some(file) => self.record.suggest(&file),
+            None => choice.record = Some(RecordView::fresh_file(self.desk.as_ref())),
+        }
+        self.play(choice);
     }
 
     fn mend(&mut self, mend: &Mend) {

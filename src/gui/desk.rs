@@ -6,11 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::record::tape::Tape;
+use crate::calibrate::Press;
+use crate::calibrate::recommend::{Recommendation, Trial};
 use crate::pad::Pad;
 use crate::profile::{Checked, Source};
 use crate::runtime::Running;
 use crate::source::Hand;
-use crate::types::Faulty;
+use crate::types::{Faulty, PointMm};
 
 /// Where frames come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -153,6 +155,26 @@ pub trait Desk: Send + Sync {
     /// # Errors
     /// Why it cannot be read.
     fn tape(&self, file: &Path, choice: &Choice) -> Result<Tape, String>;
+
+    /// Places to press for a calibration, spread over a pad, mm.
+    fn places(&self, pad: &Pad, count: usize) -> Vec<PointMm>;
+
+    /// Learns from presses and saves what was learned; where, and how good it is in words.
+    ///
+    /// # Errors
+    /// Why nothing can be learned, or not saved.
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String>;
+
+    /// Recommends settings for who made the presses.
+    ///
+    /// # Errors
+    /// Why nothing is recommended.
+    fn recommend(
+        &self,
+        trials: &[Trial],
+        choice: &Choice,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String>;
 
     /// Where the player's own profiles and people lie.
     fn own_folder(&self) -> Option<PathBuf>;

@@ -82,6 +82,18 @@ impl Device for Hushed {
         }
         self.device.flush()
     }
+
+    fn idle(&mut self) -> Result<(), OutputError> {
+        if self.hush.load(Ordering::Relaxed) && !self.down.is_empty() {
+            self.release_keys()?;
+            self.device.flush()?;
+        }
+        self.device.idle()
+    }
+
+    fn rumble(&self) -> [f32; 2] {
+        self.device.rumble()
+    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! it. It is repainted when something has changed. It gets no keys of its own (`hush.rs`).
 
 pub mod app;
+pub mod comfort;
 pub mod desk;
 pub mod edit;
 pub mod fingers;
@@ -16,10 +17,12 @@ pub mod picture;
 pub mod place;
 pub mod play;
 pub mod playing;
+pub mod practice;
 pub mod press;
 pub mod problem;
 pub mod record;
 pub mod regions;
+pub mod setup;
 pub mod signals;
 pub mod still;
 pub mod story;

@@ -25,6 +25,10 @@ use crate::touch::Detector;
 use record::Presser;
 
 pub(super) use file::correction as read_correction;
+#[cfg(feature = "gui")]
+pub(super) use file::save;
+#[cfg(feature = "gui")]
+pub(super) use record::places;
 
 /// Twice the presses are worth the trouble if they take off at least this share of the error.
 const WORTH: f64 = 0.1;

@@ -132,7 +132,8 @@ impl Level {
     /// What a place holds, in tiles; beyond the level, nothing.
     #[must_use]
     pub fn tile(&self, column: i64, row: i64) -> Tile {
-        let inside = (0..self.columns as i64).contains(&column) && (0..self.rows as i64).contains(&row);
+        let inside =
+            (0..self.columns as i64).contains(&column) && (0..self.rows as i64).contains(&row);
         if inside {
             self.tiles[row as usize * self.columns + column as usize]
         } else {
@@ -195,13 +196,19 @@ mod tests {
         }
         for start in level.starts.iter().chain([&level.flag]) {
             assert!(level.is_solid(start[0], start[1] - 1.0), "{start:?} stands");
-            assert!(!level.is_solid(start[0], start[1] + 1.0), "{start:?} is free");
+            assert!(
+                !level.is_solid(start[0], start[1] + 1.0),
+                "{start:?} is free"
+            );
         }
     }
 
     #[test]
     fn every_line_of_the_level_is_as_long() {
         let lengths: Vec<usize> = TEXT.lines().skip(1).map(str::len).collect();
-        assert!(lengths.iter().all(|length| *length == lengths[0]), "{lengths:?}");
+        assert!(
+            lengths.iter().all(|length| *length == lengths[0]),
+            "{lengths:?}"
+        );
     }
 }

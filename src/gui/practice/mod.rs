@@ -156,12 +156,18 @@ impl Practice {
 
     /// Plays on by a time, s.
     pub fn advance(&mut self, dt_s: f64) {
-        let dt_s = if dt_s.is_finite() { dt_s.clamp(0.0, LONGEST_S) } else { 0.0 };
+        let dt_s = if dt_s.is_finite() {
+            dt_s.clamp(0.0, LONGEST_S)
+        } else {
+            0.0
+        };
         self.now_ns += (dt_s * 1e9) as i64;
         // The newest event has just come: the source's time is at least that of the level's now.
         if let Some(newest) = self.waiting.iter().map(|event| event.t_ns as i64).max() {
             let ahead = newest - self.now_ns;
-            let before = self.ahead_ns.map(|before| before - (dt_s * FORGET_NS_PER_S) as i64);
+            let before = self
+                .ahead_ns
+                .map(|before| before - (dt_s * FORGET_NS_PER_S) as i64);
             self.ahead_ns = Some(match before {
                 // A source that began anew counts its time anew.
                 Some(before) if (ahead - before).abs() < 1_000_000_000 => before.max(ahead),
@@ -321,7 +327,12 @@ impl Practice {
             self.furthest = self.furthest.max(x);
         }
         if y < level::BOTTOM {
-            let start = self.level.starts.iter().rev().find(|start| start[0] <= self.furthest);
+            let start = self
+                .level
+                .starts
+                .iter()
+                .rev()
+                .find(|start| start[0] <= self.furthest);
             self.body = Body::new(*start.unwrap_or(&self.level.starts[0]));
             self.falls += 1;
             self.trail.clear();

@@ -88,10 +88,14 @@ fn status(ui: &mut Ui, room: Rect, practice: &mut Practice, palette: &Palette) {
 
 /// The level, with what there is to say upon it.
 fn picture(ui: &mut Ui, room: Rect, practice: &Practice, palette: &Palette) {
-    let response = ui.interact(room, ui.id().with("practice-level"), Sense::hover());
+    let response = ui.interact(room, ui.scope_id().with("practice-level"), Sense::hover());
     let said = said(practice);
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::WidgetType::Label, true, format!("Practice level: {said}"))
+        egui::WidgetInfo::labeled(
+            egui::Role::Label,
+            true,
+            format!("Practice level: {said}"),
+        )
     });
     let painter = ui.painter_at(room);
     let dark = ui.visuals().dark_mode;
@@ -156,15 +160,17 @@ fn jumps(ui: &mut Ui, room: Rect, practice: &Practice, palette: &Palette) {
             )
         },
     );
-    let response = ui.interact(room, ui.id().with("practice-jumps"), Sense::hover());
+    let response = ui.interact(room, ui.scope_id().with("practice-jumps"), Sense::hover());
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::WidgetType::Label, true, format!("Jumps: {words}"))
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Jumps: {words}"))
     });
     let wide = inner.width() > 2.0 * PANEL;
     let (list, plot) = if wide {
         inner.split_left_right_at_fraction(0.5)
     } else {
-        let rows = ((inner.height() * 0.5 - TITLE) / chart::ROW).floor().max(1.0);
+        let rows = ((inner.height() * 0.5 - TITLE) / chart::ROW)
+            .floor()
+            .max(1.0);
         inner.split_top_bottom_at_y(inner.top() + TITLE + rows * chart::ROW)
     };
     let middle = list.center().x;

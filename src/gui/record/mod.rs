@@ -64,7 +64,8 @@ impl RecordView {
             Some(shown) => {
                 let room = ui.available_rect_before_wrap();
                 let height = CONTROLS.min(room.height() * 0.55);
-                let pad = Rect::from_min_max(room.min, Pos2::new(room.right(), room.bottom() - height));
+                let pad =
+                    Rect::from_min_max(room.min, Pos2::new(room.right(), room.bottom() - height));
                 let parts = Shown {
                     regions: true,
                     electrodes: false,
@@ -156,21 +157,19 @@ impl RecordView {
     fn head(&mut self, ui: &mut Ui, playing: &Playing, desk: &Arc<dyn Desk>) -> Option<Wish> {
         let palette = theme::of(ui);
         let mut wish = None;
-        ui.horizontal_wrapped(|ui| {
-            match &playing.choice.record {
-                Some(file) => {
-                    if theme::primary(ui, "⏹ Stop recording").clicked() {
-                        wish = Some(Wish::Record);
-                    }
-                    ui.colored_label(palette.bad, "⏺ recording");
-                    ui.weak(file.display().to_string());
+        ui.horizontal_wrapped(|ui| match &playing.choice.record {
+            Some(file) => {
+                if theme::primary(ui, "⏹ Stop recording").clicked() {
+                    wish = Some(Wish::Record);
                 }
-                None => {
-                    if theme::primary(ui, "⏺ Record").clicked() {
-                        wish = Some(Wish::Record);
-                    }
-                    ui.weak("what is played now, from its start");
+                ui.colored_label(palette.bad, "⏺ recording");
+                ui.weak(file.display().to_string());
+            }
+            None => {
+                if theme::primary(ui, "⏺ Record").clicked() {
+                    wish = Some(Wish::Record);
                 }
+                ui.weak("what is played now, from its start");
             }
         });
         ui.horizontal(|ui| {
@@ -353,10 +352,13 @@ impl Open {
     /// All of the tape as a line to scrub on; touches are marked on it.
     fn timeline(&mut self, ui: &mut Ui) {
         let palette = theme::of(ui);
-        let (rect, response) =
-            ui.allocate_exact_size(Vec2::new(ui.available_width(), 26.0), Sense::click_and_drag());
+        let (rect, response) = ui.allocate_exact_size(
+            Vec2::new(ui.available_width(), 26.0),
+            Sense::click_and_drag(),
+        );
         let position = self.frame as f64;
-        response.widget_info(|| egui::WidgetInfo::slider(true, position, "Position in the recording"));
+        response
+            .widget_info(|| egui::WidgetInfo::slider(true, position, "Position in the recording"));
         let line = rect.shrink2(Vec2::new(8.0, 9.0));
         if let Some(at) = response.interact_pointer_pos() {
             let share = f64::from((at.x - line.left()) / line.width()).clamp(0.0, 1.0);
@@ -381,14 +383,14 @@ impl Open {
         }
         let painter = ui.painter();
         painter.rect_filled(line, 3.0, palette.line);
-        let x_of = |frame: usize| {
-            line.left() + line.width() * frame as f32 / (self.last().max(1)) as f32
-        };
+        let x_of =
+            |frame: usize| line.left() + line.width() * frame as f32 / (self.last().max(1)) as f32;
         for (bucket, touched) in self.touched.iter().enumerate() {
             if *touched {
                 let x = line.left() + line.width() * bucket as f32 / BUCKETS as f32;
                 let width = line.width() / BUCKETS as f32 + 0.5;
-                let part = Rect::from_min_size(Pos2::new(x, line.top()), Vec2::new(width, line.height()));
+                let part =
+                    Rect::from_min_size(Pos2::new(x, line.top()), Vec2::new(width, line.height()));
                 painter.rect_filled(part, 0.0, palette.accent.gamma_multiply(0.6));
             }
         }

@@ -69,10 +69,9 @@ fn reciprocity_of(reference: &[f32], protocol: &Protocol) -> Vec<Option<f64>> {
         .iter()
         .enumerate()
         .map(|(index, channel)| {
-            let partner = protocol
-                .channels
-                .iter()
-                .position(|other| other.drive == channel.measure && other.measure == channel.drive)?;
+            let partner = protocol.channels.iter().position(|other| {
+                other.drive == channel.measure && other.measure == channel.drive
+            })?;
             let (a, b) = (f64::from(reference[index]), f64::from(reference[partner]));
             let size = (a.abs() + b.abs()) / 2.0;
             (size > 0.0).then(|| (a - b).abs() / size)

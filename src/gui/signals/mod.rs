@@ -54,10 +54,18 @@ impl Kind {
 
     fn about(self) -> &'static str {
         match self {
-            Self::Voltages => "V/A or the board's unit: bars are the newest frame, the line is the untouched pad",
-            Self::Changes => "percent against the untouched pad: bars are measured, the line is what touches explain",
-            Self::Noise => "signal-to-noise ratio of each channel from frame to frame, dB: below the line is poor",
-            Self::Reciprocity => "percent by which a channel differs from the one with drive and reading swapped",
+            Self::Voltages => {
+                "V/A or the board's unit: bars are the newest frame, the line is the untouched pad"
+            }
+            Self::Changes => {
+                "percent against the untouched pad: bars are measured, the line is what touches explain"
+            }
+            Self::Noise => {
+                "signal-to-noise ratio of each channel from frame to frame, dB: below the line is poor"
+            }
+            Self::Reciprocity => {
+                "percent by which a channel differs from the one with drive and reading swapped"
+            }
             Self::Drift => "percent by which the untouched pad has moved since the start",
             Self::Residual => "percent that touches do not explain",
         }
@@ -79,7 +87,10 @@ impl SignalsView {
         let figures = health::health(signals, &playing.first_reference, &playing.pad.protocol);
         let room = ui.available_rect_before_wrap();
         let side = (room.width() * 0.32).clamp(220.0, 400.0);
-        let plot_room = Rect::from_min_max(room.min, egui::pos2(room.right() - side - 12.0, room.bottom()));
+        let plot_room = Rect::from_min_max(
+            room.min,
+            egui::pos2(room.right() - side - 12.0, room.bottom()),
+        );
         let side_room = Rect::from_min_max(egui::pos2(room.right() - side, room.top()), room.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(plot_room), |ui| {
             ui.horizontal_wrapped(|ui| {
@@ -105,9 +116,8 @@ impl SignalsView {
     fn plot(&self, ui: &mut Ui, playing: &Playing, figures: &Health) {
         let palette = theme::of(ui);
         let signals = &playing.view.signals;
-        let percent = |values: &[f32]| -> Vec<f64> {
-            values.iter().map(|v| f64::from(*v) * 100.0).collect()
-        };
+        let percent =
+            |values: &[f32]| -> Vec<f64> { values.iter().map(|v| f64::from(*v) * 100.0).collect() };
         let plain = |values: &[f32]| -> Vec<f64> { values.iter().map(|v| f64::from(*v)).collect() };
         let (bars, line) = match self.kind {
             Kind::Voltages => (plain(&signals.volts), Some(plain(&signals.reference))),
@@ -117,7 +127,10 @@ impl SignalsView {
                 (ratios.collect(), None)
             }
             Kind::Reciprocity => {
-                let shares = figures.reciprocity_of.iter().map(|r| r.unwrap_or(0.0) * 100.0);
+                let shares = figures
+                    .reciprocity_of
+                    .iter()
+                    .map(|r| r.unwrap_or(0.0) * 100.0);
                 (shares.collect(), None)
             }
             Kind::Drift => (figures.drift.iter().map(|d| d * 100.0).collect(), None),
@@ -133,13 +146,19 @@ impl SignalsView {
         };
         if bars.is_empty() {
             ui.add_space(40.0);
-            ui.vertical_centered(|ui| ui.label("Nothing has been measured yet: the first frames are the untouched pad."));
+            ui.vertical_centered(|ui| {
+                ui.label("Nothing has been measured yet: the first frames are the untouched pad.")
+            });
             return;
         }
-        let muted = |channel: usize| {
-            figures.snr_db.get(channel).is_some_and(Option::is_none)
+        let muted = |channel: usize| figures.snr_db.get(channel).is_some_and(Option::is_none);
+        let colour = |channel: usize| {
+            if muted(channel) {
+                palette.bad
+            } else {
+                palette.accent
+            }
         };
-        let colour = |channel: usize| if muted(channel) { palette.bad } else { palette.accent };
         let chart: Vec<Bar> = bars
             .iter()
             .enumerate()
@@ -192,7 +211,8 @@ impl SignalsView {
                 electrodes: true,
                 scale: false,
             };
-            self.picture.draw(ui, rect, playing, &playing.view.profile, shown);
+            self.picture
+                .draw(ui, rect, playing, &playing.view.profile, shown);
         });
     }
 }
@@ -221,7 +241,11 @@ pub fn rows(ui: &mut Ui, playing: &Playing, figures: &Health) {
                 ui.end_row();
             };
             let view = &playing.view;
-            row("rate", format!("{:.0} frames/s", view.frames_per_s), (view.frames > 0).then_some(view.frames_per_s >= 25.0));
+            row(
+                "rate",
+                format!("{:.0} frames/s", view.frames_per_s),
+                (view.frames > 0).then_some(view.frames_per_s >= 25.0),
+            );
             row("channels", view.signals.volts.len().to_string(), None);
             let snr = figures.median_snr_db;
             row(
@@ -232,16 +256,35 @@ pub fn rows(ui: &mut Ui, playing: &Playing, figures: &Health) {
             let reciprocity = figures.reciprocity;
             row(
                 "reciprocity",
-                reciprocity.map_or("no pairs".to_owned(), |share| format!("{:.2} %", share * 100.0)),
+                reciprocity.map_or("no pairs".to_owned(), |share| {
+                    format!("{:.2} %", share * 100.0)
+                }),
                 reciprocity.map(|share| share < POOR_RECIPROCITY),
             );
-            let drift = figures.drift.iter().fold(0.0f64, |most, d| most.max(d.abs()));
+            let drift = figures
+                .drift
+                .iter()
+                .fold(0.0f64, |most, d| most.max(d.abs()));
             row("drift", format!("{:.2} % at most", drift * 100.0), None);
-            let residual = figures.residual.map_or("none".to_owned(), |r| format!("{:.0} %", r * 100.0));
+            let residual = figures
+                .residual
+                .map_or("none".to_owned(), |r| format!("{:.0} %", r * 100.0));
             row("residual", residual, None);
-            row("lost frames", view.lost_frames.to_string(), Some(view.lost_frames == 0));
-            let lost: Vec<String> = view.lost_electrodes.iter().map(|e| (e + 1).to_string()).collect();
-            let words = if lost.is_empty() { "none".to_owned() } else { lost.join(", ") };
+            row(
+                "lost frames",
+                view.lost_frames.to_string(),
+                Some(view.lost_frames == 0),
+            );
+            let lost: Vec<String> = view
+                .lost_electrodes
+                .iter()
+                .map(|e| (e + 1).to_string())
+                .collect();
+            let words = if lost.is_empty() {
+                "none".to_owned()
+            } else {
+                lost.join(", ")
+            };
             row("lost electrodes", words, Some(lost.is_empty()));
             let bad = worst_channels(figures, NAMED);
             if !bad.is_empty() {
