@@ -11,6 +11,7 @@ use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
 use super::playing::Playing;
+use super::practice::PracticeTab;
 use super::problem::{self, Around, Mend};
 use super::theme;
 use super::waker::Waker;
@@ -103,6 +104,8 @@ pub struct App {
     pub failed: Option<String>,
     /// The pad in a window of its own.
     pub pad_window: PadWindow,
+    /// The practice level.
+    pub practice: PracticeTab,
     /// The editor.
     pub edit: EditView,
     desk: Arc<dyn Desk>,
@@ -130,6 +133,7 @@ impl App {
             playing: Playing::nothing(),
             failed: None,
             pad_window: PadWindow::default(),
+            practice: PracticeTab::default(),
             edit: EditView::default(),
             desk,
             names,
@@ -272,6 +276,10 @@ impl App {
                     problem.as_ref(),
                     &self.names,
                 )
+            }
+            Tab::Practice => {
+                self.practice.ui(ui, &mut self.picture, &mut self.playing);
+                None
             }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
             _ => None,

@@ -16,6 +16,7 @@ pub mod picture;
 pub mod place;
 pub mod play;
 pub mod playing;
+pub mod practice;
 pub mod press;
 pub mod problem;
 pub mod regions;

@@ -226,7 +226,9 @@ fn number_value(number: f64, as_float: bool) -> Value {
 fn put(table: &mut Table, key: &str, number: f64) {
     let had_point = table.get(key).is_some_and(Item::is_float);
     if table.get(key).is_some_and(|item| {
-        item.as_float().or_else(|| item.as_integer().map(|i| i as f64)) == Some(number)
+        item.as_float()
+            .or_else(|| item.as_integer().map(|i| i as f64))
+            == Some(number)
     }) {
         return;
     }
@@ -303,7 +305,10 @@ mod tests {
         document.bind("jump", "key:space").expect("bound");
         assert_eq!(
             changed(&before, &document.text()),
-            [("output = \"$a\"".to_owned(), "output = \"key:space\"".to_owned())]
+            [(
+                "output = \"$a\"".to_owned(),
+                "output = \"key:space\"".to_owned()
+            )]
         );
         document
             .add_region("fire", [0.1, 0.1, 0.2, 0.2])
@@ -341,7 +346,9 @@ mod tests {
     fn what_is_no_toml_is_told_and_what_is_no_list_too() {
         assert!(matches!(Document::read("a = "), Err(EditError::Broken(_))));
         let mut document = Document::read("region = 3\n").expect("TOML");
-        let error = document.set_region("r", &[("x", 0.1)]).expect_err("no list");
+        let error = document
+            .set_region("r", &[("x", 0.1)])
+            .expect_err("no list");
         assert!(error.to_string().contains("[[region]]"), "{error}");
     }
 }

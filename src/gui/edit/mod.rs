@@ -87,7 +87,10 @@ impl EditView {
         self.learn(ui, playing, desk);
         let room = ui.available_rect_before_wrap();
         let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
-        let pad_room = Rect::from_min_max(room.min, Pos2::new(room.right() - side - 12.0, room.bottom()));
+        let pad_room = Rect::from_min_max(
+            room.min,
+            Pos2::new(room.right() - side - 12.0, room.bottom()),
+        );
         let side_room = Rect::from_min_max(Pos2::new(room.right() - side, room.top()), room.max);
         self.pad(ui, pad_room, playing, desk);
         let mut wish = None;
@@ -127,10 +130,11 @@ impl EditView {
         if is_open || (self.failed.is_some() && self.opened.is_none()) {
             return;
         }
-        match desk
-            .profile_text(&choice.profile)
-            .and_then(|text| Document::read(&text).map_err(|error| error.to_string()).map(|d| (d, text)))
-        {
+        match desk.profile_text(&choice.profile).and_then(|text| {
+            Document::read(&text)
+                .map_err(|error| error.to_string())
+                .map(|d| (d, text))
+        }) {
             Ok((document, saved)) => {
                 let mut opened = Opened {
                     argument: choice.profile.clone(),
@@ -164,7 +168,9 @@ impl EditView {
             return;
         }
         let unsaved = self.is_unsaved();
-        let Some(opened) = &mut self.opened else { return };
+        let Some(opened) = &mut self.opened else {
+            return;
+        };
         if !is_file(&opened.argument) {
             return;
         }
@@ -200,7 +206,9 @@ impl EditView {
         desk: &dyn Desk,
         change: impl FnOnce(&mut Document) -> Result<(), document::EditError>,
     ) {
-        let Some(opened) = &mut self.opened else { return };
+        let Some(opened) = &mut self.opened else {
+            return;
+        };
         match change(&mut opened.document) {
             Ok(()) => {
                 opened.checked = check(desk, choice, &opened.document.text());
@@ -218,7 +226,8 @@ impl EditView {
             PathBuf::from(&opened.argument)
         } else {
             let Some(folder) = desk.own_folder() else {
-                self.notice = Some("there is no folder for settings of your own: set HOME".to_owned());
+                self.notice =
+                    Some("there is no folder for settings of your own: set HOME".to_owned());
                 return None;
             };
             folder
@@ -251,7 +260,9 @@ impl EditView {
                 let Some(touch) = playing.view.touches.first() else {
                     return;
                 };
-                let Some(profile) = self.profile() else { return };
+                let Some(profile) = self.profile() else {
+                    return;
+                };
                 let pad_mm = playing.pad.outline.size_mm();
                 let seen = profile.settings.seen(touch.contact.centre_mm, pad_mm);
                 let seen_mm = profile.settings.seen_size_mm(pad_mm);
@@ -278,7 +289,9 @@ impl EditView {
                 };
                 self.learning = Learning::No;
                 let output = output.to_string();
-                self.change(&playing.choice, desk, |document| document.bind(&region, &output));
+                self.change(&playing.choice, desk, |document| {
+                    document.bind(&region, &output)
+                });
                 self.choose(&region);
             }
         }
@@ -323,7 +336,11 @@ impl EditView {
         let id = ui.scope_id().with("edit pad");
         let response = ui.interact(place.rect, id, Sense::click_and_drag());
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Regions on the pad: drag to move, drag an edge to resize")
+            egui::WidgetInfo::labeled(
+                egui::Role::Canvas,
+                true,
+                "Regions on the pad: drag to move, drag an edge to resize",
+            )
         });
         if self.learning != Learning::No {
             // Whoever is asked to press here presses the simulated pad.
@@ -337,19 +354,25 @@ impl EditView {
         };
         let near = [0, 1].map(|i| f64::from(NEAR / place.points_per_mm()) / place.seen_mm[i]);
         let under = |at: Pos2| -> Option<(usize, Grip)> {
-            profile.regions.iter().enumerate().find_map(|(index, region)| {
-                let placed = region.placed(place.seen_mm, &profile.settings.area);
-                let (low, high) = placed.bounds_mm();
-                let shares = |p: [f64; 2]| [p[0] / place.seen_mm[0], p[1] / place.seen_mm[1]];
-                Some((index, grip_at(share(at), shares(low), shares(high), near)?))
-            })
+            profile
+                .regions
+                .iter()
+                .enumerate()
+                .find_map(|(index, region)| {
+                    let placed = region.placed(place.seen_mm, &profile.settings.area);
+                    let (low, high) = placed.bounds_mm();
+                    let shares = |p: [f64; 2]| [p[0] / place.seen_mm[0], p[1] / place.seen_mm[1]];
+                    Some((index, grip_at(share(at), shares(low), shares(high), near)?))
+                })
         };
         if let Some((_, grip)) = response.hover_pos().and_then(under) {
             ui.ctx().set_cursor_icon(cursor(grip));
         }
         let pressed_at = ui.input(|input| input.pointer.press_origin());
         if response.clicked() || response.drag_started() {
-            let hit = pressed_at.or(response.interact_pointer_pos()).and_then(under);
+            let hit = pressed_at
+                .or(response.interact_pointer_pos())
+                .and_then(under);
             match hit {
                 Some((index, grip)) => {
                     let region = &profile.regions[index];
@@ -454,7 +477,9 @@ fn check(desk: &dyn Desk, choice: &Choice, text: &str) -> Result<Checked, Faulty
 pub(super) fn write_beside(path: &Path, text: &str) -> std::io::Result<()> {
     use std::io::Write as _;
 
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
     let mut file = tempfile::NamedTempFile::new_in(folder)?;

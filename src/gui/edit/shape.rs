@@ -17,9 +17,8 @@ pub enum Grip {
 /// What is at a point of a region's box: its edges within `near`, else all of it. Shares of the pad.
 #[must_use]
 pub fn grip_at([x, y]: [f64; 2], low: [f64; 2], high: [f64; 2], near: [f64; 2]) -> Option<Grip> {
-    let inside = |value: f64, low: f64, high: f64, near: f64| {
-        (low - near..=high + near).contains(&value)
-    };
+    let inside =
+        |value: f64, low: f64, high: f64, near: f64| (low - near..=high + near).contains(&value);
     if !inside(x, low[0], high[0], near[0]) || !inside(y, low[1], high[1], near[1]) {
         return None;
     }

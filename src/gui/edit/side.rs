@@ -201,7 +201,11 @@ impl EditView {
                     self.choose(&region.name);
                 }
             }
-            if ui.button("+ New").on_hover_text("a new region in the middle").clicked() {
+            if ui
+                .button("+ New")
+                .on_hover_text("a new region in the middle")
+                .clicked()
+            {
                 let name = fresh_name(profile.regions.iter().map(|r| r.name.as_str()));
                 self.change(&playing.choice, desk, |document| {
                     document.add_region(&name, [0.4, 0.4, 0.2, 0.2])
@@ -275,7 +279,9 @@ impl EditView {
                 Ok(output) => {
                     self.output_error = None;
                     let output = output.to_string();
-                    self.change(&playing.choice, desk, |document| document.bind(region, &output));
+                    self.change(&playing.choice, desk, |document| {
+                        document.bind(region, &output)
+                    });
                     self.settle();
                 }
                 Err(error) => {
@@ -299,13 +305,21 @@ impl EditView {
             Learning::Key(region) => format!("… now press the key for `{region}`"),
         };
         let waits = self.learning != Learning::No;
-        let text = egui::RichText::new(words).color(if waits { palette.on_accent } else { palette.text });
+        let text = egui::RichText::new(words).color(if waits {
+            palette.on_accent
+        } else {
+            palette.text
+        });
         let mut button = egui::Button::new(text);
         if waits {
             button = button.fill(palette.accent);
         }
         if ui.add(button).clicked() {
-            self.learning = if waits { Learning::No } else { Learning::Region };
+            self.learning = if waits {
+                Learning::No
+            } else {
+                Learning::Region
+            };
         }
     }
 
@@ -392,7 +406,9 @@ fn last_gap_ms(playing: &Playing) -> Option<f64> {
 
 fn touch_age_ms(playing: &Playing) -> Option<f64> {
     let touch = playing.view.touches.last()?;
-    Some(ms_from_nanos(playing.view.t_ns.saturating_sub(touch.since_ns)))
+    Some(ms_from_nanos(
+        playing.view.t_ns.saturating_sub(touch.since_ns),
+    ))
 }
 
 /// How far the newest touch is from where it went down.

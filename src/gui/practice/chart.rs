@@ -31,7 +31,10 @@ pub(super) fn bars(painter: &Painter, room: Rect, practice: &Practice, palette: 
         };
         // Words keep clear of the bars: each bar has the part of its half that words leave.
         let words = 62.0_f32.min(0.5 * half);
-        let (left, right) = (bar(middle - 6.0 - press * (half - words), middle - 6.0), bar(middle + 6.0, middle + 6.0 + high * (half - words)));
+        let (left, right) = (
+            bar(middle - 6.0 - press * (half - words), middle - 6.0),
+            bar(middle + 6.0, middle + 6.0 + high * (half - words)),
+        );
         painter.rect_filled(left, 3.0, palette.accent.gamma_multiply(fade));
         painter.rect_filled(right, 3.0, palette.good.gamma_multiply(fade));
         let ink = if row == 0 { palette.text } else { palette.weak };
@@ -91,7 +94,10 @@ pub(super) fn curve(painter: &Painter, room: Rect, practice: &Practice, palette:
             palette.weak,
         );
     }
-    for (running, colour) in [(false, palette.good), (true, palette.good.gamma_multiply(0.45))] {
+    for (running, colour) in [
+        (false, palette.good),
+        (true, palette.good.gamma_multiply(0.45)),
+    ] {
         let points: Vec<Pos2> = (1..=CURVE_STEPS)
             .map(|steps| {
                 let ms = 1000.0 * steps as f32 / STEPS_PER_S as f32;
@@ -119,7 +125,11 @@ pub(super) fn curve(painter: &Painter, room: Rect, practice: &Practice, palette:
         } else {
             palette.accent.gamma_multiply(0.45)
         };
-        let edge = if is_last { palette.text } else { Color32::TRANSPARENT };
+        let edge = if is_last {
+            palette.text
+        } else {
+            Color32::TRANSPARENT
+        };
         painter.circle(
             place,
             if is_last { 6.0 } else { 3.5 },

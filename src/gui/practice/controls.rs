@@ -10,7 +10,14 @@ const JUMP_REGIONS: &[&str] = &["jump", "a"];
 const RUN_REGIONS: &[&str] = &["run", "b", "action"];
 /// ... and outputs that do in games, the likeliest first.
 const JUMP_OUTPUTS: &[&str] = &[
-    "pad:south", "key:space", "key:f", "key:x", "key:z", "key:up", "pad:east", "key:enter",
+    "pad:south",
+    "key:space",
+    "key:f",
+    "key:x",
+    "key:z",
+    "key:up",
+    "pad:east",
+    "key:enter",
 ];
 const LEFT_OUTPUTS: &[&str] = &["key:left", "pad:left", "key:a"];
 const RIGHT_OUTPUTS: &[&str] = &["key:right", "pad:right", "key:d"];
@@ -122,14 +129,23 @@ mod tests {
             })
             .map(|shipped| shipped.name)
             .collect();
-        for name in ["super-mario", "super-mario-classified", "supertux", "large-buttons", "one-handed"] {
+        for name in [
+            "super-mario",
+            "super-mario-classified",
+            "supertux",
+            "large-buttons",
+            "one-handed",
+        ] {
             assert!(playable.contains(&name), "{name}: {playable:?}");
         }
     }
 
     #[test]
     fn super_mario_jumps_and_runs_by_its_regions() {
-        let shipped = SHIPPED_PROFILES.iter().find(|shipped| shipped.name == "super-mario").expect("shipped");
+        let shipped = SHIPPED_PROFILES
+            .iter()
+            .find(|shipped| shipped.name == "super-mario")
+            .expect("shipped");
         let profile = Profile::from_toml(shipped.name, shipped.toml).expect("sound");
         let controls = Controls::of(&profile);
         let deed = |name: &str| controls.deed(name.parse().expect("an output"));

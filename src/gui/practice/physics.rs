@@ -37,7 +37,7 @@ const LOSS: f64 = 0.051;
 const EARLY_STEPS: u32 = 5;
 const LATE_STEPS: u32 = 5;
 /// The player's size, px.
-pub const SIZE: [f64; 2] = [12.0, 15.0];
+pub(super) const SIZE: [f64; 2] = [12.0, 15.0];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lift {
@@ -184,7 +184,11 @@ impl Body {
             (WALK_GAIN, WALK)
         };
         // Against the way it goes, both the loss and the gain slow it down.
-        let gain = if *speed * wish < 0.0 { gain + LOSS } else { gain };
+        let gain = if *speed * wish < 0.0 {
+            gain + LOSS
+        } else {
+            gain
+        };
         let faster = *speed + wish * gain;
         *speed = if faster.abs() <= most {
             faster
@@ -253,7 +257,11 @@ pub fn height(steps_held: u32, running: bool) -> f64 {
     while velocity > 0.0 {
         y += velocity;
         step += 1;
-        velocity -= if step <= steps_held { lift.held } else { lift.free };
+        velocity -= if step <= steps_held {
+            lift.held
+        } else {
+            lift.free
+        };
     }
     y
 }

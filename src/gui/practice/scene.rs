@@ -3,7 +3,10 @@
 //! Everything is drawn with plain shapes, in two sets of colours: an evening and a morning.
 
 use egui::epaint::{CubicBezierShape, Mesh};
-use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2,
+    pos2, vec2,
+};
 
 use super::level::{TILE, Tile};
 use super::physics::SIZE;
@@ -37,8 +40,14 @@ pub(super) struct Colours {
 }
 
 const EVENING: Colours = Colours {
-    sky: [Color32::from_rgb(0x1b, 0x1f, 0x3b), Color32::from_rgb(0x4a, 0x3f, 0x6b)],
-    hills: [Color32::from_rgb(0x33, 0x33, 0x5c), Color32::from_rgb(0x28, 0x2a, 0x4d)],
+    sky: [
+        Color32::from_rgb(0x1b, 0x1f, 0x3b),
+        Color32::from_rgb(0x4a, 0x3f, 0x6b),
+    ],
+    hills: [
+        Color32::from_rgb(0x33, 0x33, 0x5c),
+        Color32::from_rgb(0x28, 0x2a, 0x4d),
+    ],
     ground: Color32::from_rgb(0x17, 0x2a, 0x3a),
     turf: Color32::from_rgb(0x2f, 0x9c, 0x95),
     block: Color32::from_rgb(0x7a, 0x5c, 0x8e),
@@ -53,8 +62,14 @@ const EVENING: Colours = Colours {
 };
 
 const MORNING: Colours = Colours {
-    sky: [Color32::from_rgb(0xa9, 0xd8, 0xf0), Color32::from_rgb(0xf6, 0xec, 0xdc)],
-    hills: [Color32::from_rgb(0xbf, 0xd9, 0xd4), Color32::from_rgb(0x9f, 0xc7, 0xbf)],
+    sky: [
+        Color32::from_rgb(0xa9, 0xd8, 0xf0),
+        Color32::from_rgb(0xf6, 0xec, 0xdc),
+    ],
+    hills: [
+        Color32::from_rgb(0xbf, 0xd9, 0xd4),
+        Color32::from_rgb(0x9f, 0xc7, 0xbf),
+    ],
     ground: Color32::from_rgb(0x5b, 0x4a, 0x42),
     turf: Color32::from_rgb(0x3f, 0x9d, 0x6d),
     block: Color32::from_rgb(0xc9, 0x7b, 0x4a),
@@ -127,7 +142,7 @@ pub(super) fn draw(painter: &Painter, room: Rect, practice: &Practice, dark: boo
         );
     }
     last_jump(&painter, &camera, practice, &colours);
-    drop(&painter, &camera, practice, &colours);
+    player(&painter, &camera, practice, &colours);
 }
 
 fn sky(painter: &Painter, room: Rect, colours: &Colours) {
@@ -215,7 +230,13 @@ fn tiles(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colo
 }
 
 fn coins(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colours) {
-    for (index, (coin, taken)) in practice.level().coins.iter().zip(practice.taken()).enumerate() {
+    for (index, (coin, taken)) in practice
+        .level()
+        .coins
+        .iter()
+        .zip(practice.taken())
+        .enumerate()
+    {
         if *taken {
             continue;
         }
@@ -259,9 +280,7 @@ fn flag(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colou
     let (upper, lower) = (edge(0.0), edge(high));
     let mut mesh = Mesh::default();
     for share in 0..=12 {
-        let at = |points: &[Pos2]| {
-            points[(share * points.len().saturating_sub(1)) / 12]
-        };
+        let at = |points: &[Pos2]| points[(share * points.len().saturating_sub(1)) / 12];
         if upper.is_empty() || lower.is_empty() {
             return;
         }
@@ -305,7 +324,7 @@ fn last_jump(painter: &Painter, camera: &Camera, practice: &Practice, colours: &
 }
 
 /// The player: a drop of gel, flatter when it lands and longer when it flies.
-fn drop(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colours) {
+fn player(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colours) {
     let body = practice.body();
     let [speed, climb] = body.velocity;
     let stretch = STRETCH * (climb.abs() as f32 / 5.0).min(1.0);
@@ -318,7 +337,11 @@ fn drop(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colou
     let middle = foot - vec2(0.0, size.y);
     if body.on_ground {
         let shadow = vec2(size.x * 1.05, camera.long(1.6));
-        painter.add(Shape::ellipse_filled(foot, shadow, Color32::from_black_alpha(50)));
+        painter.add(Shape::ellipse_filled(
+            foot,
+            shadow,
+            Color32::from_black_alpha(50),
+        ));
     }
     painter.add(Shape::ellipse_filled(middle, size, colours.drop));
     // The tip of the drop bends against the way it goes.

@@ -3,9 +3,6 @@ use crate::profile::{DEFAULT_PROFILE, shipped_profile};
 use crate::types::{NANOS_PER_MS, Output};
 use proptest::prelude::*;
 
-/// Presses that finish the level: when jump goes down and for how long, ms. To the right is held all the time.
-const JUMPS: &[(u64, u64)] = &[];
-
 fn profile() -> Profile {
     let shipped = shipped_profile(DEFAULT_PROFILE).expect("shipped");
     Profile::from_toml(shipped.name, shipped.toml).expect("sound")
@@ -37,7 +34,7 @@ fn event(t_ms: u64, down: bool, deed: Deed) -> Event {
 /// The script as events, in order.
 fn script() -> Vec<Event> {
     let mut events = vec![event(1000, true, Deed::Right)];
-    for (at_ms, long_ms) in JUMPS {
+    for (at_ms, long_ms) in A_WAY {
         events.push(event(1000 + at_ms, true, Deed::Jump));
         events.push(event(1000 + at_ms + long_ms, false, Deed::Jump));
     }
@@ -51,7 +48,10 @@ fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
     let mut t_s = 0.0;
     while t_s < seconds {
         t_s += 1.0 / draws_per_s;
-        while events.get(next).is_some_and(|event| event.t_ns as f64 * 1e-9 <= t_s) {
+        while events
+            .get(next)
+            .is_some_and(|event| event.t_ns as f64 * 1e-9 <= t_s)
+        {
             practice.event(&events[next]);
             next += 1;
         }
@@ -61,51 +61,14 @@ fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
 }
 
 #[test]
-fn find_a_way() {
-    // Depth first: hold right, and at each moment on the ground choose between walking on and a jump of one length.
-    #[derive(Clone)]
-    struct At {
-        body: Body,
-        step: u64,
-        jumps: Vec<(u64, u64)>,
-    }
-    let level = Level::ours();
-    let ahead = Buttons { right: true, ..Buttons::default() };
-    let mut open = vec![At { body: Body::new(level.starts[0]), step: 0, jumps: vec![] }];
-    let mut seen = std::collections::BTreeSet::new();
-    let mut furthest = 0.0_f64;
-    while let Some(at) = open.pop() {
-        if at.body.place[0] >= level.flag[0] - FLAG_PX {
-            let ms: Vec<(u64, u64)> = at.jumps.iter().map(|(s, l)| (s * 1000 / 60, l * 1000 / 60)).collect();
-            println!("found {ms:?} in {} steps", at.step);
-            return;
-        }
-        furthest = furthest.max(at.body.place[0]);
-        if !seen.insert(((at.body.place[0] / 3.0) as i64, (at.body.place[1] / 8.0) as i64, (at.body.velocity[0] * 8.0) as i64)) || at.step > 3600 {
-            continue;
-        }
-        for hold in [5u64, 12, 20, 32] {
-            let mut next = at.clone();
-            next.jumps.push((at.step, hold));
-            for step in 0.. {
-                next.body.step(Buttons { jump: step < hold, ..ahead }, &level);
-                next.step += 1;
-                if (next.body.on_ground && step >= hold + 1) || next.body.place[1] < level::BOTTOM || step > 200 { break; }
-            }
-            if next.body.on_ground { open.push(next); }
-        }
-        let mut next = at;
-        for _ in 0..6 { next.body.step(ahead, &level); next.step += 1; }
-        if next.body.on_ground { open.push(next); }
-    }
-    panic!("no way beyond {} of {}", furthest / TILE, level.flag[0] / TILE);
-}
-
-#[test]
 fn a_script_of_presses_finishes_the_level() {
     let practice = play(&script(), 60.0, 45.0);
     let Stage::Done { best } = practice.stage() else {
-        panic!("at {:?} after {} falls", practice.body().place, practice.falls());
+        panic!(
+            "at {:?} after {} falls",
+            practice.body().place,
+            practice.falls()
+        );
     };
     assert!(best);
     assert_eq!(practice.falls(), 0);
@@ -117,7 +80,10 @@ fn a_script_of_presses_finishes_the_level() {
 #[test]
 fn the_length_of_a_press_is_told_beside_the_height_of_its_jump() {
     for (long_ms, tiles) in [(83, 34.0 / 16.0), (333, 60.0 / 16.0), (600, 66.0 / 16.0)] {
-        let events = [event(500, true, Deed::Jump), event(500 + long_ms, false, Deed::Jump)];
+        let events = [
+            event(500, true, Deed::Jump),
+            event(500 + long_ms, false, Deed::Jump),
+        ];
         let practice = play(&events, 60.0, 3.0);
         let jump = *practice.jumps().next_back().expect("a jump");
         assert!((jump.held_ms - long_ms as f64).abs() < 1e-9, "{jump:?}");
@@ -128,9 +94,20 @@ fn the_length_of_a_press_is_told_beside_the_height_of_its_jump() {
 
 #[test]
 fn a_press_that_is_over_before_the_window_is_drawn_still_jumps_by_its_length() {
-    let events = [event(1010, true, Deed::Jump), event(1060, false, Deed::Jump)];
-    let often = play(&events, 60.0, 3.0).jumps().next_back().expect("a jump").height_px;
-    let seldom = play(&events, 8.0, 3.0).jumps().next_back().expect("a jump").height_px;
+    let events = [
+        event(1010, true, Deed::Jump),
+        event(1060, false, Deed::Jump),
+    ];
+    let often = play(&events, 60.0, 3.0)
+        .jumps()
+        .next_back()
+        .expect("a jump")
+        .height_px;
+    let seldom = play(&events, 8.0, 3.0)
+        .jumps()
+        .next_back()
+        .expect("a jump")
+        .height_px;
     // A step more or less.
     assert!((often - seldom).abs() < 3.0, "{often} {seldom}");
 }
@@ -149,7 +126,11 @@ fn after_the_end_a_jump_begins_anew_and_the_best_time_stays() {
 #[test]
 fn a_fall_begins_at_the_last_place_that_stands_and_the_clock_runs_on() {
     let practice = play(&[event(500, true, Deed::Right)], 60.0, 12.0);
-    assert!(practice.falls() > 0 || practice.body().place[0] < 260.0, "{:?}", practice.body().place);
+    assert!(
+        practice.falls() > 0 || practice.body().place[0] < 260.0,
+        "{:?}",
+        practice.body().place
+    );
     assert_eq!(practice.stage(), Stage::Running);
 }
 
