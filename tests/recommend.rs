@@ -57,12 +57,20 @@ fn case(kind: Kind, seed: u64) -> Case {
 fn best_fixed(cases: &[Case]) -> Overlay {
     let judge = judge();
     let plain = Overlay::of_profile(&judge.profile(None).expect("sound"));
+    let trials: Vec<Trial> = cases
+        .iter()
+        .flat_map(|case| case.judged.iter().map(Trial::thinned))
+        .collect();
+    let (left, right) = trials.split_at(trials.len() / 2);
     climb(plain, &mut |overlay| {
+        let outcome = |part: &[Trial]| judge().outcome(part, Some(overlay)).expect("sound");
         let mut all = Outcome::default();
-        for case in cases {
-            all += judge.outcome(&case.judged, Some(overlay))?;
-        }
-        Ok::<f64, gelpad::calibrate::recommend::RecommendError>(all.share())
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| outcome(right));
+            all += outcome(left);
+            all += other.join().expect("no panic");
+        });
+        Ok::<f64, std::convert::Infallible>(all.share())
     })
     .expect("found")
 }

@@ -68,6 +68,8 @@ struct Watched {
 enum State {
     /// Counts from then on, if it is still there.
     Waiting { due: Nanos },
+    /// Lifted while it waited; goes on waiting if it comes back until then.
+    Away { due: Nanos, until: Nanos },
     /// Counts when it lifts.
     UntilLift,
     /// Counts.
@@ -100,9 +102,10 @@ impl Accept {
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
         let due = |watched: &Watched| match watched.state {
-            State::Waiting { due: at } | State::Lifting { at } | State::Rested { until: at } => {
-                Some(at)
-            }
+            State::Waiting { due: at }
+            | State::Away { until: at, .. }
+            | State::Lifting { at }
+            | State::Rested { until: at } => Some(at),
             State::UntilLift | State::Passed | State::Silent | State::Resting { .. } => None,
         };
         self.watched.iter().filter_map(due).min()
@@ -127,7 +130,7 @@ impl Accept {
                 note_release(released, watched.place, at);
                 false
             }
-            State::Rested { until } => until > t_ns,
+            State::Rested { until } | State::Away { until, .. } => until > t_ns,
             _ => true,
         });
     }
@@ -214,15 +217,23 @@ impl Accept {
         let radius_mm = radius_mm(touch.contact.area_mm2);
         let back = self.watched.iter_mut().find(|watched| {
             !watched.is_part
-                && matches!(watched.state, State::Lifting { .. })
+                && matches!(watched.state, State::Lifting { .. } | State::Away { .. })
                 && distance_mm(watched.at_mm, at_mm) < settings.tremor_mm
         });
         if let Some(watched) = back {
             watched.source = touch.id;
-            if let State::Lifting { at } = watched.state {
-                watched.back = Some((t_ns, at - settings.tremor_ns));
+            match watched.state {
+                State::Away { due, .. } if due > t_ns => watched.state = State::Waiting { due },
+                State::Away { .. } => {
+                    watched.state = State::Passed;
+                    self.passed.push(watched.passed(Phase::Down));
+                }
+                State::Lifting { at } => {
+                    watched.back = Some((t_ns, at - settings.tremor_ns));
+                    watched.state = State::Passed;
+                }
+                _ => {}
             }
-            watched.state = State::Passed;
             return;
         }
         if self.watched.len() == MOST_TOUCHES {
@@ -278,7 +289,9 @@ impl Accept {
             .rest_area_mm2
             .is_some_and(|most| touch.contact.area_mm2 > most);
         match &mut watched.state {
-            State::Silent | State::Lifting { .. } | State::Rested { .. } => return,
+            State::Silent | State::Lifting { .. } | State::Away { .. } | State::Rested { .. } => {
+                return;
+            }
             State::Resting { large } => {
                 *large |= rests;
                 watched.at_mm = at_mm;
@@ -338,6 +351,13 @@ impl Accept {
                 self.passed.push(watched.passed(Phase::Up));
                 note_release(&mut self.released, watched.place, t_ns);
             }
+            State::Waiting { due } if self.settings.tremor_ns > 0 => {
+                watched.state = State::Away {
+                    due,
+                    until: t_ns + self.settings.tremor_ns,
+                };
+                return;
+            }
             State::UntilLift => {
                 let lasted = t_ns - watched.since_ns >= self.settings.slow_keys_ns;
                 let stayed = match (self.settings.assist, layout) {
@@ -364,6 +384,7 @@ impl Accept {
             | State::Silent
             | State::Resting { large: false }
             | State::Lifting { .. }
+            | State::Away { .. }
             | State::Rested { .. } => {}
         }
         self.watched.remove(index);

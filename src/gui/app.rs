@@ -12,7 +12,7 @@ use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
 use super::playing::Playing;
-use super::practice::{Level, Practice, PracticeView};
+use super::practice::PracticeTab;
 use super::problem::{self, Around, Mend};
 use super::record::RecordView;
 use super::setup::SetUpView;
@@ -25,8 +25,6 @@ use crate::runtime::Command;
 const RAIL: (f32, f32) = (92.0, 70.0);
 /// A window narrower than this has the narrow rail, points.
 const NARROW: f32 = 1000.0;
-/// The pad beside the level, share of the width.
-const PAD_BESIDE: f32 = 0.36;
 /// The line at the bottom, points.
 const STATUS: f32 = 26.0;
 
@@ -110,6 +108,8 @@ pub struct App {
     pub failed: Option<String>,
     /// The pad in a window of its own.
     pub pad_window: PadWindow,
+    /// The practice level.
+    pub practice: PracticeTab,
     /// The editor.
     pub edit: EditView,
     /// The wizard.
@@ -120,10 +120,6 @@ pub struct App {
     pub signals: SignalsView,
     /// How the window looks and answers.
     pub comfort: Comfort,
-    /// The level.
-    pub practice: Practice,
-    practice_view: PracticeView,
-    practised_events: u64,
     desk: Arc<dyn Desk>,
     names: Names,
     starting: Option<(Choice, Receiver<Result<Started, String>>)>,
@@ -145,15 +141,13 @@ impl App {
             ports: desk.ports(),
         };
         let comfort = Comfort::of(desk.as_ref());
-        let mut practice = Practice::new(Level::ours());
-        practice.set_best_s(comfort.look.best_s);
+        let mut practice = PracticeTab::default();
+        practice.practice.set_best_s(comfort.look.best_s);
         Self {
             set_up: SetUpView::default(),
             record: RecordView::default(),
             signals: SignalsView::default(),
             practice,
-            practice_view: PracticeView::default(),
-            practised_events: 0,
             comfort,
             tab: Tab::Play,
             playing: Playing::nothing(),
@@ -238,24 +232,10 @@ impl App {
         if self.playing.look() {
             self.last_view_s = ctx.time();
         }
-        self.feed_practice();
+        self.practice.take(&self.playing.view);
+        self.comfort.look.best_s = self.practice.practice.best_s();
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
         self.playing.hush(focused);
-    }
-
-    /// Hands new events to the level, as a game would get them.
-    fn feed_practice(&mut self) {
-        let view = &self.playing.view;
-        if view.events_so_far == self.practised_events {
-            return;
-        }
-        self.practice.follow(&view.profile);
-        let fresh = view.events_so_far.saturating_sub(self.practised_events);
-        let skip = (view.events.len() as u64).saturating_sub(fresh) as usize;
-        self.practised_events = view.events_so_far;
-        for event in view.events.iter().skip(skip) {
-            self.practice.event(event);
-        }
     }
 
     /// Draws the window.
@@ -321,7 +301,7 @@ impl App {
                 )
             }
             Tab::Practice => {
-                self.practise(ui);
+                self.practice.ui(ui, &mut self.picture, &mut self.playing);
                 None
             }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
@@ -348,19 +328,6 @@ impl App {
             Wish::ShowPlay => self.tab = Tab::Play,
             Wish::Mend(mend) => self.mend(&mend),
         }
-    }
-
-    /// The level, and beside it the pad that plays it.
-    fn practise(&mut self, ui: &mut Ui) {
-        let room = ui.available_rect_before_wrap();
-        let pad_width = (room.width() * PAD_BESIDE).min(room.height());
-        let pad = Rect::from_min_size(room.min, Vec2::new(pad_width, room.height()));
-        let level = Rect::from_min_max(egui::pos2(pad.right() + 12.0, room.top()), room.max);
-        play::pad(ui, pad, &mut self.picture, &mut self.playing, false);
-        ui.scope_builder(egui::UiBuilder::new().max_rect(level), |ui| {
-            self.practice_view.ui(ui, &mut self.practice);
-        });
-        self.comfort.look.best_s = self.practice.best_s();
     }
 
     /// Begins a recording, or ends it: the game starts anew, as a recording begins with the untouched pad.

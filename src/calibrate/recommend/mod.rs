@@ -11,10 +11,12 @@
 
 mod overlay;
 mod search;
+mod session;
 mod trial;
 
 pub use overlay::{Overlay, SETTINGS};
 pub use search::climb;
+pub use session::{QUIET_NS, Session};
 pub use trial::{Asked, Judge, Length, Outcome, Trial};
 
 use crate::profile::{FindBase, Source};

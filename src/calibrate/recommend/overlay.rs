@@ -85,6 +85,18 @@ impl Overlay {
         }
     }
 
+    /// What settings are told apart by while they are searched.
+    pub(super) fn key(&self) -> [u32; 6] {
+        [
+            self.long_ms,
+            u32::from(self.when_decided),
+            self.tremor_ms,
+            self.tremor_mm,
+            self.slow_keys_ms,
+            self.bounce_keys_ms,
+        ]
+    }
+
     /// Ranges that presses show by themselves: force, and the gaps of double presses.
     pub(super) fn learn_ranges(&mut self, trials: &[Trial]) {
         let asked = trials.iter().filter(|trial| trial.asked.is_some());

@@ -3,6 +3,8 @@
 //! One setting after the other is set to the best of its values, the others held, until nothing gets better; from several
 //! beginnings, since joining re-touches only helps together with a longer `long_ms`. Of equals the one with less delay wins.
 
+use std::collections::BTreeMap;
+
 use super::{Judge, Overlay, RecommendError, Trial};
 
 /// Each press is tried this many times as slow: nobody presses twice alike.
@@ -18,6 +20,8 @@ pub(super) const LONG_MS: &[u32] = &[
 ];
 const TREMOR_MS: &[u32] = &[0, 40, 60, 80, 100, 130, 160, 200, 250];
 const TREMOR_MM: &[u32] = &[0, 6, 10, 15, 20, 25, 30];
+/// With joining comes this distance to begin with.
+const FIRST_TREMOR_MM: u32 = 15;
 const SLOW_KEYS_MS: &[u32] = &[0, 40, 60, 80, 100, 130, 160, 200, 250, 300];
 const BOUNCE_KEYS_MS: &[u32] = &[0, 60, 100, 150, 200, 250, 300, 400];
 
@@ -48,7 +52,13 @@ type Change = fn(&mut Overlay, u32);
 const COORDINATES: &[(Change, &[u32])] = &[
     (|o, ms| o.long_ms = ms, LONG_MS),
     (|o, flag| o.when_decided = flag == 1, &[0, 1]),
-    (|o, ms| o.tremor_ms = ms, TREMOR_MS),
+    (
+        |o, ms| {
+            o.tremor_ms = ms;
+            o.tremor_mm = o.tremor_mm.max(FIRST_TREMOR_MM);
+        },
+        TREMOR_MS,
+    ),
     (|o, mm| o.tremor_mm = mm, TREMOR_MM),
     (|o, ms| o.slow_keys_ms = ms, SLOW_KEYS_MS),
     (|o, ms| o.bounce_keys_ms = ms, BOUNCE_KEYS_MS),
@@ -60,10 +70,11 @@ pub(super) fn best(
     trials: &[Trial],
     plain: Overlay,
 ) -> Result<Overlay, RecommendError> {
+    let trials: Vec<Trial> = trials.iter().map(Trial::thinned).collect();
     climb(plain, &mut |overlay| {
         let mut value = -cost(overlay);
         for pace in PACES {
-            let outcome = judge.outcome_at(trials, Some(overlay), pace)?;
+            let outcome = judge.outcome_at(&trials, Some(overlay), pace)?;
             let wrong = WRONG_WORTH * outcome.wrong as f64;
             value +=
                 (outcome.right as f64 - wrong) / outcome.asked.max(1) as f64 / PACES.len() as f64;
@@ -78,8 +89,18 @@ pub(super) fn best(
 /// What the value has.
 pub fn climb<E>(
     plain: Overlay,
-    value: &mut impl FnMut(&Overlay) -> Result<f64, E>,
+    ask: &mut impl FnMut(&Overlay) -> Result<f64, E>,
 ) -> Result<Overlay, E> {
+    // The same settings come up again and again.
+    let mut known: BTreeMap<[u32; 6], f64> = BTreeMap::new();
+    let value = &mut |overlay: &Overlay| match known.get(&overlay.key()) {
+        Some(value) => Ok(*value),
+        None => {
+            let value = ask(overlay)?;
+            known.insert(overlay.key(), value);
+            Ok(value)
+        }
+    };
     let joined = Overlay {
         tremor_ms: 130,
         tremor_mm: 20,
@@ -114,6 +135,9 @@ pub fn climb<E>(
                     .map(|wanted| {
                         let mut other = here.clone();
                         change(&mut other, *wanted);
+                        if other.tremor_ms == 0 {
+                            other.tremor_mm = 0;
+                        }
                         value(&other).map(|value| (value, other))
                     })
                     .collect::<Result<_, E>>()?;

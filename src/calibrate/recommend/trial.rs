@@ -6,10 +6,12 @@ use std::sync::Arc;
 use super::{Overlay, RecommendError};
 use crate::gesture::Gestures;
 use crate::profile::{self, FindBase, Gesture, Mode, Profile, Source, Target};
-use crate::types::{Action, Event, NANOS_PER_MS, Nanos, Output, Touch};
+use crate::types::{Action, Event, NANOS_PER_MS, Nanos, Output, Phase, Touch};
 
 /// After the last touch, decisions that are still due are waited for so long at most.
 const AFTER_NS: Nanos = 5_000 * NANOS_PER_MS;
+/// Of a thinned trial's moves, one is kept in this time.
+const THINNED_NS: Nanos = 40 * NANOS_PER_MS;
 
 /// How a press was to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +40,26 @@ pub struct Trial {
     pub asked: Option<Asked>,
     /// What became of every touch, when, in order.
     pub touches: Vec<(Nanos, Touch)>,
+}
+
+impl Trial {
+    /// The same with few moves: as good to choose settings by, and several times as quick.
+    #[must_use]
+    pub fn thinned(&self) -> Self {
+        let mut kept_ns: Nanos = 0;
+        let mut touches = self.touches.clone();
+        touches.retain(|(t_ns, touch)| {
+            let keep = touch.phase != Phase::Move || t_ns.saturating_sub(kept_ns) >= THINNED_NS;
+            if keep {
+                kept_ns = *t_ns;
+            }
+            keep
+        });
+        Self {
+            asked: self.asked.clone(),
+            touches,
+        }
+    }
 }
 
 /// What a profile made of presses.

@@ -3,7 +3,7 @@
 /// Edge of a tile, px.
 pub const TILE: f64 = 16.0;
 /// A fall ends this far below the level, px.
-pub const BOTTOM: f64 = -40.0;
+pub(super) const BOTTOM: f64 = -40.0;
 
 /// `#` is ground, `=` a floating block, `o` a coin, `S` the start, `F` the flag at the end, `C` where one begins again after
 /// a fall.
@@ -22,6 +22,34 @@ const TEXT: &str = "
 #####################..#################...############################...############....########....############
 #####################..#################...############################...############....########....############
 ";
+
+/// A way through the level with right held all the time: when to press jump, after right, and for how long, ms. It shows
+/// that the level can be finished, and plays it in tests.
+pub const A_WAY: &[(u64, u64)] = &[
+    (100, 533),
+    (1400, 533),
+    (2600, 100),
+    (3300, 333),
+    (4100, 200),
+    (4650, 200),
+    (5567, 200),
+    (6250, 533),
+    (6917, 333),
+    (7950, 200),
+    (9033, 200),
+    (9750, 100),
+    (11683, 100),
+    (12083, 200),
+    (12733, 200),
+    (13167, 333),
+    (14100, 333),
+    (15833, 200),
+    (16417, 533),
+    (18017, 100),
+    (18683, 333),
+    (19717, 100),
+    (20583, 533),
+];
 
 /// What a place holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,11 +12,13 @@ mod controls;
 mod level;
 mod physics;
 mod scene;
+mod tab;
 mod view;
 
 pub use controls::{Controls, Deed};
-pub use level::{Level, TILE, Tile};
+pub use level::{A_WAY, Level, TILE, Tile};
 pub use physics::{Body, Buttons, Happened, STEPS_PER_S, height};
+pub use tab::PracticeTab;
 pub use view::PracticeView;
 
 use std::collections::VecDeque;
@@ -90,7 +92,9 @@ pub struct Practice {
     steps: u64,
     clock: u64,
     done_at: u64,
-    best_steps: Option<u64>,
+    /// By hand, and walking by itself.
+    best_steps: [Option<u64>; 2],
+    walks: bool,
     falls: u32,
     furthest: f64,
     jumps: VecDeque<Jump>,
@@ -124,7 +128,8 @@ impl Practice {
             steps: 0,
             clock: 0,
             done_at: 0,
-            best_steps: None,
+            best_steps: [None; 2],
+            walks: false,
             falls: 0,
             furthest: 0.0,
             jumps: VecDeque::with_capacity(MOST_JUMPS),
@@ -266,6 +271,8 @@ impl Practice {
         } else {
             Buttons {
                 jump: self.buttons.jump || self.pressed,
+                right: self.buttons.right
+                    || (self.walks && self.stage == Stage::Running && !self.buttons.left),
                 ..self.buttons
             }
         };
@@ -337,9 +344,10 @@ impl Practice {
             self.falls += 1;
             self.trail.clear();
         } else if x >= self.level.flag[0] - FLAG_PX {
-            let best = self.best_steps.is_none_or(|best| self.steps < best);
+            let fastest = &mut self.best_steps[usize::from(self.walks)];
+            let best = fastest.is_none_or(|best| self.steps < best);
             if best {
-                self.best_steps = Some(self.steps);
+                *fastest = Some(self.steps);
             }
             self.stage = Stage::Done { best };
             self.done_at = self.clock;
@@ -382,15 +390,29 @@ impl Practice {
         self.steps as f64 / STEPS_PER_S
     }
 
-    /// The fastest run, s.
+    /// Whether the player walks to the right by itself: then one finger or one switch plays the level.
+    #[must_use]
+    pub fn walks(&self) -> bool {
+        self.walks
+    }
+
+    /// Lets the player walk by itself, or not; begins anew.
+    pub fn set_walks(&mut self, walks: bool) {
+        if walks != self.walks {
+            self.walks = walks;
+            self.restart();
+        }
+    }
+
+    /// The fastest run of this way of playing, s.
     #[must_use]
     pub fn best_s(&self) -> Option<f64> {
-        self.best_steps.map(|steps| steps as f64 / STEPS_PER_S)
+        self.best_steps[usize::from(self.walks)].map(|steps| steps as f64 / STEPS_PER_S)
     }
 
     /// Sets the fastest run: from what was kept.
     pub fn set_best_s(&mut self, best_s: Option<f64>) {
-        self.best_steps = best_s
+        self.best_steps[usize::from(self.walks)] = best_s
             .filter(|seconds| seconds.is_finite() && *seconds > 0.0)
             .map(|seconds| libm::round(seconds * STEPS_PER_S) as u64);
     }

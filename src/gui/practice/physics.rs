@@ -37,7 +37,7 @@ const LOSS: f64 = 0.051;
 const EARLY_STEPS: u32 = 5;
 const LATE_STEPS: u32 = 5;
 /// The player's size, px.
-pub const SIZE: [f64; 2] = [12.0, 15.0];
+pub(super) const SIZE: [f64; 2] = [12.0, 15.0];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lift {

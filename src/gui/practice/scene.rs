@@ -142,7 +142,7 @@ pub(super) fn draw(painter: &Painter, room: Rect, practice: &Practice, dark: boo
         );
     }
     last_jump(&painter, &camera, practice, &colours);
-    drop(&painter, &camera, practice, &colours);
+    player(&painter, &camera, practice, &colours);
 }
 
 fn sky(painter: &Painter, room: Rect, colours: &Colours) {
@@ -324,7 +324,7 @@ fn last_jump(painter: &Painter, camera: &Camera, practice: &Practice, colours: &
 }
 
 /// The player: a drop of gel, flatter when it lands and longer when it flies.
-fn drop(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colours) {
+fn player(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colours) {
     let body = practice.body();
     let [speed, climb] = body.velocity;
     let stretch = STRETCH * (climb.abs() as f32 / 5.0).min(1.0);

@@ -3,9 +3,6 @@ use crate::profile::{DEFAULT_PROFILE, shipped_profile};
 use crate::types::{NANOS_PER_MS, Output};
 use proptest::prelude::*;
 
-/// Presses that finish the level: when jump goes down and for how long, ms. To the right is held all the time.
-const JUMPS: &[(u64, u64)] = &[];
-
 fn profile() -> Profile {
     let shipped = shipped_profile(DEFAULT_PROFILE).expect("shipped");
     Profile::from_toml(shipped.name, shipped.toml).expect("sound")
@@ -37,7 +34,7 @@ fn event(t_ms: u64, down: bool, deed: Deed) -> Event {
 /// The script as events, in order.
 fn script() -> Vec<Event> {
     let mut events = vec![event(1000, true, Deed::Right)];
-    for (at_ms, long_ms) in JUMPS {
+    for (at_ms, long_ms) in A_WAY {
         events.push(event(1000 + at_ms, true, Deed::Jump));
         events.push(event(1000 + at_ms + long_ms, false, Deed::Jump));
     }
@@ -61,85 +58,6 @@ fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
         practice.advance(1.0 / draws_per_s);
     }
     practice
-}
-
-#[test]
-fn find_a_way() {
-    // Depth first: hold right, and at each moment on the ground choose between walking on and a jump of one length.
-    #[derive(Clone)]
-    struct At {
-        body: Body,
-        step: u64,
-        jumps: Vec<(u64, u64)>,
-    }
-    let level = Level::ours();
-    let ahead = Buttons {
-        right: true,
-        ..Buttons::default()
-    };
-    let mut open = vec![At {
-        body: Body::new(level.starts[0]),
-        step: 0,
-        jumps: vec![],
-    }];
-    let mut seen = std::collections::BTreeSet::new();
-    let mut furthest = 0.0_f64;
-    while let Some(at) = open.pop() {
-        if at.body.place[0] >= level.flag[0] - FLAG_PX {
-            let ms: Vec<(u64, u64)> = at
-                .jumps
-                .iter()
-                .map(|(s, l)| (s * 1000 / 60, l * 1000 / 60))
-                .collect();
-            println!("found {ms:?} in {} steps", at.step);
-            return;
-        }
-        furthest = furthest.max(at.body.place[0]);
-        if !seen.insert((
-            (at.body.place[0] / 3.0) as i64,
-            (at.body.place[1] / 8.0) as i64,
-            (at.body.velocity[0] * 8.0) as i64,
-        )) || at.step > 3600
-        {
-            continue;
-        }
-        for hold in [5u64, 12, 20, 32] {
-            let mut next = at.clone();
-            next.jumps.push((at.step, hold));
-            for step in 0.. {
-                next.body.step(
-                    Buttons {
-                        jump: step < hold,
-                        ..ahead
-                    },
-                    &level,
-                );
-                next.step += 1;
-                if (next.body.on_ground && step >= hold + 1)
-                    || next.body.place[1] < level::BOTTOM
-                    || step > 200
-                {
-                    break;
-                }
-            }
-            if next.body.on_ground {
-                open.push(next);
-            }
-        }
-        let mut next = at;
-        for _ in 0..6 {
-            next.body.step(ahead, &level);
-            next.step += 1;
-        }
-        if next.body.on_ground {
-            open.push(next);
-        }
-    }
-    panic!(
-        "no way beyond {} of {}",
-        furthest / TILE,
-        level.flag[0] / TILE
-    );
 }
 
 #[test]

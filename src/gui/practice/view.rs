@@ -7,9 +7,11 @@ use crate::gui::theme::{self, Palette};
 
 /// The panel beside the level, points, where the room is wide enough for both.
 const PANEL: f32 = 270.0;
-const WIDE: f32 = 760.0;
+const WIDE: f32 = 640.0;
 /// The panel under it, as a share of the height.
-const UNDER: f32 = 0.34;
+const UNDER: f32 = 0.4;
+/// What the list of jumps keeps beside the pad, points.
+const LEAST_JUMPS: f32 = 120.0;
 /// Room between both.
 const GAP: f32 = 10.0;
 /// Heights of the line above the level and of the title of a panel.
@@ -25,7 +27,14 @@ pub struct PracticeView {
 
 impl PracticeView {
     /// Draws the level into the room that is left, and plays it on by the time since it was drawn last.
-    pub fn ui(&mut self, ui: &mut Ui, practice: &mut Practice) {
+    ///
+    /// `beside` draws something of the caller's into a room of its own: the pad, say.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        practice: &mut Practice,
+        beside: Option<&mut dyn FnMut(&mut Ui, Rect)>,
+    ) {
         let now_s = ui.input(|input| input.time);
         let before_s = self.drawn_s.replace(now_s).unwrap_or(now_s);
         practice.advance(now_s - before_s);
@@ -51,8 +60,24 @@ impl PracticeView {
                 Rect::from_min_max(pos2(below.left(), split), below.max),
             )
         };
-        picture(ui, level, practice, &palette);
-        jumps(ui, panel, practice, &palette);
+        picture(ui, level, practice);
+        let Some(beside) = beside else {
+            jumps(ui, panel, practice, &palette);
+            return;
+        };
+        let side = panel.width().min(panel.height() - LEAST_JUMPS).max(60.0);
+        let (own, other) = if room.width() >= WIDE {
+            panel.split_top_bottom_at_y(panel.bottom() - side)
+        } else {
+            panel.split_left_right_at_x(panel.right() - panel.height().min(0.5 * panel.width()))
+        };
+        jumps(
+            ui,
+            own.with_max_y(own.bottom().min(other.bottom())),
+            practice,
+            &palette,
+        );
+        beside(ui, other.shrink(6.0));
     }
 }
 
@@ -83,19 +108,19 @@ fn status(ui: &mut Ui, room: Rect, practice: &mut Practice, palette: &Palette) {
         if line.button("Begin anew").clicked() {
             practice.restart();
         }
+        let mut walks = practice.walks();
+        line.checkbox(&mut walks, "Walk by itself")
+            .on_hover_text("One finger or one switch plays: only jumps are pressed");
+        practice.set_walks(walks);
     });
 }
 
 /// The level, with what there is to say upon it.
-fn picture(ui: &mut Ui, room: Rect, practice: &Practice, palette: &Palette) {
+fn picture(ui: &mut Ui, room: Rect, practice: &Practice) {
     let response = ui.interact(room, ui.scope_id().with("practice-level"), Sense::hover());
     let said = said(practice);
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(
-            egui::Role::Label,
-            true,
-            format!("Practice level: {said}"),
-        )
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Practice level: {said}"))
     });
     let painter = ui.painter_at(room);
     let dark = ui.visuals().dark_mode;
@@ -121,7 +146,6 @@ fn picture(ui: &mut Ui, room: Rect, practice: &Practice, palette: &Palette) {
         painter.rect_filled(card, 10.0, ground);
         painter.galley(card.min + vec2(16.0, 10.0), words, colours.ink);
     }
-    let _ = palette;
 }
 
 /// What there is to say.
@@ -135,6 +159,9 @@ fn said(practice: &Practice) -> String {
         }
         Stage::Running => format!("{:.1} s", practice.time_s()),
         Stage::Ready => match (named(Deed::Right), named(Deed::Jump)) {
+            (_, Some(jump)) if practice.walks() => {
+                format!("Press the pad: {jump} jumps. The longer the press, the higher the jump.")
+            }
             (Some(right), Some(jump)) => format!(
                 "Press the pad: {right} walks, {jump} jumps. The longer the press, the higher the jump."
             ),
