@@ -11,8 +11,8 @@ use crate::types::Method;
 
 /// Play games on a soft sheet of hydrogel.
 ///
-/// Without a command it plays a scripted level on the simulated pad and shows it here; nothing is sent to your
-/// desktop.
+/// Without a command it opens the window on the simulated pad; where there is no display, it plays a scripted level and
+/// shows it here. Nothing is sent to your desktop until you say so.
 #[derive(Debug, Parser)]
 #[command(
     name = "gelpad",

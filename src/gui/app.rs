@@ -7,7 +7,7 @@ use egui::{Align2, CornerRadius, FontId, Key, Rect, Sense, Stroke, Ui, Vec2};
 
 use super::comfort::Comfort;
 use super::desk::{Choice, Desk, From, Started, To};
-use super::edit::EditView;
+use super::edit::{EditView, Learning};
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
@@ -235,7 +235,8 @@ impl App {
         self.practice.take(&self.playing.view);
         self.comfort.look.best_s = self.practice.practice.best_s();
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
-        self.playing.hush(focused);
+        // While it checks the output, the window wants to see its own keys.
+        self.playing.hush(focused && !self.checks_keys());
     }
 
     /// Draws the window.
@@ -360,8 +361,19 @@ impl App {
         }
     }
 
+    fn checks_keys(&self) -> bool {
+        self.tab == Tab::SetUp && self.set_up.checks_keys()
+    }
+
     /// F1 to F7 show views.
     fn keys(&mut self, ui: &Ui) {
+        if self.checks_keys() {
+            self.set_up.take_keys(ui);
+        }
+        if self.tab == Tab::Edit && matches!(self.edit.learning, Learning::Key(_)) {
+            // The next key is an answer.
+            return;
+        }
         for tab in Tab::ALL {
             if ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, tab.key())) {
                 self.tab = tab;

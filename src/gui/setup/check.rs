@@ -20,7 +20,31 @@ pub(super) struct Check {
 }
 
 impl Check {
-    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &mut Playing) -> Option<Wish> {
+    /// Whether keys are looked at now.
+    pub(super) fn checks(&self) -> bool {
+        self.checks
+    }
+
+    /// Takes the keys that come back to this window, so that nothing here acts on them.
+    pub(super) fn take_keys(&mut self, ui: &Ui) {
+        ui.input_mut(|input| {
+            input.events.retain(|event| match event {
+                Event::Key { key, pressed, .. } => {
+                    if *pressed
+                        && let Some(output) = keyboard::output(*key)
+                        && !self.seen.contains(&output)
+                    {
+                        self.seen.push(output);
+                    }
+                    false
+                }
+                Event::Text(_) => false,
+                _ => true,
+            });
+        });
+    }
+
+    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &Playing) -> Option<Wish> {
         let palette = theme::of(ui);
         if playing.choice.to == To::Nothing {
             say(
@@ -47,23 +71,6 @@ impl Check {
             self.seen.clear();
         }
         if self.checks {
-            // This window has the focus: what is sent now comes here, is looked at, and goes no further.
-            playing.hush(false);
-            ui.input_mut(|input| {
-                input.events.retain(|event| match event {
-                    Event::Key { key, pressed, .. } => {
-                        if *pressed
-                            && let Some(output) = keyboard::output(*key)
-                            && !self.seen.contains(&output)
-                        {
-                            self.seen.push(output);
-                        }
-                        false
-                    }
-                    Event::Text(_) => false,
-                    _ => true,
-                });
-            });
             for output in &playing.view.profile.outputs {
                 let seen = self.seen.contains(output);
                 let words = format!(

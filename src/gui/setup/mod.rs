@@ -92,6 +92,17 @@ pub struct SetUpView {
 }
 
 impl SetUpView {
+    /// Whether the keys that come to this window are its own, to be looked at.
+    #[must_use]
+    pub fn checks_keys(&self) -> bool {
+        self.step == Step::Check && self.check.checks()
+    }
+
+    /// Takes those keys, before anything acts on them.
+    pub fn take_keys(&mut self, ui: &Ui) {
+        self.check.take_keys(ui);
+    }
+
     /// Draws the wizard; returns what the player wants.
     pub fn ui(
         &mut self,
