@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use gelpad::profile::{Kind, Source, Table, find_shipped, keys, read, schema};
+use gelpad::types::Key;
 
 /// Profiles with one thing wrong each: what is put in, and then `line:column`, the words that are underlined, and a part
 /// of what is said.
@@ -359,4 +360,30 @@ fn the_guide_lists_every_key() {
         guide == fresh,
         "the table of keys has drifted: run this test with GELPAD_BLESS=1"
     );
+}
+
+#[test]
+fn the_guide_names_every_key_and_no_other() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/profiles.md");
+    let guide = std::fs::read_to_string(path).expect("the guide");
+    let (_, section) = guide.split_once("## Names of keys").expect("a section");
+    let table: String = section
+        .lines()
+        .filter(|line| line.starts_with('|'))
+        .collect();
+    let is_range = |key: &str| {
+        let number = key.trim_start_matches(|c: char| !c.is_ascii_digit());
+        key.len() == 1
+            || key
+                .strip_suffix(number)
+                .is_some_and(|head| ["f", "keypad-"].contains(&head))
+    };
+    let unnamed: Vec<String> = Key::all()
+        .map(|key| key.to_string())
+        .filter(|key| !is_range(key) && !table.contains(&format!("`{key}`")))
+        .collect();
+    assert!(unnamed.is_empty(), "{unnamed:?}");
+    for name in table.split('`').skip(1).step_by(2) {
+        assert!(name.parse::<Key>().is_ok(), "`{name}` is no key");
+    }
 }

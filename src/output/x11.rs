@@ -12,6 +12,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::{self, ConnectionExt as _};
 use x11rb::rust_connection::RustConnection;
 
+use super::watch::{Grip, Watchable};
 use super::{Device, OutputError};
 use crate::types::{Action, Event, MouseButton, Output};
 
@@ -23,6 +24,7 @@ const WHEEL: [u8; 4] = [4, 5, 6, 7];
 /// A connection to a display.
 pub struct X11 {
     connection: RustConnection,
+    display: String,
     name: String,
     /// Lowest and highest keycode that the server has.
     keycodes: (u8, u8),
@@ -42,7 +44,15 @@ impl X11 {
                 "DISPLAY names no X11 display: start gelpad in a desktop session, or use --output trace",
             ));
         };
-        let (connection, _) = x11rb::connect(Some(&display)).map_err(|error| {
+        Self::connect_to(&display)
+    }
+
+    /// Connects to a display by its name, as `:0`.
+    ///
+    /// # Errors
+    /// No such display, or one that takes no events.
+    pub fn connect_to(display: &str) -> Result<Self, OutputError> {
+        let (connection, _) = x11rb::connect(Some(display)).map_err(|error| {
             unreachable(&format!(
                 "the X11 display {display} did not answer ({error}): is it running, and may you use it?"
             ))
@@ -62,6 +72,7 @@ impl X11 {
         let keycodes = (setup.min_keycode, setup.max_keycode);
         Ok(Self {
             connection,
+            display: display.to_owned(),
             name: format!("keyboard and mouse of the X11 display {display}"),
             keycodes,
         })
@@ -148,6 +159,16 @@ impl Device for X11 {
                 tracing::warn!("the X11 server refused an event: {error:?}");
             }
         }
+        Ok(())
+    }
+}
+
+impl Watchable for X11 {
+    fn grip(&self) -> std::io::Result<Grip> {
+        Ok(Grip::X11(self.display.clone()))
+    }
+
+    fn reconnect(&mut self) -> Result<(), OutputError> {
         Ok(())
     }
 }

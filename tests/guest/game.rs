@@ -1,0 +1,253 @@
+//! fceux plays the game of `tests/game` by gelpad's pad, and by nothing else.
+//!
+//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game: so the test decides when a
+//! press comes, after it has seen how fast the game runs in the guest. Lengths are in frames of the game therefore.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::host::{Guest, needs_gilrs};
+use crate::tools::Tools;
+
+/// Short and long presses in turn, frames of the game.
+const SHORT_FRAMES: f64 = 5.0;
+const LONG_FRAMES: f64 = 36.0;
+const PRESSES: usize = 6;
+/// The highest jump is over, frames.
+const REST_FRAMES: f64 = 60.0;
+/// The pad is polled once a frame: a press may lose or gain one at each end; the guest's clock may stutter besides.
+const TOLERANCE_FRAMES: f64 = 3.0;
+/// Frames after which the game has drawn itself and its rate is known.
+const WARM_UP_FRAMES: usize = 90;
+/// A guest on a busy machine takes long to start an emulator.
+const PATIENCE: Duration = Duration::from_secs(150);
+
+pub fn needs() -> Result<(), String> {
+    needs_gilrs()?;
+    Tools::find().map_err(|error| error.to_string()).map(drop)
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("guest-game")
+}
+
+/// Outside: makes the game, and has the guest play it.
+pub fn play() -> Result<()> {
+    let tools = Tools::find()?;
+    let folder = folder();
+    fs::create_dir_all(&folder)?;
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/game");
+    let run = |command: &mut Command| -> Result<()> {
+        let status = command.status().context("an assembler")?;
+        ensure!(status.success(), "{command:?}: {status}");
+        Ok(())
+    };
+    let (object, game) = (folder.join("jump.o"), folder.join("jump.nes"));
+    run(Command::new(&tools.ca65)
+        .arg(sources.join("jump.s"))
+        .arg("-o")
+        .arg(&object))?;
+    run(Command::new(&tools.ld65)
+        .arg("-C")
+        .arg(sources.join("nrom.cfg"))
+        .args([&object, Path::new("-o"), &game]))?;
+    warm_up(&folder)?;
+    Guest {
+        timeout_s: 500,
+        ..Guest::default()
+    }
+    .inside("game")
+}
+
+/// The pad's touches are solved once, here: the guest is slow.
+fn warm_up(folder: &Path) -> Result<()> {
+    let script = folder.join("nothing.txt");
+    fs::write(&script, "t:50 down 1 50 50\nt:100 up 1\nt:110 end\n")?;
+    let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args(["play", "--headless", "--output", "trace", "--source"])
+        .arg(format!("simulated:{}", script.display()))
+        .output()?;
+    ensure!(output.status.success(), "gelpad: {}", output.status);
+    Ok(())
+}
+
+#[cfg(not(feature = "gilrs"))]
+pub fn inside() -> Result<()> {
+    anyhow::bail!("built without the feature gilrs")
+}
+
+#[cfg(feature = "gilrs")]
+pub use of_gilrs::inside;
+
+#[cfg(feature = "gilrs")]
+mod of_gilrs {
+    use super::*;
+    use crate::log::{Log, Press};
+    use crate::process::Process;
+    use crate::source::{Gelpad, SwitchBox};
+
+    const PROFILE: &str = r#"
+schema = 1
+name = "by-switches"
+
+[[binding]]
+from = "pad:a"
+output = "pad:a"
+
+[[binding]]
+from = "pad:b"
+output = "pad:right"
+"#;
+    /// The first two switches.
+    const JUMP: u16 = 0;
+    const RIGHT: u16 = 1;
+
+    pub fn inside() -> Result<()> {
+        let tools = Tools::find()?;
+        let home = PathBuf::from("/tmp/home");
+        fs::create_dir_all(home.join(".fceux"))?;
+        // The one gamepad that is plugged in plays, as in any game.
+        fs::write(
+            home.join(".fceux/fceux.cfg"),
+            "SDL.Input.0 = GamePad.0\nSDL.Input.GamePad.0.DeviceType = Joystick\nSDL.Sound = 0\n",
+        )?;
+        let (_server, display) = server(&tools, &home)?;
+        let mut switches = SwitchBox::plug_in()?;
+        // With the switches alone the game sees nothing: they are no gamepad.
+        let mut game = Game::start(&tools, &home, &display, "without.csv")?;
+        game.warm_up()?;
+        for switch in [JUMP, RIGHT] {
+            switches.press(switch, Duration::from_millis(500))?;
+        }
+        let unseen = game.log()?;
+        ensure!(
+            unseen
+                .presses(|frame| frame.a || frame.left || frame.right)
+                .is_empty(),
+            "the game sees presses without gelpad"
+        );
+        drop(game);
+
+        let mut gelpad = Gelpad::start(PROFILE, &["--output", "gamepad"])?;
+        gelpad.says("gamepad: ")?;
+        sleep(Duration::from_secs(1));
+        let mut game = Game::start(&tools, &home, &display, "with.csv")?;
+        game.warm_up()?;
+        let rate_hz = game.log()?.rate_hz()?;
+        let frames = |count: f64| Duration::from_secs_f64(count / rate_hz);
+        println!("{rate_hz:.1} frames a second\nframes asked  frames of A  height px");
+        let seen = game.log()?.frames().len();
+        for index in 0..PRESSES {
+            switches.press(JUMP, frames(asked(index)))?;
+            sleep(frames(REST_FRAMES));
+        }
+        let jumps = game.log()?.skip(seen).presses(|frame| frame.a);
+        for (index, jump) in jumps.iter().enumerate() {
+            println!(
+                "{:12}  {:11}  {:9}",
+                asked(index),
+                jump.frames,
+                jump.height_px
+            );
+        }
+        judge(&jumps)?;
+        let seen = game.log()?.frames().len();
+        switches.press(RIGHT, frames(LONG_FRAMES))?;
+        sleep(frames(REST_FRAMES));
+        let walks = game.log()?.skip(seen).presses(|frame| frame.right);
+        ensure!(
+            walks.len() == 1 && walks[0].way_px > 0,
+            "the d-pad walked {walks:?}"
+        );
+        Ok(())
+    }
+
+    fn asked(index: usize) -> f64 {
+        [SHORT_FRAMES, LONG_FRAMES][index % 2]
+    }
+
+    fn judge(jumps: &[Press]) -> Result<()> {
+        ensure!(
+            jumps.len() == PRESSES,
+            "{PRESSES} presses became {}",
+            jumps.len()
+        );
+        for (index, jump) in jumps.iter().enumerate() {
+            let off = jump.frames as f64 - asked(index);
+            ensure!(
+                off.abs() <= TOLERANCE_FRAMES,
+                "a press of {} frames held A for {}",
+                asked(index),
+                jump.frames
+            );
+        }
+        let heights = |long: usize| {
+            jumps
+                .iter()
+                .skip(long)
+                .step_by(2)
+                .map(|jump| jump.height_px)
+        };
+        ensure!(
+            heights(0).max() < heights(1).min(),
+            "a short press jumps as high as a long one"
+        );
+        Ok(())
+    }
+
+    /// fceux with the game.
+    struct Game {
+        fceux: Process,
+        log: PathBuf,
+    }
+
+    impl Game {
+        fn start(tools: &Tools, home: &Path, display: &str, log: &str) -> Result<Self> {
+            let log = home.join(log);
+            let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/game/log.lua");
+            let mut fceux = Command::new(&tools.fceux);
+            fceux
+                .env("HOME", home)
+                .env("DISPLAY", display)
+                .env("QT_QPA_PLATFORM", "xcb")
+                .env("GELPAD_GAME_LOG", &log)
+                .args(["--sound", "0", "--loadlua"])
+                .arg(script)
+                .arg(folder().join("jump.nes"));
+            let fceux = Process::start("fceux", &mut fceux, home)?;
+            Ok(Self { fceux, log })
+        }
+
+        fn log(&self) -> Result<Log> {
+            // It is there as soon as the game is.
+            Log::parse(&fs::read_to_string(&self.log).unwrap_or_default())
+        }
+
+        fn warm_up(&mut self) -> Result<()> {
+            let log = self.log.clone();
+            self.fceux.wait_for("frame of the game", PATIENCE, || {
+                let text = fs::read_to_string(&log).unwrap_or_default();
+                let frames = Log::parse(&text)?.frames().len();
+                Ok((frames > WARM_UP_FRAMES).then_some(()))
+            })
+        }
+    }
+
+    fn server(tools: &Tools, home: &Path) -> Result<(Process, String)> {
+        let answer = home.join("display");
+        let mut xvfb = Command::new(&tools.xvfb);
+        xvfb.args(["-displayfd", "1", "-nolisten", "tcp"])
+            .args(["-screen", "0", "320x300x16"]);
+        let mut server = Process::start_answering("Xvfb", &mut xvfb, home, &answer)?;
+        let number = server.wait_for("display number", PATIENCE, || {
+            let text = fs::read_to_string(&answer).context("the display's number")?;
+            Ok(text.strip_suffix('\n').map(str::to_owned))
+        })?;
+        Ok((server, format!(":{number}")))
+    }
+}
