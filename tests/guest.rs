@@ -32,6 +32,8 @@ mod game;
 mod host;
 #[path = "guest/pad.rs"]
 mod pad;
+#[path = "guest/rumble.rs"]
+mod rumble;
 #[cfg(feature = "gilrs")]
 #[path = "guest/source.rs"]
 mod source;
@@ -63,6 +65,9 @@ fn trials() -> Vec<Trial> {
             Guest::default().inside("as-sdl")
         }),
         trial("fceux plays by the pad", game::needs(), game::play),
+        trial("a game shakes the pad", Guest::needs(), || {
+            Guest::default().inside("rumble")
+        }),
     ];
     let of_gilrs = [
         ("gilrs reads an Xbox 360 pad", "as-gilrs", false),
@@ -97,6 +102,7 @@ fn inside(part: &str) -> ExitCode {
         "as-evdev" => as_evdev::read(),
         "as-sdl" => as_sdl::read(),
         "game" => game::inside(),
+        "rumble" => rumble::shake(),
         #[cfg(feature = "gilrs")]
         "as-gilrs" => as_gilrs::read(),
         #[cfg(feature = "gilrs")]

@@ -13,12 +13,14 @@ mod failures;
 #[path = "recording/forged.rs"]
 mod forged;
 #[path = "game/process.rs"]
+#[allow(dead_code, reason = "shared with the game's test")]
 mod process;
 #[path = "recording/replays.rs"]
 mod replays;
 #[path = "recording/sessions.rs"]
 mod sessions;
 #[path = "game/tools.rs"]
+#[allow(dead_code, reason = "shared with the game's test")]
 mod tools;
 #[path = "recording/tuio.rs"]
 mod tuio;
@@ -52,18 +54,34 @@ fn main() -> ExitCode {
         trial("write_version_1", version_1::write).with_ignored_flag(true),
     ];
     let needs = |name, missing: Option<String>, run: fn() -> Result<()>| match missing {
-        Some(missing) if !tools::all_required() => trial(name, run).with_kind(missing).with_ignored_flag(true),
+        Some(missing) if !tools::all_required() => {
+            trial(name, run).with_kind(missing).with_ignored_flag(true)
+        }
         _ => trial(name, run),
     };
-    trials.push(needs("in_a_guest_without_avx2", replays::no_guest(), replays::in_guest));
-    trials.push(needs("a_movie_in_fceux", exports::no_fceux(), exports::movie));
+    trials.push(needs(
+        "in_a_guest_without_avx2",
+        replays::no_guest(),
+        replays::in_guest,
+    ));
+    trials.push(needs(
+        "a_movie_in_fceux",
+        exports::no_fceux(),
+        exports::movie,
+    ));
     trials.push(needs("mcap_of_python", no_python("mcap"), exports::python));
-    trials.push(needs("tuio_of_python", no_python("pythontuio"), tuio::python));
+    trials.push(needs(
+        "tuio_of_python",
+        no_python("pythontuio"),
+        tuio::python,
+    ));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
 fn trial(name: &str, run: fn() -> Result<()>) -> Trial {
-    Trial::test(name, move || run().map_err(|error| Failed::from(format!("{error:?}"))))
+    Trial::test(name, move || {
+        run().map_err(|error| Failed::from(format!("{error:#}")))
+    })
 }
 
 /// The Python that has the packages: a virtual environment's, if one is named.
@@ -80,7 +98,11 @@ fn no_python(package: &str) -> Option<String> {
 /// gelpad with arguments, in a folder.
 fn gelpad(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
-    command.args(arguments).current_dir(folder).env_remove("DISPLAY").env("RUST_LOG", "info");
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("DISPLAY")
+        .env("RUST_LOG", "info");
     command.output().expect("gelpad starts")
 }
 
@@ -103,4 +125,9 @@ fn said(output: &Output) -> String {
 
 fn printed(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// What the sessions' engine is made of, as a recording keeps it.
+fn kit_setup() -> gelpad::session::Setup {
+    sessions::kit().to_setup()
 }

@@ -71,6 +71,9 @@ pub(super) enum Command {
         /// How
         #[arg(value_enum)]
         way: WayArg,
+        /// For X11: a window of its connection
+        #[arg(long, default_value_t = 0)]
+        window: u32,
     },
     /// Find out whether this machine can play, and what to do where it cannot
     Doctor(DoctorArgs),

@@ -62,7 +62,7 @@ pub fn main() -> ExitCode {
         Some(Command::Study { command }) => study::run(&command),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
         #[cfg(target_os = "linux")]
-        Some(Command::Watch { way }) => watch(way),
+        Some(Command::Watch { way, window }) => watch(way, window),
         #[cfg(target_os = "linux")]
         Some(Command::Doctor(args)) => doctor::run(&args),
         #[cfg(not(target_os = "linux"))]
@@ -73,11 +73,11 @@ pub fn main() -> ExitCode {
 
 /// The whole life of a watcher.
 #[cfg(target_os = "linux")]
-fn watch(way: args::WayArg) -> anyhow::Result<exit::Ending> {
+fn watch(way: args::WayArg, window: u32) -> anyhow::Result<exit::Ending> {
     use crate::output::watch::{Way, watch};
 
     watch(match way {
-        args::WayArg::X11 => Way::X11,
+        args::WayArg::X11 => Way::X11 { window },
         args::WayArg::Cut => Way::Cut,
     })?;
     Ok(exit::Ending::Done)

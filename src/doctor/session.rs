@@ -23,7 +23,8 @@ pub(super) fn look(machine: &Machine) -> Session {
 }
 
 pub(super) fn judge(session: &Session) -> Line {
-    let kind = session.kind.as_deref().unwrap_or("of no said kind");
+    let kind = session.kind.as_ref();
+    let kind = kind.map_or(String::new(), |kind| format!("{kind}, "));
     match (session.wayland, session.x11) {
         (true, true) => Line::ok(SUBJECT, "Wayland, and X11 for older programs"),
         (true, false) => Line::ok(SUBJECT, "Wayland"),
@@ -34,9 +35,7 @@ pub(super) fn judge(session: &Session) -> Line {
         ),
         (false, false) => Line::note(
             SUBJECT,
-            format!(
-                "{kind}: no desktop that could be asked for keys (neither DISPLAY nor WAYLAND_DISPLAY is set)"
-            ),
+            format!("{kind}no desktop (neither DISPLAY nor WAYLAND_DISPLAY is set)"),
         ),
     }
 }

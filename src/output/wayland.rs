@@ -60,6 +60,8 @@ pub struct Wayland {
     modifiers: Vec<Key>,
     has_alt_gr: bool,
     start: Instant,
+    /// Whether the connection was cut: there is nobody to say farewell to.
+    is_cut: bool,
 }
 
 impl Wayland {
@@ -128,6 +130,7 @@ impl Wayland {
             modifiers: Vec::new(),
             has_alt_gr,
             start: now(),
+            is_cut: false,
         })
     }
 
@@ -252,6 +255,7 @@ impl Watchable for Wayland {
     }
 
     fn reconnect(&mut self) -> Result<(), OutputError> {
+        self.is_cut = true;
         *self = Self::connect()?;
         Ok(())
     }
@@ -259,6 +263,9 @@ impl Watchable for Wayland {
 
 impl Drop for Wayland {
     fn drop(&mut self) {
+        if self.is_cut {
+            return;
+        }
         self.keyboard.destroy();
         if let Some(pointer) = &self.pointer {
             pointer.destroy();

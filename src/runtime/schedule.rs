@@ -4,13 +4,14 @@
 //! due    __/~~~\______     a press that goes out late (the computer was busy) is still held for as
 //! sent   ______/~~~\__     long as it was meant to, two frames of a game at most
 //! ```
-//! So is the gap before the next press of the same key. Other keys do not wait. What waits stays in the order of each key, and
-//! what became of it is never folded back into the engine.
+//! So is the gap before the next press of the same key. Other keys do not wait for that, as long as what is sent means the same:
+//! the changes of one key stay in order, so do presses, and nothing passes a modifier. What became of an event is never
+//! folded back into the engine.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::types::{Action, Event, Nanos, Output};
+use crate::types::{Action, Event, Key, Nanos, Output};
 
 /// Two frames of a game that runs at 60 Hz, ms: a game that polls sees what lasts so long.
 pub(super) const SEEN: Duration = Duration::from_millis(34);
@@ -90,17 +91,16 @@ impl Schedule {
         self.ready().map(|(_, at)| at).min()
     }
 
-    /// The first event of each output, and when it may go out.
+    /// Events that need not wait for one before them, and when each may go out.
     fn ready(&self) -> impl Iterator<Item = (usize, Instant)> + '_ {
         self.waiting.iter().enumerate().filter_map(|(index, due)| {
-            let Some(output) = output_of(&due.event) else {
-                return Some((index, due.at));
-            };
             let mut before = self.waiting.iter().take(index);
-            if before.any(|one| output_of(&one.event) == Some(output)) {
+            if before.any(|one| keeps_waiting(&one.event, &due.event)) {
                 return None;
             }
-            let change = self.changes.iter().find(|c| c.output == output);
+            let output = output_of(&due.event);
+            let mut changes = self.changes.iter();
+            let change = changes.find(|change| Some(change.output) == output);
             let clear = change.map_or(due.at, |change| {
                 let meant = Duration::from_nanos(due.event.t_ns.saturating_sub(change.t_ns));
                 change.sent + meant.min(SEEN)
@@ -108,6 +108,17 @@ impl Schedule {
             Some((index, due.at.max(clear)))
         })
     }
+}
+
+/// Whether the second event must not go out before the first.
+fn keeps_waiting(first: &Event, second: &Event) -> bool {
+    let [one, other] = [first, second].map(output_of);
+    let is_modifier = |output| matches!(output, Some(Output::Key(key)) if Key::is_modifier(key));
+    let is_press = |event: &Event| matches!(event.action, Action::Press(_) | Action::Wheel { .. });
+    (one.is_some() && one == other)
+        || is_modifier(one)
+        || is_modifier(other)
+        || (is_press(first) && is_press(second))
 }
 
 fn output_of(event: &Event) -> Option<Output> {
@@ -208,6 +219,35 @@ mod tests {
         bench.take(110, "release key:f", true);
         assert_eq!(bench.sent(150), ["100.000 press key:f"]);
         assert_eq!(bench.sent(160), ["110.000 release key:f"]);
+    }
+
+    #[test]
+    fn nothing_passes_a_modifier_and_presses_stay_in_order() {
+        let mut bench = Bench::new();
+        bench.take(100, "press key:left-ctrl", true);
+        bench.take(100, "press key:c", true);
+        bench.take(140, "release key:c", true);
+        bench.take(140, "release key:left-ctrl", true);
+        bench.take(140, "press key:v", true);
+        bench.take(180, "press key:c", true);
+        bench.take(180, "press key:x", true);
+        assert_eq!(
+            bench.sent(300),
+            ["100.000 press key:left-ctrl", "100.000 press key:c"]
+        );
+        assert_eq!(
+            bench.sent(334),
+            [
+                "140.000 release key:c",
+                "140.000 release key:left-ctrl",
+                "140.000 press key:v"
+            ]
+        );
+        assert!(bench.sent(367).is_empty());
+        assert_eq!(
+            bench.sent(368),
+            ["180.000 press key:c", "180.000 press key:x"]
+        );
     }
 
     #[test]

@@ -19,6 +19,18 @@ pub fn open() -> Result<Device> {
         .with_context(|| format!("the kernel shows no {NAME}"))
 }
 
+/// The same, once it is there.
+#[cfg(feature = "gilrs")]
+pub fn wait_for_pad() -> Result<Device> {
+    for _ in 0..600 {
+        if let Ok(device) = open() {
+            return Ok(device);
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    open()
+}
+
 pub fn read() -> Result<()> {
     let mut pad = Uinput::create()?;
     let mut device = open()?;

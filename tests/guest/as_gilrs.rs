@@ -9,7 +9,6 @@ use gilrs::{EventType, Gilrs};
 
 use crate::pad::{cases, send};
 
-const TRIGGERS: [gilrs::Button; 2] = [gilrs::Button::LeftTrigger2, gilrs::Button::RightTrigger2];
 /// Longest wait for one event: the guest is slow, and a missing one must not hang.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -41,15 +40,13 @@ pub fn read() -> Result<()> {
     Ok(())
 }
 
-/// Waits for an event of a kind; others that come before it must be of no button but a trigger, which is one too.
+/// Waits for an event of a kind; others that come before it must be of no button.
 fn wait(gilrs: &mut Gilrs, is_it: impl Fn(&EventType) -> bool) -> Result<()> {
     while let Some(event) = gilrs.next_event_blocking(Some(PATIENCE)) {
         if is_it(&event.event) {
             return Ok(());
         }
-        if let EventType::ButtonPressed(button, _) = event.event
-            && !TRIGGERS.contains(&button)
-        {
+        if let EventType::ButtonPressed(button, _) = event.event {
             bail!("{button:?} was pressed instead");
         }
     }
@@ -65,8 +62,12 @@ fn is(event: &EventType, action: Action) -> bool {
         (Action::Axis(axis, value), EventType::AxisChanged(seen, at, _)) => {
             Some(*seen) == stick(axis) && (at - value).abs() < 1e-3
         }
-        (Action::Axis(axis, value), EventType::ButtonChanged(seen, at, _)) => {
-            Some(*seen) == trigger(axis) && (at - value).abs() < 1e-3
+        // A trigger that is pulled or let go of all the way is a button, and says no value beside.
+        (Action::Axis(axis, value), EventType::ButtonPressed(seen, _)) => {
+            Some(*seen) == trigger(axis) && value == 1.0
+        }
+        (Action::Axis(axis, value), EventType::ButtonReleased(seen, _)) => {
+            Some(*seen) == trigger(axis) && value == 0.0
         }
         _ => false,
     }

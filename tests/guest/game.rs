@@ -1,12 +1,11 @@
 //! fceux plays the game of `tests/game` by gelpad's pad, and by nothing else.
 //!
-//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game: so the test decides when a
-//! press comes, after it has seen how fast the game runs in the guest. Lengths are in frames of the game therefore.
+//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game. The test lets go of a switch
+//! when it has seen the game take it for so many frames: so it does not matter how fast the guest is.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::thread::sleep;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
@@ -15,13 +14,13 @@ use crate::host::{Guest, needs_gilrs};
 use crate::tools::Tools;
 
 /// Short and long presses in turn, frames of the game.
-const SHORT_FRAMES: f64 = 5.0;
-const LONG_FRAMES: f64 = 36.0;
+const SHORT_FRAMES: usize = 5;
+const LONG_FRAMES: usize = 36;
 const PRESSES: usize = 6;
 /// The highest jump is over, frames.
-const REST_FRAMES: f64 = 60.0;
-/// The pad is polled once a frame: a press may lose or gain one at each end; the guest's clock may stutter besides.
-const TOLERANCE_FRAMES: f64 = 3.0;
+const REST_FRAMES: usize = 60;
+/// What the game reaches when A is held for 31 frames or more, px.
+const HIGHEST_PX: u8 = 66;
 /// Frames after which the game has drawn itself and its rate is known.
 const WARM_UP_FRAMES: usize = 90;
 /// A guest on a busy machine takes long to start an emulator.
@@ -87,7 +86,8 @@ pub use of_gilrs::inside;
 #[cfg(feature = "gilrs")]
 mod of_gilrs {
     use super::*;
-    use crate::log::{Log, Press};
+    use crate::as_evdev;
+    use crate::log::{Frame, Log, Press};
     use crate::process::Process;
     use crate::source::{Gelpad, SwitchBox};
 
@@ -120,33 +120,35 @@ output = "pad:right"
         let mut switches = SwitchBox::plug_in()?;
         // With the switches alone the game sees nothing: they are no gamepad.
         let mut game = Game::start(&tools, &home, &display, "without.csv")?;
-        game.warm_up()?;
-        for switch in [JUMP, RIGHT] {
-            switches.press(switch, Duration::from_millis(500))?;
+        game.run_for(WARM_UP_FRAMES)?;
+        for (switch, is_down) in [(JUMP, true), (JUMP, false), (RIGHT, true), (RIGHT, false)] {
+            switches.set(switch, is_down)?;
+            game.run_for(10)?;
         }
-        let unseen = game.log()?;
+        let presses = game
+            .log()?
+            .presses(|frame| frame.a || frame.left || frame.right);
         ensure!(
-            unseen
-                .presses(|frame| frame.a || frame.left || frame.right)
-                .is_empty(),
-            "the game sees presses without gelpad"
+            presses.is_empty(),
+            "the game sees presses without gelpad: {presses:?}"
         );
         drop(game);
 
         let mut gelpad = Gelpad::start(PROFILE, &["--output", "gamepad"])?;
         gelpad.says("gamepad: ")?;
-        sleep(Duration::from_secs(1));
+        // It plays as soon as a press comes through.
+        switches.set(JUMP, true)?;
+        let mut pad = as_evdev::wait_for_pad()?;
+        while as_evdev::report(&mut pad)? != [(1, 0x130, 1)] {}
+        switches.set(JUMP, false)?;
         let mut game = Game::start(&tools, &home, &display, "with.csv")?;
-        game.warm_up()?;
-        let rate_hz = game.log()?.rate_hz()?;
-        let frames = |count: f64| Duration::from_secs_f64(count / rate_hz);
-        println!("{rate_hz:.1} frames a second\nframes asked  frames of A  height px");
+        game.run_for(WARM_UP_FRAMES)?;
         let seen = game.log()?.frames().len();
         for index in 0..PRESSES {
-            switches.press(JUMP, frames(asked(index)))?;
-            sleep(frames(REST_FRAMES));
+            game.hold(&mut switches, JUMP, asked(index), |frame| frame.a)?;
         }
         let jumps = game.log()?.skip(seen).presses(|frame| frame.a);
+        println!("frames asked  frames of A  height px");
         for (index, jump) in jumps.iter().enumerate() {
             println!(
                 "{:12}  {:11}  {:9}",
@@ -157,8 +159,7 @@ output = "pad:right"
         }
         judge(&jumps)?;
         let seen = game.log()?.frames().len();
-        switches.press(RIGHT, frames(LONG_FRAMES))?;
-        sleep(frames(REST_FRAMES));
+        game.hold(&mut switches, RIGHT, LONG_FRAMES, |frame| frame.right)?;
         let walks = game.log()?.skip(seen).presses(|frame| frame.right);
         ensure!(
             walks.len() == 1 && walks[0].way_px > 0,
@@ -167,7 +168,7 @@ output = "pad:right"
         Ok(())
     }
 
-    fn asked(index: usize) -> f64 {
+    fn asked(index: usize) -> usize {
         [SHORT_FRAMES, LONG_FRAMES][index % 2]
     }
 
@@ -178,25 +179,14 @@ output = "pad:right"
             jumps.len()
         );
         for (index, jump) in jumps.iter().enumerate() {
-            let off = jump.frames as f64 - asked(index);
+            let is_highest = jump.height_px == HIGHEST_PX;
             ensure!(
-                off.abs() <= TOLERANCE_FRAMES,
-                "a press of {} frames held A for {}",
-                asked(index),
-                jump.frames
+                is_highest == (asked(index) == LONG_FRAMES),
+                "A was held for {} frames, and jumped {} px",
+                jump.frames,
+                jump.height_px
             );
         }
-        let heights = |long: usize| {
-            jumps
-                .iter()
-                .skip(long)
-                .step_by(2)
-                .map(|jump| jump.height_px)
-        };
-        ensure!(
-            heights(0).max() < heights(1).min(),
-            "a short press jumps as high as a long one"
-        );
         Ok(())
     }
 
@@ -228,12 +218,36 @@ output = "pad:right"
             Log::parse(&fs::read_to_string(&self.log).unwrap_or_default())
         }
 
-        fn warm_up(&mut self) -> Result<()> {
+        /// Waits until the game has gone on for so many frames.
+        fn run_for(&mut self, frames: usize) -> Result<()> {
+            let until = self.log()?.frames().len() + frames;
+            self.wait_for(|log| log.frames().len() >= until)
+        }
+
+        /// Holds a switch until the game has taken it for so many frames, then lets the jump come down.
+        fn hold(
+            &mut self,
+            switches: &mut SwitchBox,
+            switch: u16,
+            frames: usize,
+            held: impl Fn(&Frame) -> bool,
+        ) -> Result<()> {
+            let before = self.log()?.frames().len();
+            let held = |log: &Log| {
+                let fresh = &log.frames()[before..];
+                fresh.iter().filter(|frame| held(frame)).count()
+            };
+            switches.set(switch, true)?;
+            self.wait_for(|log| held(log) >= frames)?;
+            switches.set(switch, false)?;
+            self.run_for(REST_FRAMES)
+        }
+
+        fn wait_for(&mut self, is_so: impl Fn(&Log) -> bool) -> Result<()> {
             let log = self.log.clone();
             self.fceux.wait_for("frame of the game", PATIENCE, || {
                 let text = fs::read_to_string(&log).unwrap_or_default();
-                let frames = Log::parse(&text)?.frames().len();
-                Ok((frames > WARM_UP_FRAMES).then_some(()))
+                Ok(is_so(&Log::parse(&text)?).then_some(()))
             })
         }
     }

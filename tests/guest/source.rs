@@ -55,15 +55,25 @@ impl Pad {
     fn plug_in(vendor: u16, product: u16) -> Result<Self> {
         let keys = AttributeSet::from_iter((0x130..0x13f).map(KeyCode));
         let stick = AbsInfo::new(0, -32768, 32767, 16, 128, 0);
+        let trigger = AbsInfo::new(0, 0, 255, 0, 0, 0);
         let hat = AbsInfo::new(0, -1, 1, 0, 0, 0);
         let mut pad = VirtualDevice::builder()?
             .name("Microsoft X-Box 360 pad")
             .input_id(InputId::new(BusType::BUS_USB, vendor, product, 0x0114))
             .with_keys(&keys)?;
-        for (axis, range) in [(0, stick), (1, stick), (3, stick), (4, stick)]
-            .into_iter()
-            .chain([(16, hat), (17, hat)])
-        {
+        // In the order of the kernel's driver, and all of them: libraries count axes.
+        let [x, y, z, rx, ry, rz] = [stick, stick, trigger, stick, stick, trigger];
+        let axes = [
+            (0, x),
+            (1, y),
+            (2, z),
+            (3, rx),
+            (4, ry),
+            (5, rz),
+            (16, hat),
+            (17, hat),
+        ];
+        for (axis, range) in axes {
             let setup = UinputAbsSetup::new(AbsoluteAxisCode(axis), range);
             pad = pad.with_absolute_axis(&setup)?;
         }
@@ -99,17 +109,11 @@ impl SwitchBox {
         Ok(Self(made.build()?))
     }
 
-    /// Holds a switch, counted from 0.
-    pub fn press(&mut self, switch: u16, length: Duration) -> Result<()> {
-        for value in [1, 0] {
-            let code = FIRST_SWITCH + switch;
-            self.0
-                .emit(&[InputEvent::new(EventType::KEY.0, code, value)])?;
-            if value == 1 {
-                sleep(length);
-            }
-        }
-        Ok(())
+    /// Presses or releases a switch, counted from 0.
+    pub fn set(&mut self, switch: u16, is_down: bool) -> Result<()> {
+        let code = FIRST_SWITCH + switch;
+        let event = InputEvent::new(EventType::KEY.0, code, i32::from(is_down));
+        Ok(self.0.emit(&[event])?)
     }
 }
 

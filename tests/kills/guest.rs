@@ -14,7 +14,7 @@ const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.
 /// Kills without `GELPAD_GUEST_KILLS`; the guest is slow.
 const SAMPLE: usize = 3;
 /// The guest's own limit, s: a start takes it some seconds.
-const LIMIT_S: usize = 20;
+const LIMIT_S: usize = 60;
 
 /// What keeps a guest from running here, if anything does.
 pub fn missing() -> Option<String> {

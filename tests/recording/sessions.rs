@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use gelpad::cache;
 use gelpad::engine::{Engine, Input};
 use gelpad::output::Trace;
-use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
+use gelpad::pad::{DEFAULT_PAD, Pad, Pair, shipped_pad};
 use gelpad::profile::{Profile, shipped_profile};
 use gelpad::runtime::{self, Command, Listener, Step};
 use gelpad::source::{Finger, Noise, Pace, Reading, SimulatedPad, Source, SourceError};
@@ -171,7 +171,9 @@ pub fn eventful(path: &Path) -> Result<()> {
     let sent = Arc::new(AtomicU64::new(0));
     let loose = |pair: &Pair| pair.0 == LOOSE || pair.1 == LOOSE;
     let channels = kit.pad.protocol.channels.iter();
-    let uses_loose = channels.map(|channel| loose(&channel.drive) || loose(&channel.measure)).collect();
+    let uses_loose = channels
+        .map(|channel| loose(&channel.drive) || loose(&channel.measure))
+        .collect();
     let board = Board {
         frames: Frames::new(1),
         uses_loose,
@@ -183,7 +185,13 @@ pub fn eventful(path: &Path) -> Result<()> {
     };
     let device = Box::new(Trace::new(std::io::sink()));
     let listeners: Vec<Box<dyn Listener>> = vec![recording, Box::new(stall)];
-    let mut running = runtime::start_with(kit.engine(), builder().clone(), Box::new(board), device, listeners)?;
+    let mut running = runtime::start_with(
+        kit.engine(),
+        builder().clone(),
+        Box::new(board),
+        device,
+        listeners,
+    )?;
     let mut wishes = [
         (150, Command::Profile(profile("super-mario-classified"))),
         (180, Command::Rezero),
@@ -202,7 +210,10 @@ pub fn eventful(path: &Path) -> Result<()> {
     let summary = running.join();
     let report = recorder.join();
     ensure!(report.error.is_none() && report.left_out == 0, "{report:?}");
-    ensure!(report.frames == summary.frames && summary.lost_frames > 0, "{report:?} of {summary:?}");
+    ensure!(
+        report.frames == summary.frames && summary.lost_frames > 0,
+        "{report:?} of {summary:?}"
+    );
     Ok(())
 }
 
@@ -237,7 +248,11 @@ pub fn straight(path: &Path, frames: usize, packed: bool) -> Result<()> {
     Ok(())
 }
 
-pub fn step(engine: &mut Engine, input: &Input, scribe: &mut Scribe<BufWriter<File>>) -> Result<()> {
+pub fn step(
+    engine: &mut Engine,
+    input: &Input,
+    scribe: &mut Scribe<BufWriter<File>>,
+) -> Result<()> {
     let mut events = Vec::new();
     engine.input(input, &mut events);
     scribe.step(input, engine.touches().down, &events)?;

@@ -3,6 +3,7 @@
 use std::io::{self, Read as _, Write as _};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -30,10 +31,13 @@ impl Link {
         let (line, theirs) = UnixStream::pair()?;
         let cuts = matches!(grip, Grip::Cut(_));
         let mut command = Command::new(program);
-        command.arg("watch").stdin(OwnedFd::from(theirs));
+        command
+            .arg0("gelpad")
+            .arg("watch")
+            .stdin(OwnedFd::from(theirs));
         match grip {
-            Grip::X11(display) => command
-                .arg("x11")
+            Grip::X11 { display, window } => command
+                .args(["x11", "--window", &window.to_string()])
                 .env("DISPLAY", display)
                 .stdout(Stdio::null()),
             Grip::Cut(shared) => command.arg("cut").stdout(shared),
@@ -66,6 +70,12 @@ impl Link {
     /// Tells the watcher a line. One that does not read its lines is as good as gone.
     pub(super) fn say(&mut self, line: &str) -> io::Result<()> {
         self.line.write_all(line.as_bytes())
+    }
+
+    /// Ends one that does not read its lines: it would take the end of the line for its parent's, and release what is held.
+    pub(super) fn kill(mut self) {
+        // It may be gone already.
+        let _ = self.child.kill();
     }
 
     /// Whether it has let go of everything since it was last asked.

@@ -35,7 +35,10 @@ const AGAIN: Duration = Duration::from_secs(5);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// By releases of its own, over its own connection to the X11 display that `DISPLAY` names.
-    X11,
+    X11 {
+        /// A window of the parent's connection: while it is there, a press of the parent may still be on its way.
+        window: u32,
+    },
     /// By cutting its parent's connection, which it shares: the compositor releases what a client held.
     Cut,
 }
@@ -43,8 +46,13 @@ pub enum Way {
 /// What a watcher is given.
 #[derive(Debug)]
 pub enum Grip {
-    /// The name of an X11 display.
-    X11(String),
+    /// An X11 display, and a window of the connection to it.
+    X11 {
+        /// Its name.
+        display: String,
+        /// The window.
+        window: u32,
+    },
     /// The connection to cut.
     Cut(OwnedFd),
 }
@@ -127,7 +135,9 @@ impl<D: Watchable> Watched<D> {
         if !std::mem::replace(&mut self.loss_told, true) {
             tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
         }
-        self.link = None;
+        if let Some(link) = self.link.take() {
+            link.kill();
+        }
         self.again_at = Some(now() + AGAIN);
     }
 

@@ -24,12 +24,6 @@ use crate::types::{Action, Event, Output};
 const DEAF_TO: [i32; 8] = [
     SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGALRM, SIGUSR1, SIGUSR2,
 ];
-/// After the parent's end everything is released again and again: a press that it sent just before may still be on its way.
-const AFTER_THE_END: [Duration; 3] = [
-    Duration::ZERO,
-    Duration::from_millis(20),
-    Duration::from_millis(200),
-];
 /// A display that does not answer keeps a watcher without a parent for so long at most.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
@@ -59,14 +53,14 @@ pub fn watch(way: Way) -> Result<(), OutputError> {
                 let _ = line.write_all(RELEASED);
             }
             Heard::End => {
-                end_in_time();
-                for wait in AFTER_THE_END {
-                    if !known.down.is_empty() {
-                        std::thread::sleep(wait);
-                        hands.let_go(&known.down)?;
-                    }
+                if known.down.is_empty() {
+                    return Ok(());
                 }
-                return Ok(());
+                end_in_time();
+                hands.let_go(&known.down)?;
+                // A press that the parent sent just before its end may still be on its way.
+                hands.wait_for_the_last_event()?;
+                return hands.let_go(&known.down);
             }
         }
     }
@@ -141,14 +135,18 @@ impl Known {
 
 /// What lets go.
 enum Hands {
-    X11(Box<X11>),
+    X11 { display: Box<X11>, window: u32 },
     Cut(UnixStream),
 }
 
 impl Hands {
     fn reach(way: Way) -> Result<Self, OutputError> {
         match way {
-            Way::X11 => Ok(Self::X11(Box::new(X11::connect()?))),
+            Way::X11 { window } => {
+                let mut display = Box::new(X11::connect()?);
+                display.follow(window)?;
+                Ok(Self::X11 { display, window })
+            }
             Way::Cut => {
                 let shared = io::stdout().as_fd().try_clone_to_owned().map_err(lost)?;
                 Ok(Self::Cut(UnixStream::from(shared)))
@@ -156,16 +154,23 @@ impl Hands {
         }
     }
 
+    fn wait_for_the_last_event(&mut self) -> Result<(), OutputError> {
+        match self {
+            Self::X11 { display, window } => display.wait_for_end_of(*window, LAST_WAIT),
+            Self::Cut(_) => Ok(()),
+        }
+    }
+
     fn let_go(&mut self, down: &[Output]) -> Result<(), OutputError> {
         match self {
-            Self::X11(x11) => {
+            Self::X11 { display, .. } => {
                 for output in down {
-                    x11.send(&Event {
+                    display.send(&Event {
                         t_ns: 0,
                         action: Action::Release(*output),
                     })?;
                 }
-                x11.sync()
+                display.sync()
             }
             // One that the compositor has closed is as good as cut.
             Self::Cut(shared) => {
