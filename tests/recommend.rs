@@ -1,0 +1,154 @@
+//! Settings recommended from a person's own presses, against the best settings that are the same for everybody.
+//!
+//! Sixty simulated people (tests/recommend/people.rs) press what they are asked for, once to be learned from and once to be
+//! judged. The fixed settings are the best that the same search finds when it is shown the presses that are judged, of all
+//! people together: no other choice of one setting for all does better there, as far as the search sees.
+//!
+//! `cargo test --test recommend -- --nocapture` prints the table of docs/calibration.md. `GELPAD_TUNING=1` takes the people
+//! on whom the search was tuned instead of those who were held out.
+
+#[path = "recommend/people.rs"]
+mod people;
+
+use gelpad::calibrate::recommend::{
+    Judge, Outcome, Overlay, Recommendation, Trial, climb, recommend,
+};
+use gelpad::profile::{Source, find_shipped};
+use people::{KINDS, Kind, Person};
+
+const PAD_MM: [f64; 2] = [100.0, 100.0];
+/// Presses that a person is asked for before settings are recommended, and presses that are judged.
+const LEARNED: usize = 60;
+const JUDGED: usize = 120;
+/// People on whom the search was tuned, and people whom nobody looked at then.
+const TUNED: std::ops::RangeInclusive<u64> = 1..=20;
+const HELD_OUT: std::ops::RangeInclusive<u64> = 1001..=1020;
+
+fn profile() -> Source {
+    find_shipped("super-mario-classified").expect("shipped")
+}
+
+fn judge() -> Judge<'static> {
+    Judge::new(&profile(), &find_shipped, PAD_MM)
+}
+
+/// A person's presses that are judged, and what is recommended to that person.
+struct Case {
+    kind: Kind,
+    judged: Vec<Trial>,
+    minutes: f64,
+    recommended: Recommendation,
+}
+
+fn case(kind: Kind, seed: u64) -> Case {
+    let mut person = Person::new(kind, seed);
+    let (learned, _) = person.session(LEARNED);
+    let (judged, minutes) = person.session(JUDGED);
+    let recommended = recommend(&learned, &profile(), &find_shipped, PAD_MM).expect("recommended");
+    Case {
+        kind,
+        judged,
+        minutes,
+        recommended,
+    }
+}
+
+/// The same settings for everybody: the best for all of these presses together.
+fn best_fixed(cases: &[Case]) -> Overlay {
+    let judge = judge();
+    let plain = Overlay::of_profile(&judge.profile(None).expect("sound"));
+    let trials: Vec<Trial> = cases
+        .iter()
+        .flat_map(|case| case.judged.iter().map(Trial::thinned))
+        .collect();
+    let (left, right) = trials.split_at(trials.len() / 2);
+    climb(plain, &mut |overlay| {
+        let outcome = |part: &[Trial]| judge().outcome(part, Some(overlay)).expect("sound");
+        let mut all = Outcome::default();
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| outcome(right));
+            all += outcome(left);
+            all += other.join().expect("no panic");
+        });
+        Ok::<f64, std::convert::Infallible>(all.share())
+    })
+    .expect("found")
+}
+
+/// Share that came out right, and wrong presses a minute, of one kind of people.
+fn figures(cases: &[Case], kind: Kind, overlay: impl Fn(&Case) -> Option<Overlay>) -> (f64, f64) {
+    let judge = judge();
+    let (mut all, mut minutes) = (Outcome::default(), 0.0);
+    for case in cases.iter().filter(|case| case.kind == kind) {
+        all += judge
+            .outcome(&case.judged, overlay(case).as_ref())
+            .expect("sound");
+        minutes += case.minutes;
+    }
+    (100.0 * all.share(), all.wrong as f64 / minutes)
+}
+
+#[test]
+fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
+    let seeds = if std::env::var_os("GELPAD_TUNING").is_some() {
+        TUNED
+    } else {
+        HELD_OUT
+    };
+    let all: Vec<(Kind, u64)> = KINDS
+        .into_iter()
+        .flat_map(|kind| seeds.clone().map(move |seed| (kind, seed)))
+        .collect();
+    let (left, right) = all.split_at(all.len() / 2);
+    let cases: Vec<Case> = std::thread::scope(|scope| {
+        let half = |part: &[(Kind, u64)]| -> Vec<Case> {
+            part.iter().map(|(kind, seed)| case(*kind, *seed)).collect()
+        };
+        let other = scope.spawn(move || half(right));
+        let mut cases = half(left);
+        cases.extend(other.join().expect("no panic"));
+        cases
+    });
+    let fixed = best_fixed(&cases);
+    println!(
+        "the best settings that are the same for all:\n{}",
+        fixed.toml(None)
+    );
+    println!(
+        "| hands | as shipped | best fixed | recommended | wrong a minute: shipped | fixed | recommended |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    let mut failed = Vec::new();
+    if std::env::var_os("GELPAD_TUNING").is_some() {
+        for case in cases.iter().filter(|case| case.kind == Kind::Tremor) {
+            let best = best_fixed(std::slice::from_ref(case));
+            let judge = judge();
+            let share =
+                |overlay: &Overlay| judge.outcome(&case.judged, Some(overlay)).expect("sound");
+            println!(
+                "oracle {:?} {best:?}\n   own {:?}",
+                share(&best),
+                share(&case.recommended.overlay)
+            );
+        }
+    }
+    for kind in KINDS {
+        let shipped = figures(&cases, kind, |_| None);
+        let same = figures(&cases, kind, |_| Some(fixed.clone()));
+        let own = figures(&cases, kind, |case| Some(case.recommended.overlay.clone()));
+        println!(
+            "| {kind:?} | {:.1} % | {:.1} % | {:.1} % | {:.2} | {:.2} | {:.2} |",
+            shipped.0, same.0, own.0, shipped.1, same.1, own.1
+        );
+        let gain = if kind == Kind::Steady { 0.0 } else { 15.0 };
+        if own.0 < same.0 + gain || own.1 > same.1 {
+            failed.push(kind);
+        }
+    }
+    for case in &cases {
+        if std::env::var_os("GELPAD_TUNING").is_some() {
+            println!("{:?} {:?}", case.kind, case.recommended.overlay);
+        }
+    }
+    assert!(failed.is_empty(), "{failed:?}");
+}
