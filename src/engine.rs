@@ -9,13 +9,15 @@ use crate::gesture::Gestures;
 use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::touch::{Correction, Detector, FrameTouches, Sensing};
-use crate::types::{Event, Frame, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Nanos, Output, Touch};
 
 /// Everything that can change what the engine does next.
 #[derive(Clone, Debug)]
 pub enum Input {
     /// A reading of the pad, with one voltage for each of the pad's channels.
     Frame(Frame),
+    /// What gamepads and switches say: a source without image.
+    Control(Control),
     /// A time that [`Engine::next_due`] gave has come.
     Tick {
         /// That time, never the clock's.
@@ -96,6 +98,7 @@ impl Engine {
                 self.detector.frame(frame, &mut self.changed);
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
+            Input::Control(control) => self.gestures.control(control, events),
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
             Input::Profile { t_ns, profile } => {
                 self.gestures.replace(Arc::clone(profile), *t_ns, events);

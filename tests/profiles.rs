@@ -98,7 +98,7 @@ const CASES: &[Case] = &[
     case("output = \"key:f\"", "turbo_hz = 8\noutput = \"key:f\"", "17:12", "8", "a press in mode direct has no `turbo_hz`"),
     case("output = \"key:f\"", "gesture = \"swipe\"\noutput = \"key:f\"", "15:1", "[[binding]]", "a swipe needs a `direction`"),
     case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up-left\"\nways = 4\noutput = \"key:f\"", "18:13", "\"up-left\"", "4 ways have no diagonals"),
-    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord has two regions or more"),
+    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord has two regions or more, or buttons"),
     case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-z\"", "18:10", "\"pad:left-z\"", "no axis is named `pad:left-z`"),
     case("output = \"key:f\"", "gesture = \"force\"\nforce = 0.3\nforce_release = 0.5\noutput = \"key:f\"", "19:17", "0.5", "`force_release` lies above `force`"),
     case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"press key:a\"]", "18:9", "[\"press key:a\"]", "the macro ends with something pressed"),

@@ -11,8 +11,8 @@ use crate::types::Method;
 
 /// Play games on a soft sheet of hydrogel.
 ///
-/// Without a command it plays a scripted level on the simulated pad and shows it here; nothing is sent to your
-/// desktop.
+/// Without a command it opens the window on the simulated pad; where there is no display, it plays a scripted level and
+/// shows it here. Nothing is sent to your desktop until you say so.
 #[derive(Debug, Parser)]
 #[command(
     name = "gelpad",
@@ -31,8 +31,12 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Play: touches become key events
     Play(PlayArgs),
-    /// Turn recorded frames into touches or events, as fast as it goes
+    /// Play a recording again, or turn frames into touches or events, as fast as it goes
     Replay(ReplayArgs),
+    /// Save what a damaged recording holds
+    Recover(RecoverArgs),
+    /// Turn a recording into what other programs read
+    Export(ExportArgs),
     /// Learn where a pad is pressed, from presses at known places
     Calibrate(CalibrateArgs),
     /// Look at pads
@@ -183,22 +187,21 @@ A touch script, for simulated:SCRIPT (milliseconds, finger, millimetres from the
 A board's frame, for serial:PORT (115200 baud, OpenEIT's text, a comma behind every value):
   magnitudes:        1.5000,       2.0000, ... ,\\r\\n")]
 pub(super) struct PlayArgs {
-    /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`)
-    #[arg(default_value = crate::profile::DEFAULT_PROFILE)]
-    pub profile: String,
+    /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`) [default: super-mario, or the recording's own]
+    pub profile: Option<String>,
     /// One person's settings over the profile: a name (users/NAME.toml here, among your own, or shipped) or a file
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
     /// Play another profile while the program that its `[match]` names runs (Linux)
     #[arg(long = "match")]
     pub follow: bool,
-    /// A shipped pad, or a file
-    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
-    pub pad: String,
-    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`
+    /// A shipped pad, or a file [default: edinburgh-lattice, or the recording's own]
+    #[arg(long)]
+    pub pad: Option<String>,
+    /// Where frames come from: `simulated[:SCRIPT]`, `serial:PORT` or `replay:FILE`; `gamepad`: a gamepad or switch instead of a pad
     #[arg(long, default_value = "simulated")]
     pub source: SourceArg,
-    /// Where events go; auto: the keyboard where there is a display, else (and for the simulated pad) the trace
+    /// Where events go
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
     /// What a board sends
@@ -210,6 +213,12 @@ pub(super) struct PlayArgs {
     /// What `gelpad calibrate` saved: places and force as presses have shown them
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
+    /// Record the session: every input, touch and event, to replay and export
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    /// Send touches on as TUIO 1.1 (2Dcur) by UDP
+    #[arg(long, value_name = "HOST:PORT")]
+    pub tuio: Option<String>,
     /// No live view, even in a terminal
     #[arg(long)]
     pub headless: bool,
@@ -222,28 +231,104 @@ pub(super) struct PlayArgs {
 }
 
 #[derive(Args, Debug)]
-#[command(after_help = "Example: gelpad replay frames.csv --pad edinburgh-lattice --print touches")]
+#[command(after_help = "\
+Examples:
+  gelpad replay session.mcap                                    its events, as they were played
+  gelpad replay session.mcap --update session.events            save them as what is expected ...
+  gelpad replay session.mcap --expect session.events            ... and see whether they still come
+  gelpad replay session.mcap --profile ./mine.toml --print events
+  gelpad replay session.mcap --realtime --output keyboard --from 12 --to 20
+  gelpad replay frames.csv --pad edinburgh-lattice --print touches")]
 pub(super) struct ReplayArgs {
-    /// Frames as CSV: t_ms,v0,v1,...
+    /// A recording (.mcap), or frames as CSV: t_ms,v0,v1,...
     pub file: PathBuf,
-    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
-    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
-    pub pad: String,
-    /// A shipped profile, or a file
-    #[arg(long, default_value = crate::profile::DEFAULT_PROFILE)]
-    pub profile: String,
+    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`) [default: the recording's own; edinburgh-lattice for CSV]
+    #[arg(long)]
+    pub pad: Option<String>,
+    /// A shipped profile, or a file [default: the recording's own; super-mario for CSV]
+    #[arg(long)]
+    pub profile: Option<String>,
     /// One person's settings over the profile
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
-    /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
+    /// How images are made: tikhonov, noser, smooth or l1 [default: as recorded; for CSV what profile or pad say, else noser]
     #[arg(long)]
     pub method: Option<Method>,
-    /// What `gelpad calibrate` saved: places and force as presses have shown them
+    /// What `gelpad calibrate` saved: places and force as presses have shown them [default: the recording's own]
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
-    /// touches: a JSON line a frame; events: a text line an event
-    #[arg(long, value_enum, default_value_t = PrintArg::Events)]
-    pub print: PrintArg,
+    /// touches: a JSON line a frame; events: a text line an event [default: events, unless they go elsewhere]
+    #[arg(long, value_enum)]
+    pub print: Option<PrintArg>,
+    /// Send the events to an output
+    #[arg(long, value_enum)]
+    pub output: Option<OutputArg>,
+    /// Compare the events with those in a file (or in a recording); 1 if they differ
+    #[arg(long, value_name = "FILE", conflicts_with = "update")]
+    pub expect: Option<PathBuf>,
+    /// Times may differ by so much, ms
+    #[arg(long, value_name = "T", requires = "expect", default_value_t = 0.0, value_parser = seconds)]
+    pub tolerance_ms: f64,
+    /// Save the events as what is expected
+    #[arg(long, value_name = "FILE")]
+    pub update: Option<PathBuf>,
+    /// Tell nothing before this time, s, as events print it; what came before is played all the same
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub from: Option<f64>,
+    /// End at this time, s
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub to: Option<f64>,
+    /// At the pace at which it was played, not as fast as it goes
+    #[arg(long)]
+    pub realtime: bool,
+    /// The verdict as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "Example: gelpad recover cut.mcap -o saved.mcap
+
+Ends 0 if nothing was lost, 3 if something was: what, is said.")]
+pub(super) struct RecoverArgs {
+    /// A recording that is cut or damaged
+    pub file: PathBuf,
+    /// Where what it holds goes, packed
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad export session.mcap --format fm2 -o session.fm2    fceux --playmov session.fm2 game.nes
+  gelpad export session.mcap --format csv -o frames.csv     which replay, studies and spreadsheets read
+  gelpad export session.mcap --format evemu -o session.evemu")]
+pub(super) struct ExportArgs {
+    /// A recording
+    pub file: PathBuf,
+    /// What to make of it
+    #[arg(long, value_enum)]
+    pub format: ExportFormat,
+    /// Where it goes
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// fm2: the frame of the movie, counted from power-on, in which the session begins
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=5_000_000))]
+    pub start_frame: u64,
+    /// fm2: the game's name, for FCEUX to show
+    #[arg(long, value_name = "NAME", default_value = "game")]
+    pub rom: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ExportFormat {
+    /// A movie of FCEUX: the buttons of the NES pad in each frame
+    Fm2,
+    /// Events as evemu-record writes them
+    Evemu,
+    /// Frames: t_ms,v0,v1,...
+    Csv,
 }
 
 #[derive(Args, Debug)]
@@ -380,6 +465,8 @@ pub(super) enum SourceArg {
     Serial(String),
     /// A file, in real time.
     Replay(PathBuf),
+    /// Gamepads and switches.
+    Gamepad,
 }
 
 impl std::str::FromStr for SourceArg {
@@ -394,17 +481,25 @@ impl std::str::FromStr for SourceArg {
             ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
             ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
             ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
+            ("gamepad", None) => Ok(Self::Gamepad),
             ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
             ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
-            _ => Err("write simulated, simulated:SCRIPT, serial:PORT or replay:FILE".to_owned()),
+            _ => Err(
+                "write simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
+            ),
         }
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum OutputArg {
+    /// The best there is, and one line that says why; with the simulated pad: trace
     Auto,
+    /// Keys and mouse of this desktop; of the kernel where there is no display
     Keyboard,
+    /// An Xbox 360 pad, a keyboard and a mouse of the Linux kernel (uinput)
+    Gamepad,
+    /// Events as text on stdout
     Trace,
 }
 
@@ -419,6 +514,13 @@ pub(super) enum FormatArg {
 pub(super) enum PrintArg {
     Touches,
     Events,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|number| (0.0..1e9).contains(number))
+        .ok_or_else(|| "a number, 0 or more".to_owned())
 }
 
 fn points(text: &str) -> Result<usize, String> {

@@ -9,14 +9,19 @@ mod calibrate;
 mod changes;
 mod drawing;
 mod exit;
+mod export;
+mod files;
 mod live;
 mod log;
 mod map;
+mod outputs;
 mod pads;
 mod pick;
 mod play;
+mod played_with;
 mod profiles;
 mod progress;
+mod recover;
 mod replay;
 mod resolve;
 mod study;
@@ -41,6 +46,8 @@ pub fn main() -> ExitCode {
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
+        Some(Command::Recover(args)) => recover::recover(&args),
+        Some(Command::Export(args)) => export::export(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Pad { command }) => pads::run(&command),
         Some(Command::Profile { command }) => profiles::run(&command),

@@ -114,6 +114,13 @@ pub(super) fn profile(argument: &str, user: Option<&str>) -> anyhow::Result<Arc<
     Ok(Arc::new(checked.profile))
 }
 
+/// A profile that is there already, with another person's settings.
+pub(super) fn with_user(profile: &Profile, user: Option<&str>) -> anyhow::Result<Arc<Profile>> {
+    let mut texts = profile.texts.clone();
+    texts.user = user.map(self::user).transpose()?;
+    Ok(Arc::new(texts.read()?.profile))
+}
+
 /// A profile with one person's settings, and what is odd about it.
 pub(super) fn checked(argument: &str, user: Option<&str>) -> anyhow::Result<Checked> {
     let user = user.map(self::user).transpose()?;
@@ -128,11 +135,17 @@ pub(super) fn checked_text(profile: Source, user: Option<&str>) -> Result<Checke
 }
 
 fn checked_over(profile: Source, user: Option<Source>) -> Result<Checked, Faulty> {
-    let folder = Path::new(&profile.name)
+    let find = bases_of(&profile.name);
+    profile::read(profile, user, &find)
+}
+
+/// Finds what a profile extends: shipped ones by name, files beside it.
+pub(super) fn bases_of(profile: &str) -> impl Fn(&str) -> Result<Source, String> + use<> {
+    let folder = Path::new(profile)
         .parent()
         .unwrap_or(Path::new(""))
         .to_owned();
-    let find = |name: &str| -> Result<Source, String> {
+    move |name: &str| {
         if !is_path(name) {
             return find_shipped(name);
         }
@@ -142,8 +155,7 @@ fn checked_over(profile: Source, user: Option<Source>) -> Result<Checked, Faulty
             name: path.display().to_string(),
             toml,
         })
-    };
-    profile::read(profile, user, &find)
+    }
 }
 
 /// A person's text: a file, or a name that is looked for here, among one's own, and among the shipped.

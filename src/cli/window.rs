@@ -1,23 +1,31 @@
 //! `gelpad` without a command: the window, or where there is none the level in the terminal.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use anyhow::Context as _;
 use clap::Parser as _;
 
 use super::args::{Arguments, Command, PlayArgs};
 use super::changes::Changes;
 use super::exit::{self, Ending};
-use super::{play, resolve};
+use super::outputs::{self, Takes};
+use super::played_with::{Asides, PlayedWith, Recording};
+use super::{calibrate, play, replay, resolve};
+use crate::calibrate::recommend::{Recommendation, Trial, recommend};
+use crate::calibrate::{Press, Presses, correction};
+use crate::engine::{Engine, Input};
 use crate::gui::desk::{Choice, Desk, From, Started, To, Watch};
 use crate::gui::hush::Hushed;
+use crate::gui::record::tape::Tape;
 use crate::gui::{self, Opening, Tab};
 use crate::output::Device;
-use crate::pad::SHIPPED_PADS;
-use crate::profile::{Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source};
+use crate::pad::{Pad, SHIPPED_PADS};
+use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::{self, Running};
-use crate::source::{self, LiveSource, Noise};
-use crate::types::{Faulty, Output};
+use crate::source::{self, FramesCsv, LiveSource, Noise, Reading, Source as _};
+use crate::tape::Played;
+use crate::types::{Faulty, PointMm};
 
 /// Noise of the simulated pad, dB, and its seed.
 const NOISE: (f64, u64) = (60.0, 1);
@@ -107,6 +115,36 @@ impl Desk for OwnDesk {
     fn own_folder(&self) -> Option<PathBuf> {
         resolve::own_folder()
     }
+
+    fn tape(&self, file: &Path, choice: &Choice) -> Result<Tape, String> {
+        tape(file, choice).map_err(|error| format!("{error:#}"))
+    }
+
+    fn places(&self, pad: &Pad, count: usize) -> Vec<PointMm> {
+        calibrate::places(pad, count)
+    }
+
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
+        learn(pad, presses).map_err(|error| format!("{error:#}"))
+    }
+
+    fn recommend(
+        &self,
+        trials: &[Trial],
+        choice: &Choice,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String> {
+        let text = resolve::profile_text(&choice.profile).map_err(|error| format!("{error:#}"))?;
+        let profile = Source::from(text);
+        let find = resolve::bases_of(&profile.name);
+        recommend(trials, &profile, &find, pad_mm).map_err(|error| error.to_string())
+    }
+
+    fn pad_text(&self, name: &str) -> Result<String, String> {
+        resolve::pad_text(name)
+            .map(|text| text.toml)
+            .map_err(|error| format!("{error:#}"))
+    }
 }
 
 /// The player's own texts of a kind, as paths.
@@ -151,6 +189,9 @@ fn arguments(choice: &Choice) -> anyhow::Result<PlayArgs> {
     if let Some(file) = &choice.calibration {
         words.push(format!("--calibration={}", file.display()));
     }
+    if let Some(file) = &choice.record {
+        words.push(format!("--record={}", file.display()));
+    }
     match Arguments::try_parse_from(words)?.command {
         Some(Command::Play(args)) => Ok(args),
         _ => anyhow::bail!("a bug in gelpad: `play` is not understood"),
@@ -159,68 +200,134 @@ fn arguments(choice: &Choice) -> anyhow::Result<PlayArgs> {
 
 fn start(choice: &Choice) -> anyhow::Result<Started> {
     let args = arguments(choice)?;
-    let pad = resolve::pad(&args.pad)?;
-    let checked = resolve::checked(&args.profile, args.user.as_deref())?;
+    let PlayedWith {
+        pad,
+        pad_toml,
+        checked,
+        argument,
+        correction,
+    } = PlayedWith::of(&args)?;
     let profile = Arc::new(checked.profile.clone());
-    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let method = resolve::method(args.method, &profile, &pad);
-    let made = play::engine(&pad, profile.clone(), method, correction)?;
+    let (builder, kit) = play::kit(pad, pad_toml, Arc::clone(&profile), method, correction)?;
     let (source, hand): (Box<dyn source::Source>, _) = match choice.from {
         From::Hand => {
-            let (source, hand) = LiveSource::new(&pad, Noise::new(NOISE.0, NOISE.1))?;
+            let (source, hand) = LiveSource::new(&kit.pad, Noise::new(NOISE.0, NOISE.1))?;
             (Box::new(source), Some(hand))
         }
-        _ => (play::source(&args, &pad)?, None),
+        _ => (play::source(&args, &kit.pad)?, None),
     };
-    let device: Box<dyn Device> = match choice.to {
-        To::Nothing => play::silent(),
-        To::Auto => play::desktop(&profile)?,
+    let device = match choice.to {
+        To::Nothing => outputs::trace(true),
+        // The player has asked for it: the simulated pad may type too.
+        To::Auto => outputs::best(true).device,
     };
-    let takes = play::Takes::of(device.as_ref());
+    let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
     }
-    let is_keyboard =
-        choice.to == To::Auto && "key:a".parse::<Output>().is_ok_and(|key| device.takes(key));
     let output = match choice.to {
         To::Nothing => "nothing".to_owned(),
         To::Auto => device.name().to_owned(),
     };
-    let (device, hush): (Box<dyn Device>, _) = if is_keyboard {
-        let (hushed, hush) = Hushed::new(device);
-        (Box::new(hushed), Some(hush))
-    } else {
-        (device, None)
+    let (device, hush): (Box<dyn Device>, _) = match choice.to {
+        To::Nothing => (device, None),
+        To::Auto => {
+            let (hushed, hush) = Hushed::new(device);
+            (Box::new(hushed), Some(hush))
+        }
     };
-    let changes = Changes::new(
-        &args.profile,
-        args.user.as_deref(),
-        &checked,
-        None,
-        Box::new(move |profile| takes.lacking(profile)),
-    );
-    let (engine, builder) = made;
-    let running = runtime::start(engine, builder, source, device)?;
+    let changes = argument.map(|argument| {
+        let refuse = Box::new(move |profile: &Profile| takes.lacking(profile));
+        Changes::new(&argument, args.user.as_deref(), &checked, None, refuse)
+    });
+    let Asides {
+        listeners,
+        recorder,
+    } = Asides::start(&args, &kit)?;
+    let running = runtime::start_with(kit.engine(), builder, source, device, listeners)?;
     Ok(Started {
         running,
         hand,
-        pad,
+        pad: kit.pad,
         output,
         hush,
-        watch: Box::new(Watcher(changes)),
+        watch: Box::new(Watcher { changes, recorder }),
         warnings: checked.warnings.iter().map(first_words).collect(),
     })
 }
 
-struct Watcher(Changes);
-
-impl Watch for Watcher {
-    fn look(&mut self, running: &mut Running, say: &mut dyn FnMut(String)) {
-        self.0
-            .look(running, &mut |text| say(play::in_one_line(text)));
+/// Runs what was recorded through its own engine.
+fn tape(file: &Path, choice: &Choice) -> anyhow::Result<Tape> {
+    if replay::is_recording(file)? {
+        let (mut player, kit) = replay::open(file)?;
+        let mut tape = Tape::new(kit.pad.clone(), kit.engine());
+        while let Some(played) = player.next()? {
+            if let Played::Input(input) = played
+                && !tape.take(&input)
+            {
+                break;
+            }
+        }
+        return Ok(tape);
+    }
+    let args = arguments(choice)?;
+    let pad = resolve::pad(&choice.pad)?;
+    let mut frames = FramesCsv::open(file, pad.channels())?;
+    let profile = resolve::profile(&choice.profile, choice.user.as_deref())?;
+    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
+    let builder = resolve::sensing(&pad, resolve::method(args.method, &profile, &pad))?;
+    let engine = Engine::new(&pad, Arc::new(builder.first()?), profile).corrected(correction);
+    let mut tape = Tape::new(pad, engine);
+    loop {
+        match frames.read()? {
+            Reading::Frame(frame) => {
+                if !tape.take(&Input::Frame(frame)) {
+                    return Ok(tape);
+                }
+            }
+            Reading::End => return Ok(tape),
+            Reading::Control(_) | Reading::Skipped { .. } | Reading::Idle => {}
+        }
     }
 }
 
+/// Learns a calibration and saves it in the player's own folder.
+fn learn(pad: &Pad, presses: Vec<Press>) -> anyhow::Result<(PathBuf, String)> {
+    let presses = Presses::new("the presses", presses)?;
+    let fitted = correction(&presses, pad.outline.size_mm())?;
+    let folder =
+        resolve::own_folder().context("there is no folder for settings of your own: set HOME")?;
+    let folder = folder.join("calibrations");
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let path = folder.join(format!("{}.calibration.json", pad.name));
+    calibrate::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;
+    let told = format!(
+        "touches were off by {:.1} mm, now by {:.1} mm (mean, each press left out in turn)",
+        fitted.model.mean_mm, fitted.lone.mean_mm
+    );
+    Ok((path, told))
+}
+
+/// Looks after a game of the window.
+struct Watcher {
+    changes: Option<Changes>,
+    recorder: Option<Recording>,
+}
+
+impl Watch for Watcher {
+    fn look(&mut self, running: &mut Running, say: &mut dyn FnMut(String)) {
+        if let Some(changes) = &mut self.changes {
+            changes.look(running, &mut |text| say(play::in_one_line(text)));
+        }
+    }
+
+    fn end(&mut self) {
+        if let Some(recorder) = self.recorder.take() {
+            recorder.conclude();
+        }
+    }
+}
 /// The first fault of a text, with its place.
 fn first_words(faulty: &Faulty) -> String {
     match faulty.faults.first() {

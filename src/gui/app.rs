@@ -5,14 +5,18 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Align2, CornerRadius, FontId, Key, Rect, Sense, Stroke, Ui, Vec2};
 
+use super::comfort::Comfort;
 use super::desk::{Choice, Desk, From, Started, To};
-use super::edit::EditView;
+use super::edit::{EditView, Learning};
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play::{self, Names, Wish};
 use super::playing::Playing;
 use super::practice::PracticeTab;
 use super::problem::{self, Around, Mend};
+use super::record::RecordView;
+use super::setup::SetUpView;
+use super::signals::SignalsView;
 use super::theme;
 use super::waker::Waker;
 use crate::runtime::Command;
@@ -108,6 +112,14 @@ pub struct App {
     pub practice: PracticeTab,
     /// The editor.
     pub edit: EditView,
+    /// The wizard.
+    pub set_up: SetUpView,
+    /// Recordings.
+    pub record: RecordView,
+    /// Voltages.
+    pub signals: SignalsView,
+    /// How the window looks and answers.
+    pub comfort: Comfort,
     desk: Arc<dyn Desk>,
     names: Names,
     starting: Option<(Choice, Receiver<Result<Started, String>>)>,
@@ -128,12 +140,19 @@ impl App {
             users: desk.users(),
             ports: desk.ports(),
         };
+        let comfort = Comfort::of(desk.as_ref());
+        let mut practice = PracticeTab::default();
+        practice.practice.set_best_s(comfort.look.best_s);
         Self {
+            set_up: SetUpView::default(),
+            record: RecordView::default(),
+            signals: SignalsView::default(),
+            practice,
+            comfort,
             tab: Tab::Play,
             playing: Playing::nothing(),
             failed: None,
             pad_window: PadWindow::default(),
-            practice: PracticeTab::default(),
             edit: EditView::default(),
             desk,
             names,
@@ -213,8 +232,11 @@ impl App {
         if self.playing.look() {
             self.last_view_s = ctx.time();
         }
+        self.practice.take(&self.playing.view);
+        self.comfort.look.best_s = self.practice.practice.best_s();
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
-        self.playing.hush(focused);
+        // While it checks the output, the window wants to see its own keys.
+        self.playing.hush(focused && !self.checks_keys());
     }
 
     /// Draws the window.
@@ -223,6 +245,7 @@ impl App {
             theme::dress(ui.ctx());
             self.dressed = true;
         }
+        self.comfort.dress(ui.ctx());
         self.look(&ui.ctx().clone());
         self.keys(ui);
         let palette = theme::of(ui);
@@ -252,6 +275,7 @@ impl App {
         }
         let ctx = ui.ctx().clone();
         self.pad_window.show(&ctx, &mut self.playing);
+        self.comfort.sign(ui, &self.playing);
     }
 
     /// The worst problem now.
@@ -282,7 +306,18 @@ impl App {
                 None
             }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
-            _ => None,
+            Tab::SetUp => self
+                .set_up
+                .ui(ui, &mut self.playing, &self.desk, &mut self.names),
+            Tab::Record => self.record.ui(ui, &self.playing, &self.desk),
+            Tab::Signals => {
+                self.signals.ui(ui, &self.playing);
+                None
+            }
+            Tab::Feedback => {
+                self.comfort.ui(ui, &self.playing);
+                None
+            }
         }
     }
 
@@ -290,9 +325,20 @@ impl App {
         match wish {
             Wish::Play(choice) => self.play(choice),
             Wish::PadWindow => self.pad_window.open = true,
-            Wish::Record => {}
+            Wish::Record => self.record(),
+            Wish::ShowPlay => self.tab = Tab::Play,
             Wish::Mend(mend) => self.mend(&mend),
         }
+    }
+
+    /// Begins a recording, or ends it: the game starts anew, as a recording begins with the untouched pad.
+    fn record(&mut self) {
+        let mut choice = self.playing.choice.clone();
+        match choice.record.take() {
+            Some(file) => self.record.suggest(&file),
+            None => choice.record = Some(RecordView::fresh_file(self.desk.as_ref())),
+        }
+        self.play(choice);
     }
 
     fn mend(&mut self, mend: &Mend) {
@@ -315,8 +361,19 @@ impl App {
         }
     }
 
+    fn checks_keys(&self) -> bool {
+        self.tab == Tab::SetUp && self.set_up.checks_keys()
+    }
+
     /// F1 to F7 show views.
     fn keys(&mut self, ui: &Ui) {
+        if self.checks_keys() {
+            self.set_up.take_keys(ui);
+        }
+        if self.tab == Tab::Edit && matches!(self.edit.learning, Learning::Key(_)) {
+            // The next key is an answer.
+            return;
+        }
         for tab in Tab::ALL {
             if ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, tab.key())) {
                 self.tab = tab;

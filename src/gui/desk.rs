@@ -1,15 +1,18 @@
 //! What the window asks of whoever starts games: it names what is wanted and gets a running game, a text, or a sentence that
 //! says what is wrong. The command line gives it, so that both resolve names and files in the same way; tests give their own.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::record::tape::Tape;
+use crate::calibrate::Press;
+use crate::calibrate::recommend::{Recommendation, Trial};
 use crate::pad::Pad;
 use crate::profile::{Checked, Source};
 use crate::runtime::Running;
 use crate::source::Hand;
-use crate::types::Faulty;
+use crate::types::{Faulty, PointMm};
 
 /// Where frames come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -86,6 +89,9 @@ impl Choice {
 pub trait Watch: Send {
     /// Looks once; says what the player should know.
     fn look(&mut self, running: &mut Running, say: &mut dyn FnMut(String));
+
+    /// The game is over and its threads are joined: packs what was recorded.
+    fn end(&mut self) {}
 }
 
 /// A game that has been started.
@@ -137,6 +143,38 @@ pub trait Desk: Send + Sync {
     /// # Errors
     /// Everything that is wrong, each at its place.
     fn check(&self, profile: Source, user: Option<&str>) -> Result<Checked, Faulty>;
+
+    /// The text of a pad.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn pad_text(&self, name: &str) -> Result<String, String>;
+
+    /// Reads a recording, or frames as CSV for what is played now; may take seconds.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn tape(&self, file: &Path, choice: &Choice) -> Result<Tape, String>;
+
+    /// Places to press for a calibration, spread over a pad, mm.
+    fn places(&self, pad: &Pad, count: usize) -> Vec<PointMm>;
+
+    /// Learns from presses and saves what was learned; where, and how good it is in words.
+    ///
+    /// # Errors
+    /// Why nothing can be learned, or not saved.
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String>;
+
+    /// Recommends settings for who made the presses.
+    ///
+    /// # Errors
+    /// Why nothing is recommended.
+    fn recommend(
+        &self,
+        trials: &[Trial],
+        choice: &Choice,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String>;
 
     /// Where the player's own profiles and people lie.
     fn own_folder(&self) -> Option<PathBuf>;

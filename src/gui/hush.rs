@@ -43,7 +43,7 @@ impl Hushed {
 }
 
 impl Device for Hushed {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         self.device.name()
     }
 
@@ -82,6 +82,18 @@ impl Device for Hushed {
         }
         self.device.flush()
     }
+
+    fn idle(&mut self) -> Result<(), OutputError> {
+        if self.hush.load(Ordering::Relaxed) && !self.down.is_empty() {
+            self.release_keys()?;
+            self.device.flush()?;
+        }
+        self.device.idle()
+    }
+
+    fn rumble(&self) -> [f32; 2] {
+        self.device.rumble()
+    }
 }
 
 #[cfg(test)]
@@ -94,7 +106,7 @@ mod tests {
     struct Seen(Arc<Mutex<Vec<String>>>);
 
     impl Device for Seen {
-        fn name(&self) -> &'static str {
+        fn name(&self) -> &str {
             "seen"
         }
 

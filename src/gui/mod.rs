@@ -7,6 +7,7 @@
 //! it. It is repainted when something has changed. It gets no keys of its own (`hush.rs`).
 
 pub mod app;
+pub mod comfort;
 pub mod desk;
 pub mod edit;
 pub mod fingers;
@@ -19,7 +20,10 @@ pub mod playing;
 pub mod practice;
 pub mod press;
 pub mod problem;
+pub mod record;
 pub mod regions;
+pub mod setup;
+pub mod signals;
 pub mod still;
 pub mod story;
 pub mod theme;
@@ -83,6 +87,7 @@ pub fn open(opening: Opening) -> Result<(), NoWindow> {
                 Ok(Box::new(Window {
                     app,
                     interrupted: opening.interrupted,
+                    repaints: Repaints::default(),
                 }))
             }),
         )
@@ -111,6 +116,32 @@ fn in_one_line(words: &str) -> String {
 struct Window {
     app: App,
     interrupted: Box<dyn Fn() -> bool>,
+    repaints: Repaints,
+}
+
+/// Counts repaints, for who measures.
+#[derive(Default)]
+struct Repaints {
+    since_s: f64,
+    count: u32,
+    plays: bool,
+}
+
+impl Repaints {
+    fn count(&mut self, now_s: f64, plays: bool) {
+        if plays && !self.plays {
+            self.plays = true;
+            tracing::debug!("the pad plays");
+        }
+        self.count += 1;
+        let elapsed_s = now_s - self.since_s;
+        if elapsed_s >= 1.0 {
+            let rate = f64::from(self.count) / elapsed_s;
+            tracing::debug!("repaints: {rate:.0} a second");
+            self.since_s = now_s;
+            self.count = 0;
+        }
+    }
 }
 
 impl eframe::App for Window {
@@ -123,6 +154,8 @@ impl eframe::App for Window {
 
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         self.app.ui(ui);
+        let plays = self.app.playing.view.frames > 0;
+        self.repaints.count(ui.ctx().time(), plays);
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {

@@ -147,7 +147,7 @@ impl Playing {
         }
         if is_over && let Some(running) = self.running.take() {
             self.ended = Some(told(&running.join()));
-            self.hand = None;
+            self.over();
             return true;
         }
         is_new
@@ -209,8 +209,16 @@ impl Playing {
         if let Some(running) = self.running.take() {
             running.stop();
             self.ended = Some(told(&running.join()));
+            self.over();
         }
         self.choice.record.clone()
+    }
+
+    fn over(&mut self) {
+        self.hand = None;
+        if let Some(mut watch) = self.watch.take() {
+            watch.end();
+        }
     }
 }
 

@@ -5,8 +5,10 @@ use crate::types::{Axis, Nanos};
 /// What a touch in a region does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
-    /// Indices into [`super::Profile::regions`]; empty for the whole pad.
+    /// Indices into [`super::Profile::regions`]; empty for the whole pad, unless there are parts.
     pub regions: Vec<usize>,
+    /// Indices into [`super::Profile::parts`]: parts of a gamepad that play it as a touch does.
+    pub parts: Vec<usize>,
     /// Index into [`super::Profile::layers`]; none is the ground that is always there.
     pub layer: Option<usize>,
     /// What the touch must be.

@@ -207,6 +207,7 @@ const KEYS: &[Key] = &[
     key("off", Region, Kind::Flag, "false", "takes a base's region out"),
 
     key("region", Binding, Kind::Texts, "the pad", "the region, or several"),
+    key("from", Binding, Kind::Texts, "", "a gamepad's or switch's pad:a, pad:left-trigger, stick:left, ..., or several: beside the region, or instead of one"),
     key("layer", Binding, Kind::Text, "always", "counts only while this layer is on"),
     key("gesture", Binding, Kind::Word(GESTURES), "press", "what the touch must be"),
     key("mode", Binding, Kind::Word(MODES), "direct", "how the output is driven"),
@@ -267,6 +268,7 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("flavor", "flavour"),
     ("height", "h"),
     ("inherits", "extends"),
+    ("input", "from"),
     ("key", "output"),
     ("keys", "output"),
     ("long_press_ms", "hold_ms"),

@@ -11,8 +11,11 @@
 
 mod emit;
 mod feed;
+mod listen;
 mod rebuild;
+mod record;
 mod steps;
+mod touches;
 mod wake;
 
 use std::collections::VecDeque;
@@ -29,12 +32,16 @@ use crate::output::{Device, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Image, Nanos, Output, Touch};
 use emit::output_thread;
 use feed::source_thread;
 use rebuild::Rebuilder;
 use steps::EngineThread;
 use wake::Wake;
+
+pub use listen::{Listener, Step};
+pub use record::{RecordError, RecordReport, Recorder, record};
+pub use touches::send_touches;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -147,8 +154,23 @@ struct Threads {
 }
 
 struct Arrived {
-    frame: Frame,
+    what: Arrival,
     at: Instant,
+}
+
+/// What a source gives.
+enum Arrival {
+    Frame(Frame),
+    Control(Control),
+}
+
+impl Arrival {
+    fn t_ns(&self) -> Nanos {
+        match self {
+            Self::Frame(frame) => frame.t_ns,
+            Self::Control(control) => control.t_ns,
+        }
+    }
 }
 
 struct Due {
@@ -185,6 +207,20 @@ pub fn start(
     builder: SensingBuilder,
     source: Box<dyn Source>,
     device: Box<dyn Device>,
+) -> std::io::Result<Running> {
+    start_with(engine, builder, source, device, Vec::new())
+}
+
+/// The same, and listeners are told of every step of the engine.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_with(
+    engine: Engine,
+    builder: SensingBuilder,
+    source: Box<dyn Source>,
+    device: Box<dyn Device>,
+    listeners: Vec<Box<dyn Listener>>,
 ) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
     let lost = Arc::new(AtomicU64::new(0));
@@ -230,6 +266,7 @@ pub fn start(
             views: views_in,
             wake: waking,
             view: blank,
+            listeners,
             fresh: Vec::new(),
             latency: new_histogram(),
             pace,

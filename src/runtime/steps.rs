@@ -8,12 +8,13 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError};
 
+use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
-use super::{Arrived, Command, Due, EngineReport, NAP, View, Wake, nanos};
+use super::{Arrival, Arrived, Command, Due, EngineReport, NAP, View, Wake, nanos};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
-use crate::types::{Event, Nanos};
+use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -33,6 +34,7 @@ pub(super) struct EngineThread {
     pub(super) views: triple_buffer::Input<View>,
     pub(super) wake: Arc<Wake>,
     pub(super) view: View,
+    pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
     pub(super) latency: Histogram<u64>,
     pub(super) pace: Pace,
@@ -54,7 +56,11 @@ impl EngineThread {
             self.take_losses();
             self.take_controls();
             if let Ok(arrived) = self.frames.pop() {
-                self.frame(arrived);
+                let Arrived { what, at } = arrived;
+                match what {
+                    Arrival::Frame(frame) => self.frame(frame, at),
+                    Arrival::Control(control) => self.control(&control, at),
+                }
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
                 break;
             } else {
@@ -101,8 +107,18 @@ impl EngineThread {
         }
     }
 
-    fn frame(&mut self, arrived: Arrived) {
-        let Arrived { frame, at } = arrived;
+    /// A gamepad's state: it has no image, and is no frame to be counted.
+    fn control(&mut self, control: &Control, at: Instant) {
+        self.silent = false;
+        self.first_ns.get_or_insert(control.t_ns);
+        self.last_frame = Some((control.t_ns, at));
+        self.view.t_ns = control.t_ns;
+        self.input(&Input::Control(*control), Some(at));
+        self.latency.saturating_record(nanos(at.elapsed()));
+        self.publish();
+    }
+
+    fn frame(&mut self, frame: Frame, at: Instant) {
         if self.silent {
             self.silent = false;
             tracing::warn!("the board sends again");
@@ -218,6 +234,14 @@ impl EngineThread {
 
     fn input(&mut self, input: &Input, frame_at: Option<Instant>) {
         self.engine.input(input, &mut self.fresh);
+        let step = Step {
+            input,
+            touches: self.engine.touches().down,
+            events: &self.fresh,
+        };
+        for listener in &mut self.listeners {
+            listener.step(&step);
+        }
         for event in self.fresh.drain(..) {
             if self.view.events.len() == VIEW_EVENTS {
                 self.view.events.pop_front();

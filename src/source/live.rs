@@ -4,8 +4,10 @@
 //! Hand ─fingers─▶ thread that solves ─voltages─▶ LiveSource ─frames, 100 a second─▶
 //! ```
 //! Frames never wait for the solver: until the new voltages are there the old ones are read on, as from a board. Both
-//! queues are bounded; of moves that wait only the newest is solved, but no finger that comes or goes is left out.
+//! queues are bounded; of moves that wait only the newest is solved, but no finger that comes or goes is left out. Coming and
+//! going are shown equally late, by what solving has taken lately: the length of a press is kept.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle};
@@ -25,15 +27,20 @@ const HAND_QUEUE: usize = 64;
 const SOLVED_QUEUE: usize = 8;
 /// Frames for which fingers stay as they are before one more comes or goes: no finger taps shorter than 30 ms, but a mouse does.
 const SHORTEST_TAP_FRAMES: u64 = 3;
+/// Fingers that come or go are shown as late as the slowest of so many were, but not later than this.
+const LAGS: usize = 12;
+const LONGEST_LAG: Duration = Duration::from_millis(250);
+/// Solved states that are kept: a place that is pressed again need not be solved again.
+const KEPT: usize = 64;
 /// Longest sleep: what a shut-down waits for at most.
 const NAP: Duration = Duration::from_millis(50);
 
 /// What presses the live pad. Dropping it ends the source.
 #[derive(Debug)]
 pub struct Hand {
-    fingers: Producer<Vec<Finger>>,
+    fingers: Producer<Pressed>,
     /// A state that found the queue full.
-    waiting: Option<Vec<Finger>>,
+    waiting: Option<Pressed>,
     resting: Arc<AtomicBool>,
     solver: std::thread::Thread,
 }
@@ -41,16 +48,19 @@ pub struct Hand {
 impl Hand {
     /// Presses with these fingers from now on, and with no other.
     pub fn press(&mut self, fingers: &[Finger]) {
-        self.waiting = Some(fingers.to_vec());
+        self.waiting = Some(Pressed {
+            fingers: fingers.to_vec(),
+            at: clock(),
+        });
         self.flush();
     }
 
     /// Tries again to hand over what found no room; whether all is handed over.
     pub fn flush(&mut self) -> bool {
-        let Some(fingers) = self.waiting.take() else {
+        let Some(pressed) = self.waiting.take() else {
             return true;
         };
-        if let Err(PushError::Full(back)) = self.fingers.push(fingers) {
+        if let Err(PushError::Full(back)) = self.fingers.push(pressed) {
             self.waiting = Some(back);
         }
         self.solver.unpark();
@@ -69,9 +79,18 @@ impl Hand {
     }
 }
 
+/// A state of the fingers, and since when it is so.
+#[derive(Clone, Debug)]
+struct Pressed {
+    fingers: Vec<Finger>,
+    at: Instant,
+}
+
 /// Voltages of one state of the fingers.
 struct Solved {
-    volts: Vec<f64>,
+    volts: Arc<Vec<f64>>,
+    /// When it may be read, if not at once.
+    due: Option<Instant>,
     /// Which fingers press.
     ids: Vec<u64>,
 }
@@ -121,7 +140,8 @@ impl LiveSource {
             solved,
             next: None,
             now: Solved {
-                volts: rest,
+                volts: Arc::new(rest),
+                due: None,
                 ids: Vec::new(),
             },
             steady_frames: SHORTEST_TAP_FRAMES,
@@ -145,6 +165,9 @@ impl LiveSource {
             let Some(next) = &self.next else { return };
             let same = next.ids == self.now.ids;
             if !same && self.steady_frames < SHORTEST_TAP_FRAMES {
+                return;
+            }
+            if next.due.is_some_and(|due| due > clock()) {
                 return;
             }
             if !same {
@@ -211,29 +234,52 @@ fn clock() -> Instant {
 
 fn solve_all(
     pad: &SimulatedPad,
-    mut fingers: Consumer<Vec<Finger>>,
+    mut pressed: Consumer<Pressed>,
     mut solved: Producer<Solved>,
     stop: &AtomicBool,
 ) {
+    let mut known: VecDeque<(Vec<Finger>, Arc<Vec<f64>>)> = VecDeque::new();
+    let mut lags: VecDeque<Duration> = VecDeque::new();
+    let mut last_ids: Vec<u64> = Vec::new();
     while !stop.load(Ordering::Relaxed) {
-        let Some(state) = newest_of_run(&mut fingers) else {
-            if fingers.is_abandoned() {
+        let Some(state) = newest_of_run(&mut pressed) else {
+            if pressed.is_abandoned() {
                 return;
             }
             std::thread::park_timeout(NAP);
             continue;
         };
-        let volts = match pad.volts(&state) {
-            Ok(volts) => volts,
-            Err(error) => {
-                tracing::error!("the simulated pad cannot be pressed like that: {error}");
-                continue;
+        let kept = known
+            .iter()
+            .find(|(fingers, _)| are_alike(fingers, &state.fingers));
+        let volts = match kept {
+            Some((_, volts)) => Arc::clone(volts),
+            None => match pad.volts(&state.fingers) {
+                Ok(volts) => {
+                    let volts = Arc::new(volts);
+                    known.push_back((state.fingers.clone(), Arc::clone(&volts)));
+                    volts
+                }
+                Err(error) => {
+                    tracing::error!("the simulated pad cannot be pressed like that: {error}");
+                    continue;
+                }
+            },
+        };
+        if known.len() > KEPT {
+            known.pop_front();
+        }
+        let ids = ids(&state.fingers);
+        let mut due = None;
+        if ids != last_ids {
+            lags.push_back(state.at.elapsed().min(LONGEST_LAG));
+            if lags.len() > LAGS {
+                lags.pop_front();
             }
-        };
-        let mut next = Solved {
-            volts,
-            ids: ids(&state),
-        };
+            due = lags.iter().max().map(|lag| state.at + *lag);
+            last_ids.clone_from(&ids);
+        }
+        let mut next = Solved { volts, due, ids };
         while let Err(PushError::Full(back)) = solved.push(next) {
             if stop.load(Ordering::Relaxed) || solved.is_abandoned() {
                 return;
@@ -244,14 +290,22 @@ fn solve_all(
     }
 }
 
-/// The next state, or the newest of those that follow with the same fingers.
-fn newest_of_run(fingers: &mut Consumer<Vec<Finger>>) -> Option<Vec<Finger>> {
-    let mut state = fingers.pop().ok()?;
-    while let Ok(next) = fingers.peek() {
-        if ids(next) != ids(&state) {
+/// Whether the pad reads the same: fingers of other numbers at the same places.
+fn are_alike(a: &[Finger], b: &[Finger]) -> bool {
+    a.len() == b.len()
+        && a.iter()
+            .zip(b)
+            .all(|(a, b)| Finger { id: 0, ..*a } == Finger { id: 0, ..*b })
+}
+
+/// The next state, or the newest of those that follow with the same fingers; pressed since the first of them.
+fn newest_of_run(pressed: &mut Consumer<Pressed>) -> Option<Pressed> {
+    let mut state = pressed.pop().ok()?;
+    while let Ok(next) = pressed.peek() {
+        if ids(&next.fingers) != ids(&state.fingers) {
             break;
         }
-        state = fingers.pop().ok()?;
+        state.fingers = pressed.pop().ok()?.fingers;
     }
     Some(state)
 }
@@ -297,10 +351,15 @@ mod tests {
             vec![],
             vec![finger(2, 40.0)],
         ] {
-            producer.push(state).expect("room");
+            let pressed = Pressed {
+                fingers: state,
+                at: clock(),
+            };
+            producer.push(pressed).expect("room");
         }
-        let states: Vec<Vec<Finger>> =
-            std::iter::from_fn(|| newest_of_run(&mut consumer)).collect();
+        let states: Vec<Vec<Finger>> = std::iter::from_fn(|| newest_of_run(&mut consumer))
+            .map(|pressed| pressed.fingers)
+            .collect();
         assert_eq!(
             states,
             [vec![finger(1, 30.0)], vec![], vec![finger(2, 40.0)]]

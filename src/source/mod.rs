@@ -1,12 +1,15 @@
-//! Where frames come from: the simulated pad, frames from a file, a board on a serial port.
+//! Where frames come from: the simulated pad, frames from a file, a board on a serial port; and gamepads, which have no frames.
 //!
 //! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
 //! run backwards. What it had to skip it says, so that nothing is lost in silence.
 
 pub mod eit_text;
 mod frames_csv;
+#[cfg(feature = "gilrs")]
+mod gamepad;
 mod live;
 mod noise;
+mod recorded;
 mod robot;
 mod script;
 pub mod serial;
@@ -14,8 +17,11 @@ mod simulated;
 pub mod wire;
 
 pub use frames_csv::FramesCsv;
+#[cfg(feature = "gilrs")]
+pub use gamepad::GamepadSource;
 pub use live::{Hand, LiveSource};
 pub use noise::Noise;
+pub use recorded::RecordedFrames;
 pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
 pub use simulated::{SimulatedPad, SimulatedSource};
@@ -23,13 +29,15 @@ pub use simulated::{SimulatedPad, SimulatedSource};
 use std::path::PathBuf;
 
 use crate::eit::ForwardError;
-use crate::types::Frame;
+use crate::types::{Control, Frame};
 
 /// What a source has to say when asked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
     /// A frame.
     Frame(Frame),
+    /// What gamepads and switches say: from a source without image.
+    Control(Control),
     /// Something came that is no frame; it was skipped.
     Skipped {
         /// What was wrong with it, for the player.
@@ -71,6 +79,14 @@ pub enum SourceError {
         /// What is wrong there.
         problem: String,
     },
+    /// A recording cannot be read, or not further.
+    #[error("{}: {error}", path.display())]
+    Recording {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        error: crate::session::ReadError,
+    },
     /// A finger of a script misses the pad.
     #[error("finger {id} at ({x}, {y}) mm is off the pad, which is {width} x {height} mm")]
     OffPad {
@@ -97,6 +113,12 @@ pub enum SourceError {
         port: String,
         /// Why.
         error: serialport::Error,
+    },
+    /// Gamepads cannot be watched.
+    #[error("gamepads cannot be watched: {reason}")]
+    Gamepads {
+        /// Why.
+        reason: String,
     },
     /// A serial port went away.
     #[error("{port}: the board is gone (unplugged or reset); all keys are up")]

@@ -27,6 +27,10 @@ use crate::types::PointMm;
 use record::Presser;
 
 pub(super) use file::correction as read_correction;
+#[cfg(feature = "gui")]
+pub(super) use file::save;
+#[cfg(feature = "gui")]
+pub(super) use record::places;
 
 /// Twice the presses are worth the trouble if they take off at least this share of the error.
 const WORTH: f64 = 0.1;
@@ -162,6 +166,7 @@ fn open(
         }
         SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
         SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
+        SourceArg::Gamepad => bail!("a gamepad has no places that could be learned"),
     })
 }
 

@@ -106,7 +106,7 @@ fn ask(
                 }
             }
             Reading::Skipped { reason } => tracing::warn!("skipped what is no frame: {reason}"),
-            Reading::Idle => {}
+            Reading::Control(_) | Reading::Idle => {}
             Reading::End => break,
         }
     }

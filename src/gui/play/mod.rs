@@ -40,6 +40,8 @@ pub enum Wish {
     PadWindow,
     /// A recording begins or ends.
     Record,
+    /// The view to play in.
+    ShowPlay,
 }
 
 /// Names that can be chosen from.
