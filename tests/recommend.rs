@@ -66,11 +66,6 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
             .collect()
     };
     let (steady, others) = (of(true), of(false));
-    let outcome = |part: &[Trial], overlay| {
-        judge()
-            .outcome(part, overlay)
-            .expect("the profile's own regions")
-    };
     let shipped = outcome(&steady, None).share();
     climb(plain, &mut |overlay| {
         let (mut all, other) = std::thread::scope(|scope| {
@@ -87,6 +82,12 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
         Ok::<f64, std::convert::Infallible>(all.share() - 100.0 * lost)
     })
     .expect("found")
+}
+
+fn outcome(part: &[Trial], overlay: Option<&Overlay>) -> Outcome {
+    judge()
+        .outcome(part, overlay)
+        .expect("the profile's own regions")
 }
 
 /// Share that came out right, and wrong presses a minute, of one kind of people.
