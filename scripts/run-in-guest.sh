@@ -22,7 +22,10 @@ cache=${GELPAD_GUEST:-${XDG_CACHE_HOME:-$HOME/.cache}/gelpad/guest}
 udev= without= share= seconds=120 prepare=
 
 usage() { sed -n '2,/^set/s/^# \{0,1\}//p' "$0"; }
-fail() { echo "run-in-guest: $*" >&2; exit 125; }
+fail() {
+  echo "run-in-guest: $*" >&2
+  exit 125
+}
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -90,7 +93,7 @@ unpack_qemu() {
 
 # The guest's first root: busybox, the modules, udev.
 make_ramdisk() {
-  local root=$cache/ramdisk
+  local root=$cache/root
   rm -rf "$root"; mkdir -p "$root"/{bin,proc,sys,dev,host,ram,udev}
   cp "$(command -v busybox)" "$root/bin/busybox"
   cp -r "$cache/kernel/lib" "$root/lib"
@@ -98,8 +101,10 @@ make_ramdisk() {
   cp -r "$cache/udev/bin/udevadm" "$cache/udev/lib/udev/rules.d" "$root/udev/"
   guest_init >"$root/init"
   chmod +x "$root/init"
-  (cd "$root" && find . | cpio --quiet -o -H newc) >"$cache/ramdisk.cpio"
-  sum >"$cache/made-by"
+  (cd "$root" && find . | cpio --quiet -o -H newc) >"$cache/fresh.cpio"
+  rm -r "$root"
+  find "$cache" -name 'ramdisk-*.cpio' -mtime +1 -delete
+  mv "$cache/fresh.cpio" "$ramdisk"
 }
 
 # The guest's first program. This machine's root lies below, read-only; a RAM disk above takes what is written.
@@ -125,12 +130,12 @@ for folder in dev/shm run tmp; do mount -t tmpfs -o mode=1777 ram /host/$folder;
 mount --bind /lib/modules /host/lib/modules
 mkdir -p /host/run/guest; mount -t 9p -o $plan9 job /host/run/guest
 . /host/run/guest/options
-[ -z "$SHARE" ] || mount -t 9p -o cache=mmap,$plan9 share "/host$SHARE"
+[ -z "$SHARE" ] || { mkdir -p "/host$SHARE"; mount -t 9p -o cache=mmap,$plan9 share "/host$SHARE"; }
 ip link set lo up
 if [ -n "$UDEV" ]; then
   mkdir -p /host/run/udev
   [ -e /host/usr/bin/udevadm ] || cp /udev/udevadm /host/usr/bin/
-  [ -e /host/usr/lib/udev/rules.d ] || { mkdir -p /host/usr/lib/udev; cp -r /udev/rules.d /host/usr/lib/udev/; }
+  mkdir -p /host/usr/lib/udev/rules.d; cp /udev/rules.d/* /host/usr/lib/udev/rules.d/
   ln -s /usr/bin/udevadm /host/run/systemd-udevd
   # udev does nothing in what it takes for a container's root.
   export SYSTEMD_IGNORE_CHROOT=1
@@ -144,9 +149,6 @@ sync; reboot -f
 INIT
 }
 
-# The ramdisk is made anew when this script has changed.
-sum() { cksum <"$0"; }
-
 mkdir -p "$cache"
 for tool in busybox cpio depmod modprobe xz; do
   command -v "$tool" >/dev/null || fail "no $tool here: install busybox-static cpio kmod xz-utils"
@@ -154,7 +156,9 @@ done
 exec 9>"$cache/lock"
 flock 9
 [ "$(cat "$cache/kernel/asked-for" 2>/dev/null)" = "${MODULES[*]}" ] || { rm -rf "$cache/kernel"; unpack_kernel; }
-[ -e "$cache/made-by" ] && [ "$(cat "$cache/made-by")" = "$(sum)" ] || make_ramdisk
+# One for each version of this script: two of them may run side by side.
+ramdisk=$cache/ramdisk-$(cksum <"$0" | cut -d ' ' -f 1).cpio
+[ -e "$ramdisk" ] || make_ramdisk
 qemu=$(command -v qemu-system-x86_64 || true)
 firmware=()
 if [ -z "$qemu" ]; then
@@ -194,7 +198,7 @@ timeout "$seconds" "$qemu" "${firmware[@]}" -accel tcg -M pc -cpu Nehalem,+rdran
   -device virtio-serial-pci,max_ports=3 \
   -chardev "file,id=out,path=$job/out" -device virtserialport,chardev=out,nr=1 \
   -chardev "file,id=err,path=$job/err" -device virtserialport,chardev=err,nr=2 \
-  "${shares[@]}" -kernel "$cache/vmlinux" -initrd "$cache/ramdisk.cpio" \
+  "${shares[@]}" -kernel "$cache/vmlinux" -initrd "$ramdisk" \
   -append "console=ttyS0 quiet panic=-1 reboot=t tsc=reliable no_timer_check mitigations=off nokaslr cryptomgr.notests \
 random.trust_cpu=on guest.without=${without:-none}" </dev/null >>"$job/qemu.log" 2>&1 || code=$?
 # If the machine never came up, nobody has opened these.

@@ -92,10 +92,24 @@ impl Engine {
     /// # Panics
     /// If a frame or matrix has another number of channels than the pad: sources check that.
     pub fn input(&mut self, input: &Input, events: &mut Vec<Event>) {
+        self.input_watched(input, events, &mut || {});
+    }
+
+    /// The same, for who has a clock: calls `placed` once a frame's touches are known and before its events are made.
+    ///
+    /// # Panics
+    /// See [`Engine::input`].
+    pub fn input_watched(
+        &mut self,
+        input: &Input,
+        events: &mut Vec<Event>,
+        placed: &mut dyn FnMut(),
+    ) {
         self.changed.clear();
         match input {
             Input::Frame(frame) => {
                 self.detector.frame(frame, &mut self.changed);
+                placed();
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
             Input::Control(control) => self.gestures.control(control, events),

@@ -8,6 +8,8 @@
 pub mod cache;
 pub mod calibrate;
 pub mod cli;
+#[cfg(target_os = "linux")]
+pub mod doctor;
 pub mod eit;
 pub mod engine;
 pub mod gesture;

@@ -40,6 +40,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "source", "output",
         ],
     ),
+    ("doctor", &["types", "output"]),
     (
         "gui",
         &[
@@ -77,6 +78,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "calibrate",
             "study",
             "gui",
+            "doctor",
         ],
     ),
 ];

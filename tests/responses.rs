@@ -3,7 +3,8 @@
 mod lattice;
 
 use gelpad::cache;
-use gelpad::eit::response::{Bump, Press, Response, strength_of};
+use gelpad::eit::Press;
+use gelpad::eit::response::{Bump, Response, strength_of};
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
 use rand_chacha::ChaCha8Rng;

@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::device::{Between, Loose};
+use crate::source::board::Every;
+use crate::source::serial::DEFAULT_BAUD;
+use crate::source::wire::Format;
 use crate::study::Vary;
 use crate::study::job::Shard;
 use crate::study::width::Rank;
@@ -37,6 +41,10 @@ pub(super) enum Command {
     Recover(RecoverArgs),
     /// Turn a recording into what other programs read
     Export(ExportArgs),
+    /// What a board sends: rate, values, order, best guess, first bad line
+    Listen(ListenArgs),
+    /// A simulated board on a pseudo-terminal that speaks a wire format
+    Device(DeviceArgs),
     /// Learn where a pad is pressed, from presses at known places
     Calibrate(CalibrateArgs),
     /// Look at pads
@@ -56,6 +64,41 @@ pub(super) enum Command {
     },
     /// Find out how well a pad's touches can be told, and what bounds it
     Accuracy(AccuracyArgs),
+    /// Release the keys of the gelpad that starts this, when that is killed or stopped
+    #[cfg(target_os = "linux")]
+    #[command(hide = true)]
+    Watch {
+        /// How
+        #[arg(value_enum)]
+        way: WayArg,
+        /// For X11: a window of its connection
+        #[arg(long, default_value_t = 0)]
+        window: u32,
+    },
+    /// Find out whether this machine can play, and what to do where it cannot
+    Doctor(DoctorArgs),
+}
+
+#[cfg(target_os = "linux")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum WayArg {
+    /// By releases on the X11 display
+    X11,
+    /// By cutting the connection on standard output
+    Cut,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad doctor                            each line is ok, or what is wrong and the command that mends it
+  sudo gelpad doctor --install-rule        lets who sits at this machine make gamepads; says first what it will do
+
+Exit code 1 if play would not work. It makes a gamepad for a second, and presses on X11 a key that has no meaning.")]
+pub(super) struct DoctorArgs {
+    /// Write the udev rule for gamepads and FTDI adapters, after saying what will be done
+    #[arg(long)]
+    pub install_rule: bool,
 }
 
 #[derive(Args, Debug)]
@@ -184,8 +227,8 @@ A touch script, for simulated:SCRIPT (milliseconds, finger, millimetres from the
   t:1080 up 1
   t:2000 end                    else half a second after the last line
 
-A board's frame, for serial:PORT (115200 baud, OpenEIT's text, a comma behind every value):
-  magnitudes:        1.5000,       2.0000, ... ,\\r\\n")]
+Boards, for serial:PORT: `gelpad listen PORT` tells what one sends, docs/wire.md describes the formats. By itself gelpad
+finds out the format, the order and the sign; --format NAME:rotated, flipped or plain declares the order instead.")]
 pub(super) struct PlayArgs {
     /// A shipped profile, or a file (an argument with a `/` or ending in `.toml`) [default: super-mario, or the recording's own]
     pub profile: Option<String>,
@@ -204,9 +247,8 @@ pub(super) struct PlayArgs {
     /// Where events go
     #[arg(long, value_enum, default_value_t = OutputArg::Auto)]
     pub output: OutputArg,
-    /// What a board sends
-    #[arg(long, value_enum, default_value_t = FormatArg::Auto)]
-    pub format: FormatArg,
+    #[command(flatten)]
+    pub board: BoardArgs,
     /// How images are made: tikhonov, noser, smooth or l1 [default: what profile or pad say, else noser]
     #[arg(long)]
     pub method: Option<Method>,
@@ -233,6 +275,124 @@ pub(super) struct PlayArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
+  gelpad listen /dev/ttyACM0                   ten seconds; a board that says nothing is sent the known start commands
+  gelpad listen /dev/ttyUSB0 --mute --seconds 60 --format lines")]
+pub(super) struct ListenArgs {
+    /// The board's port
+    pub port: String,
+    /// How long to listen, s
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = above_zero)]
+    pub seconds: f64,
+    /// End after so many frames
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u64>,
+    /// Send nothing, whatever is heard
+    #[arg(long)]
+    pub mute: bool,
+    #[command(flatten)]
+    pub board: BoardArgs,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  gelpad device --port ./board --format openeit --pad openeit-lattice
+  gelpad play --pad openeit-lattice --source serial:./board --output trace      (in another terminal)
+  gelpad device --port ./board --format gelpad --rate 500 --lose-bytes 1 --flip-bits 0.1
+  gelpad device --port ./board --format lines:rotated --pause 5,800 --hang-up 20,1500 --lose-electrode 5@10
+
+The pad is the simulated one, pressed by a touch script (the level by default) that begins again when it ends.")]
+pub(super) struct DeviceArgs {
+    /// Where the port is to be found: a link that is made there [default: where the system puts it; it is said]
+    #[arg(long, value_name = "PATH")]
+    pub port: Option<PathBuf>,
+    /// What it speaks: openeit, square, request, lines[:complex], sciospec or gelpad; with :rotated or :flipped
+    #[arg(long, value_name = "F")]
+    pub format: Format,
+    /// The pad that it reads: a shipped one, or a file
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// What fingers do to the pad: a touch script
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// Frames a second; 0: as many as the host takes
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
+    pub rate: f64,
+    /// End after so many frames
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u64>,
+    /// Which readings it lists [default: the pad's; square: all pairs]
+    #[arg(long, value_enum)]
+    pub layout: Option<LayoutArg>,
+    /// Whole counts of a converter instead of volts (gelpad)
+    #[arg(long)]
+    pub counts: bool,
+    /// No menu at reset (openeit)
+    #[arg(long)]
+    pub no_menu: bool,
+    /// Signal-to-noise ratio of the pad, dB
+    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
+    pub snr: f64,
+    /// Drift of all voltages, % a minute
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    pub drift: f64,
+    /// An electrode that comes loose, and from which second on
+    #[arg(long, value_name = "N[@S]")]
+    pub lose_electrode: Option<Loose>,
+    /// Bytes that are lost, %
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    pub lose_bytes: f64,
+    /// Bits that are turned, %
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    pub flip_bits: f64,
+    /// Frames of which only the first half comes, %
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    pub half_frames: f64,
+    /// Every so many seconds no frame for so many milliseconds
+    #[arg(long, value_name = "S,MS")]
+    pub pause: Option<Every>,
+    /// Every so many seconds the port goes away for so many milliseconds
+    #[arg(long, value_name = "S,MS")]
+    pub hang_up: Option<Every>,
+    /// Every so many seconds another format for so many milliseconds
+    #[arg(long, value_name = "F,S,MS")]
+    pub between: Option<Between>,
+    /// Seed of noise and faults
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayoutArg {
+    /// n (n - 3) adjacent readings
+    Full,
+    /// the half of these that reciprocity leaves
+    Half,
+    /// all n x n pairs, the driven ones as zeros
+    Square,
+    /// opposite drive, n (n - 4)
+    Opposite,
+}
+
+/// How a board on a serial port talks.
+#[derive(Args, Clone, Debug)]
+pub(super) struct BoardArgs {
+    /// What a board sends: auto, openeit, square, request, lines[:complex], sciospec or gelpad
+    #[arg(long, value_name = "F", default_value = "auto")]
+    pub format: Format,
+    /// Speed of a serial port (USB boards take any)
+    #[arg(long, value_name = "BAUD", default_value_t = DEFAULT_BAUD)]
+    pub baud: u32,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
   gelpad replay session.mcap                                    its events, as they were played
   gelpad replay session.mcap --update session.events            save them as what is expected ...
   gelpad replay session.mcap --expect session.events            ... and see whether they still come
@@ -240,7 +400,7 @@ Examples:
   gelpad replay session.mcap --realtime --output keyboard --from 12 --to 20
   gelpad replay frames.csv --pad edinburgh-lattice --print touches")]
 pub(super) struct ReplayArgs {
-    /// A recording (.mcap), or frames as CSV: t_ms,v0,v1,...
+    /// A recording (.mcap), frames as CSV (t_ms,v0,v1,...), a folder of Sciospec's .eit files, or a table with a frame a column
     pub file: PathBuf,
     /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`) [default: the recording's own; edinburgh-lattice for CSV]
     #[arg(long)]
@@ -376,6 +536,8 @@ pub(super) struct CalibrateArgs {
     /// Signal-to-noise ratio of the simulated pad, dB
     #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
     pub snr: f64,
+    #[command(flatten)]
+    pub board: BoardArgs,
     /// Seed of the simulated noise and of the robot's errors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -504,13 +666,6 @@ pub(super) enum OutputArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FormatArg {
-    /// The one format there is: OpenEIT's text
-    Auto,
-    Openeit,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrintArg {
     Touches,
     Events,
@@ -530,6 +685,27 @@ fn points(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|points| range.contains(points))
         .ok_or_else(|| format!("a number of places, {} to {}", range.start(), range.end()))
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|number| *number > 0.0 && *number <= 1e6)
+        .ok_or_else(|| "a number above 0".to_owned())
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|rate| *rate == 0.0 || (0.01..=1e5).contains(rate))
+        .ok_or_else(|| "frames a second, 0.01 to 100000, or 0".to_owned())
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|percent| (0.0..=100.0).contains(percent))
+        .ok_or_else(|| "a percentage, 0 to 100".to_owned())
 }
 
 fn snr(text: &str) -> Result<f64, String> {

@@ -12,24 +12,22 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use super::args::{PlayArgs, SourceArg};
 use super::changes::Changes;
 use super::exit::{self, Ending};
+use super::gamepads::{self, Opened};
 use super::live::{LiveView, Title, Wish};
 use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
 use super::played_with::{Asides, PlayedWith};
-use super::replay::is_recording;
 use super::resolve;
 use crate::engine::Engine;
 use crate::output::{Device, OutputError};
 use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::{DEFAULT_PROFILE, Profile};
-use crate::runtime::{self, Command, Running, Summary};
+use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{
-    FramesCsv, LEVEL_SCRIPT, Noise, RecordedFrames, Script, SimulatedSource, Source, SourceError,
-};
+use crate::source::{LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError, open_file};
 use crate::tape::Kit;
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::Method;
+use crate::types::{Button, Method, Output};
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -93,6 +91,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     if let Some(told) = told {
         say(&told);
     }
+    let source = source(device.takes(Output::Button(Button::A)));
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
@@ -121,8 +120,9 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     run(&kit.pad, made, source, device, title, changes, asides)
 }
 
-pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
-    Ok(match &args.source {
+pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
+    let source: Box<dyn Source> = match &args.source {
+        SourceArg::Gamepad => return gamepads::open(),
         SourceArg::Simulated(script_path) => {
             let script = match script_path {
                 Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
@@ -139,25 +139,15 @@ pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Sourc
             }
             Box::new(source?)
         }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Gamepad => gamepad()?,
-        SourceArg::Replay(file) if is_recording(file)? => {
-            Box::new(RecordedFrames::open(file, pad.channels())?)
-        }
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
-    })
-}
-
-#[cfg(feature = "gilrs")]
-fn gamepad() -> anyhow::Result<Box<dyn Source>> {
-    Ok(Box::new(crate::source::GamepadSource::open()?))
-}
-
-#[cfg(not(feature = "gilrs"))]
-fn gamepad() -> anyhow::Result<Box<dyn Source>> {
-    anyhow::bail!(
-        "this gelpad was built without gamepads\n  help: install libudev-dev, then cargo install --path . --features gilrs"
-    )
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
+    };
+    Ok(Box::new(|_| source))
 }
 
 /// What an engine is made of, and what remakes its matrices.
@@ -333,8 +323,30 @@ fn told(summary: &Summary) -> String {
             "\nframe to device: {}",
             times(&summary.frame_to_device_ns)
         ));
+        text.push_str(&format!("\n{}", by_stage(&summary.stages)));
+    }
+    if summary.late_events > 0 {
+        text.push_str(&format!(
+            "\n{} of {} went out late, the latest by {:.0} ms: is the computer busy?",
+            summary.late_events,
+            counted(summary.events, "event"),
+            summary.latest.as_secs_f64() * 1e3
+        ));
     }
     text
+}
+
+/// Median and p99 of every stage, us.
+fn by_stage(stages: &Stages) -> String {
+    let parts = [
+        ("queue", stages.queue),
+        ("touches", stages.touches),
+        ("events", stages.events),
+        ("device", stages.device),
+    ];
+    let parts = parts
+        .map(|(name, spread)| format!("{name} {:.0} / {:.0} us", spread.median_us, spread.p99_us));
+    format!("by stage, median / p99: {}", parts.join(", "))
 }
 
 fn counted(count: u64, what: &str) -> String {

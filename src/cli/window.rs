@@ -11,7 +11,7 @@ use super::changes::Changes;
 use super::exit::{self, Ending};
 use super::outputs::{self, Takes};
 use super::played_with::{Asides, PlayedWith, Recording};
-use super::{calibrate, play, replay, resolve};
+use super::{calibrate, gamepads, play, replay, resolve};
 use crate::calibrate::recommend::{Recommendation, Trial, recommend};
 use crate::calibrate::{Press, Presses, correction};
 use crate::engine::{Engine, Input};
@@ -23,9 +23,9 @@ use crate::output::Device;
 use crate::pad::{Pad, SHIPPED_PADS};
 use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::{self, Running};
-use crate::source::{self, FramesCsv, LiveSource, Noise, Reading, Source as _};
+use crate::source::{LiveSource, Noise, Reading, open_file};
 use crate::tape::Played;
-use crate::types::{Faulty, PointMm};
+use crate::types::{Button, Faulty, Output, PointMm};
 
 /// Noise of the simulated pad, dB, and its seed.
 const NOISE: (f64, u64) = (60.0, 1);
@@ -210,10 +210,10 @@ fn start(choice: &Choice) -> anyhow::Result<Started> {
     let profile = Arc::new(checked.profile.clone());
     let method = resolve::method(args.method, &profile, &pad);
     let (builder, kit) = play::kit(pad, pad_toml, Arc::clone(&profile), method, correction)?;
-    let (source, hand): (Box<dyn source::Source>, _) = match choice.from {
+    let (source, hand): (gamepads::Opened, _) = match choice.from {
         From::Hand => {
             let (source, hand) = LiveSource::new(&kit.pad, Noise::new(NOISE.0, NOISE.1))?;
-            (Box::new(source), Some(hand))
+            (Box::new(|_| Box::new(source)), Some(hand))
         }
         _ => (play::source(&args, &kit.pad)?, None),
     };
@@ -222,6 +222,7 @@ fn start(choice: &Choice) -> anyhow::Result<Started> {
         // The player has asked for it: the simulated pad may type too.
         To::Auto => outputs::best(true).device,
     };
+    let source = source(device.takes(Output::Button(Button::A)));
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
@@ -273,7 +274,7 @@ fn tape(file: &Path, choice: &Choice) -> anyhow::Result<Tape> {
     }
     let args = arguments(choice)?;
     let pad = resolve::pad(&choice.pad)?;
-    let mut frames = FramesCsv::open(file, pad.channels())?;
+    let mut frames = open_file(file, &pad)?;
     let profile = resolve::profile(&choice.profile, choice.user.as_deref())?;
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
     let builder = resolve::sensing(&pad, resolve::method(args.method, &profile, &pad))?;
@@ -287,7 +288,10 @@ fn tape(file: &Path, choice: &Choice) -> anyhow::Result<Tape> {
                 }
             }
             Reading::End => return Ok(tape),
-            Reading::Control(_) | Reading::Skipped { .. } | Reading::Idle => {}
+            Reading::Control(_)
+            | Reading::Skipped { .. }
+            | Reading::Gone { .. }
+            | Reading::Idle => {}
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use crate::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use crate::runtime::{Signals, View};
+use crate::runtime::{Signals, Stages, View};
 use crate::types::{Contact, Image, Phase, PixelGrid, PointMm, Touch, TouchId};
 
 /// Pixels across the blank image.
@@ -62,6 +62,9 @@ pub fn view_of(pad: &Pad, profile: Arc<Profile>) -> View {
         lost_electrodes: Vec::new(),
         frames_per_s: 0.0,
         latency_us: 0,
+        stages: Stages::default(),
+        late_events: 0,
+        rumble: [0.0; 2],
     }
 }
 

@@ -3,17 +3,29 @@
 //! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return leaves
 //! no key down.
 
+#[cfg(any(windows, target_os = "macos"))]
+mod system;
 mod trace;
 mod tuio;
 #[cfg(target_os = "linux")]
 pub mod uinput;
 #[cfg(target_os = "linux")]
+pub mod watch;
+#[cfg(all(target_os = "linux", feature = "wayland"))]
+mod wayland;
+#[cfg(target_os = "linux")]
 mod x11;
 
+#[cfg(any(windows, target_os = "macos"))]
+pub use system::System;
 pub use trace::Trace;
 pub use tuio::{Tuio, TuioError};
 #[cfg(target_os = "linux")]
 pub use uinput::Uinput;
+#[cfg(target_os = "linux")]
+pub use watch::Watched;
+#[cfg(all(target_os = "linux", feature = "wayland"))]
+pub use wayland::Wayland;
 #[cfg(target_os = "linux")]
 pub use x11::X11;
 

@@ -4,14 +4,20 @@
 //! batch; nothing is asked back. The server keeps what is down when this process is killed: a watcher releases it
 //! (`watch.rs`).
 
+use std::time::Duration;
+
 use x11rb::connection::{Connection as _, RequestConnection as _};
+use x11rb::errors::ReplyOrIdError;
+use x11rb::protocol::Event as Said;
 use x11rb::protocol::xproto::{
-    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
-    MOTION_NOTIFY_EVENT,
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ChangeWindowAttributesAux, ConnectionExt as _,
+    CreateWindowAux, EventMask, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window,
+    WindowClass,
 };
 use x11rb::protocol::xtest::{self, ConnectionExt as _};
 use x11rb::rust_connection::RustConnection;
 
+use super::watch::{Grip, Watchable};
 use super::{Device, OutputError};
 use crate::types::{Action, Event, MouseButton, Output};
 
@@ -20,9 +26,15 @@ const RELATIVE: u8 = 1;
 /// Buttons that are notches of the wheel: up, down, left, right.
 const WHEEL: [u8; 4] = [4, 5, 6, 7];
 
+/// How often a watcher looks whether a window has gone.
+const LOOK: Duration = Duration::from_millis(2);
+
 /// A connection to a display.
 pub struct X11 {
     connection: RustConnection,
+    display: String,
+    /// A window that is never seen. It goes when the server is done with this connection: so a watcher knows.
+    window: Window,
     name: String,
     /// Lowest and highest keycode that the server has.
     keycodes: (u8, u8),
@@ -42,7 +54,15 @@ impl X11 {
                 "DISPLAY names no X11 display: start gelpad in a desktop session, or use --output trace",
             ));
         };
-        let (connection, _) = x11rb::connect(Some(&display)).map_err(|error| {
+        Self::connect_to(&display)
+    }
+
+    /// Connects to a display by its name, as `:0`.
+    ///
+    /// # Errors
+    /// No such display, or one that takes no events.
+    pub fn connect_to(display: &str) -> Result<Self, OutputError> {
+        let (connection, _) = x11rb::connect(Some(display)).map_err(|error| {
             unreachable(&format!(
                 "the X11 display {display} did not answer ({error}): is it running, and may you use it?"
             ))
@@ -58,10 +78,14 @@ impl X11 {
                 return Err(unreachable(&format!("the X11 display {display}: {error}")));
             }
         }
+        let window = unseen_window(&connection)
+            .map_err(|error| unreachable(&format!("the X11 display {display}: {error}")))?;
         let setup = connection.setup();
         let keycodes = (setup.min_keycode, setup.max_keycode);
         Ok(Self {
             connection,
+            display: display.to_owned(),
+            window,
             name: format!("keyboard and mouse of the X11 display {display}"),
             keycodes,
         })
@@ -75,6 +99,45 @@ impl X11 {
         use x11rb::wrapper::ConnectionExt as _;
 
         self.connection.sync().map_err(|error| refused(&error))
+    }
+
+    /// Asks to be told when another connection's window goes.
+    ///
+    /// # Errors
+    /// The server is gone.
+    pub(super) fn follow(&mut self, window: Window) -> Result<(), OutputError> {
+        let wanted = ChangeWindowAttributesAux::new().event_mask(EventMask::STRUCTURE_NOTIFY);
+        self.connection
+            .change_window_attributes(window, &wanted)
+            .map(drop)
+            .map_err(|error| refused(&error))?;
+        self.sync()
+    }
+
+    /// Waits until a window that is followed has gone, with all that its connection had sent: not for longer than told.
+    ///
+    /// # Errors
+    /// The server is gone.
+    pub(super) fn wait_for_end_of(
+        &mut self,
+        window: Window,
+        patience: Duration,
+    ) -> Result<(), OutputError> {
+        let mut waited = Duration::ZERO;
+        while waited < patience {
+            match self.connection.poll_for_event() {
+                Ok(Some(Said::DestroyNotify(gone))) if gone.window == window => return Ok(()),
+                // It had gone before it was followed.
+                Ok(Some(Said::Error(error))) if error.bad_value == window => return Ok(()),
+                Ok(Some(_)) => {}
+                Ok(None) => {
+                    std::thread::sleep(LOOK);
+                    waited += LOOK;
+                }
+                Err(error) => return Err(refused(&error)),
+            }
+        }
+        Ok(())
     }
 
     fn fake(&self, kind: u8, detail: u8, (dx, dy): (i16, i16)) -> Result<(), OutputError> {
@@ -144,12 +207,50 @@ impl Device for X11 {
             .poll_for_event()
             .map_err(|error| refused(&error))?
         {
-            if let x11rb::protocol::Event::Error(error) = said {
+            if let Said::Error(error) = said {
                 tracing::warn!("the X11 server refused an event: {error:?}");
             }
         }
         Ok(())
     }
+}
+
+impl Watchable for X11 {
+    fn grip(&self) -> std::io::Result<Grip> {
+        Ok(Grip::X11 {
+            display: self.display.clone(),
+            window: self.window,
+        })
+    }
+
+    fn reconnect(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+fn unseen_window(connection: &RustConnection) -> Result<Window, ReplyOrIdError> {
+    let root = connection
+        .setup()
+        .roots
+        .first()
+        .map_or(x11rb::NONE, |screen| screen.root);
+    let window = connection.generate_id()?;
+    connection
+        .create_window(
+            0,
+            window,
+            root,
+            -1,
+            -1,
+            1,
+            1,
+            0,
+            WindowClass::INPUT_ONLY,
+            x11rb::COPY_FROM_PARENT,
+            &CreateWindowAux::new().override_redirect(1),
+        )?
+        .check()?;
+    Ok(window)
 }
 
 fn button(which: MouseButton) -> u8 {

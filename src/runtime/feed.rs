@@ -1,12 +1,12 @@
 //! The source's thread: frames into the queue, at the pace of the source.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use rtrb::{Producer, PushError};
 
-use super::{Arrival, Arrived, NAP, SourceReport, now};
+use super::{Arrival, Arrived, Losses, NAP, SourceReport, now};
 use crate::source::{Pace, Reading, Source};
 use crate::types::Nanos;
 
@@ -18,7 +18,7 @@ pub(super) fn source_thread(
     mut frames: Producer<Arrived>,
     engine: &Thread,
     stop: &AtomicBool,
-    lost: &AtomicU64,
+    losses: &Losses,
 ) -> SourceReport {
     let mut report = SourceReport::default();
     let mut first: Option<(Instant, Nanos)> = None;
@@ -26,13 +26,19 @@ pub(super) fn source_thread(
         let what = match source.read() {
             Ok(Reading::Frame(frame)) => Arrival::Frame(frame),
             Ok(Reading::Control(control)) => Arrival::Control(control),
-            Ok(Reading::Skipped { reason }) => {
+            Ok(Reading::Skipped { reason, frames }) => {
                 report.skipped += 1;
-                lost.fetch_add(1, Ordering::Relaxed);
+                losses.frames.fetch_add(frames, Ordering::Relaxed);
                 if report.skipped <= TOLD_SKIPS || report.skipped.is_multiple_of(100) {
                     let skipped = report.skipped;
                     tracing::warn!("skipped what is no frame ({skipped} so far): {reason}");
                 }
+                engine.unpark();
+                continue;
+            }
+            Ok(Reading::Gone { reason }) => {
+                tracing::warn!("{reason}");
+                losses.gone.store(true, Ordering::Release);
                 engine.unpark();
                 continue;
             }
@@ -59,7 +65,7 @@ pub(super) fn source_thread(
             (None, _) => {}
             // A board goes on sending: its frame is lost, and said to be.
             (Some(_), Pace::ByDevice) => {
-                lost.fetch_add(1, Ordering::Relaxed);
+                losses.frames.fetch_add(1, Ordering::Relaxed);
             }
             (Some(back), Pace::ByStamp) => wait_for_room(&mut frames, back, engine, stop),
         }

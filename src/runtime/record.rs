@@ -14,8 +14,8 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use super::NAP;
 use super::listen::{Listener, Step};
 use crate::engine::Input;
-use crate::session::{self, Gap, Message, Setup, Touches, WriteError, Writer};
-use crate::tape::message_of;
+use crate::session::{self, Setup, WriteError};
+use crate::tape::Scribe;
 use crate::types::{Event, Touch};
 
 /// Steps that may wait for the disk: a second at 1000 frames/s.
@@ -130,24 +130,22 @@ struct Tape {
     path: PathBuf,
     /// The file again, to be cut after the last whole step.
     file: File,
-    writer: Option<Writer<BufWriter<File>>>,
+    scribe: Option<Scribe<BufWriter<File>>>,
     /// Length of the file up to the last whole step.
     whole: u64,
-    had_touches: bool,
     report: RecordReport,
 }
 
 impl Tape {
     fn begin(file: File, path: &Path, setup: &Setup) -> Result<Self, WriteError> {
         let again = file.try_clone().map_err(mcap::McapError::from)?;
-        let mut writer = Writer::live(BufWriter::new(file), setup)?;
-        writer.flush()?;
+        let mut scribe = Scribe::live(BufWriter::new(file), setup)?;
+        scribe.flush()?;
         let mut tape = Self {
             path: path.to_owned(),
             file: again,
-            writer: Some(writer),
+            scribe: Some(scribe),
             whole: 0,
-            had_touches: false,
             report: RecordReport::default(),
         };
         tape.mark_whole();
@@ -166,7 +164,7 @@ impl Tape {
     }
 
     fn take(&mut self, noted: Noted) {
-        if self.writer.is_none() {
+        if self.scribe.is_none() {
             self.report.left_out += 1;
             return;
         }
@@ -195,33 +193,18 @@ impl Tape {
     }
 
     fn put(&mut self, noted: &Noted) -> Result<(), WriteError> {
-        let Some(writer) = &mut self.writer else {
+        let Some(scribe) = &mut self.scribe else {
             return Ok(());
         };
         match noted {
-            Noted::LeftOut(steps) => writer.write(&Message::Gap(Gap { inputs: *steps }))?,
+            Noted::LeftOut(steps) => scribe.gap(*steps)?,
             Noted::Step {
                 input,
                 touches,
                 events,
-            } => {
-                match (message_of(input), input) {
-                    (Some(message), _) => writer.write(&message)?,
-                    (None, Input::Matrix(sensing)) => writer.matrix(&sensing.to_bytes())?,
-                    (None, _) => {}
-                }
-                for event in events {
-                    writer.write(&Message::Event(*event))?;
-                }
-                if let Input::Frame(frame) = input {
-                    if self.had_touches || !touches.is_empty() {
-                        writer.write(&Message::Touches(Touches::of(frame.t_ns, touches)))?;
-                    }
-                    self.had_touches = !touches.is_empty();
-                }
-            }
+            } => scribe.step(input, touches, events)?,
         }
-        writer.flush()
+        scribe.flush()
     }
 
     fn mark_whole(&mut self) {
@@ -237,19 +220,19 @@ impl Tape {
             self.path.display()
         );
         self.report.error = Some(why.to_owned());
-        // The writer tries to end the file when it goes; what comes of that is cut off again.
-        self.writer = None;
+        // The scribe tries to end the file when it goes; what comes of that is cut off again.
+        self.scribe = None;
         if let Err(error) = self.file.set_len(self.whole) {
             tracing::error!("{}: its end is not whole: {error}", self.path.display());
         }
     }
 
     fn end(mut self) -> RecordReport {
-        let Some(writer) = self.writer.take() else {
+        let Some(scribe) = self.scribe.take() else {
             return self.report;
         };
         // A file without an end is whole up to there: nothing that was played is missing.
-        let finished = writer.finish().map_err(|error| error.reason());
+        let finished = scribe.finish().map_err(|error| error.reason());
         let flushed =
             finished.and_then(|file| file.into_inner().map_err(|error| error.to_string()));
         if let Err(why) = flushed {

@@ -451,7 +451,7 @@ mod tests {
         let mut packer = Packer::default();
         let mut last = 0;
         for _ in 0..40 {
-            last = packer.pack(&[&frame; 16]).len();
+            last = packer.pack(&[frame.as_slice(); 16]).len();
         }
         // One bit a value.
         assert!(last < 16 * 208 / 8 + 10, "{last} bytes");

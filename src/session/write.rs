@@ -40,6 +40,8 @@ impl WriteError {
 pub struct Writer<W: Write + Seek> {
     file: mcap::Writer<W>,
     packing: Option<Packing>,
+    /// The number of each topic's channel.
+    channels: Vec<u16>,
     sequence: u32,
     latest_ns: Nanos,
     matrices: u32,
@@ -84,6 +86,7 @@ impl<W: Write + Seek> Writer<W> {
         let mut writer = Self {
             file: options.create(file)?,
             packing,
+            channels: Vec::new(),
             sequence: 0,
             latest_ns: 0,
             matrices: 0,
@@ -110,14 +113,14 @@ impl<W: Write + Seek> Writer<W> {
         if let Some(responses) = &setup.responses {
             self.attach(RESPONSES, responses)?;
         }
-        for (index, (topic, (schema, text))) in TOPICS.iter().zip(SCHEMAS).enumerate() {
+        for (topic, (schema, text)) in TOPICS.iter().zip(SCHEMAS) {
             let schema = self
                 .file
                 .add_schema(schema, "jsonschema", text.as_bytes())?;
             let channel = self
                 .file
                 .add_channel(schema, topic, "json", &BTreeMap::new())?;
-            debug_assert_eq!(usize::from(channel), index);
+            self.channels.push(channel);
         }
         Ok(())
     }
@@ -240,7 +243,7 @@ impl<W: Write + Seek> Writer<W> {
         self.latest_ns = self.latest_ns.max(message.t_ns().unwrap_or(0));
         let payload = message.to_json(self.packing.as_mut().map(|packing| &mut packing.packer));
         let header = MessageHeader {
-            channel_id: message.channel() as u16,
+            channel_id: self.channels[message.channel()],
             sequence: self.sequence,
             log_time: self.latest_ns,
             publish_time: self.latest_ns,
@@ -255,5 +258,142 @@ fn media_type(name: &str) -> &'static str {
         Some((_, "json")) => "application/json",
         Some((_, "toml")) => "application/toml",
         _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::super::message::{At, Gap, Lost, NamedText, ProfileTexts, Touches};
+    use super::super::{ReadError, Reader};
+    use super::*;
+    use crate::types::{Action, Event};
+    use proptest::prelude::*;
+
+    fn setup() -> Setup {
+        let text = NamedText {
+            name: "mine.toml".to_owned(),
+            toml: "schema = 1".to_owned(),
+        };
+        Setup {
+            pad: "name = \"p\"".to_owned(),
+            profile: ProfileTexts {
+                t_ns: 0,
+                chain: vec![text],
+                user: None,
+            },
+            calibration: None,
+            sensing: vec![1, 2, 3],
+            responses: Some(vec![4; 5000]),
+        }
+    }
+
+    /// Messages of a session, times ascending.
+    fn messages() -> impl Strategy<Value = Vec<Message>> {
+        let one = (0..9u8, 0..50u64, proptest::collection::vec(-1.0..1.0f32, 3));
+        proptest::collection::vec(one, 0..150).prop_map(|all| {
+            let mut t_ns = 0;
+            let message = |(kind, dt, volts): (u8, u64, Vec<f32>)| {
+                t_ns += dt;
+                match kind {
+                    0 => Message::Tick(At { t_ns }),
+                    1 => Message::Rezero(At { t_ns }),
+                    2 => Message::Lost(Lost { frames: dt }),
+                    3 => Message::Gap(Gap { inputs: dt }),
+                    4 => Message::Touches(Touches::of(t_ns, &[])),
+                    5 => Message::Event(Event {
+                        t_ns,
+                        action: Action::Press("key:f".parse().expect("a key")),
+                    }),
+                    _ => Message::Frames(vec![Frame { t_ns, volts }]),
+                }
+            };
+            all.into_iter().map(message).collect()
+        })
+    }
+
+    fn is_outcome(message: &Message) -> bool {
+        matches!(message, Message::Touches(_) | Message::Event(_))
+    }
+
+    /// All messages, frames one by one.
+    fn read(bytes: Vec<u8>) -> Vec<Message> {
+        let (mut reader, back) = Reader::open(Cursor::new(bytes)).expect("a recording");
+        assert_eq!(back, setup());
+        let mut all = Vec::new();
+        while let Some(message) = reader.next().expect("sound") {
+            match message {
+                Message::Frames(frames) => {
+                    all.extend(frames.into_iter().map(|frame| Message::Frames(vec![frame])));
+                }
+                message => all.push(message),
+            }
+        }
+        assert!(reader.is_whole());
+        all
+    }
+
+    proptest! {
+        #[test]
+        fn live_or_packed_the_messages_come_back(messages in messages()) {
+            let mut live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
+            let mut packed = Writer::packed(Cursor::new(Vec::new()), &setup()).expect("memory");
+            for message in &messages {
+                live.write(message).expect("memory");
+                live.flush().expect("memory");
+                packed.write(message).expect("memory");
+            }
+            let live = read(live.finish().expect("memory").into_inner());
+            prop_assert_eq!(&live, &messages);
+            // Packed, what came of a block of frames follows the block.
+            let packed = read(packed.finish().expect("memory").into_inner());
+            for outcome in [true, false] {
+                let those = |all: &[Message]| -> Vec<Message> {
+                    all.iter().filter(|m| is_outcome(m) == outcome).cloned().collect()
+                };
+                prop_assert_eq!(those(&packed), those(&messages));
+            }
+        }
+
+        #[test]
+        fn a_file_that_is_cut_anywhere_gives_all_before(messages in messages(), cut in 0..3000usize) {
+            let mut live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
+            for message in &messages {
+                live.write(message).expect("memory");
+            }
+            let bytes = live.finish().expect("memory").into_inner();
+            let length = bytes.len() - cut.min(bytes.len() / 2);
+            match Reader::open(Cursor::new(&bytes[..length])) {
+                Err(error) => prop_assert!(matches!(error, ReadError::NoSetup { .. } | ReadError::Cut { .. }), "{error}"),
+                Ok((mut reader, _)) => {
+                    let mut read = 0;
+                    let end = loop {
+                        match reader.next() {
+                            Ok(Some(message)) => {
+                                prop_assert_eq!(&message, &messages[read]);
+                                read += 1;
+                            }
+                            end => break end,
+                        }
+                    };
+                    prop_assert!(matches!(end, Ok(None) | Err(ReadError::Cut { .. })), "{end:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_recording_of_a_later_version_asks_for_a_newer_gelpad() {
+        let live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
+        let mut bytes = live.finish().expect("memory").into_inner();
+        let key = bytes
+            .windows(7)
+            .position(|part| part == b"version")
+            .expect("a version");
+        assert_eq!(bytes[key + 11], b'1');
+        bytes[key + 11] = b'2';
+        let error = Reader::open(Cursor::new(bytes)).err().expect("refused");
+        assert!(error.to_string().contains("take a newer gelpad"), "{error}");
     }
 }

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use gilrs::{Axis as From, Button as Pressed, EventType, Gamepad, GamepadId, Gilrs, GilrsBuilder};
 
 use super::{Pace, Reading, Source, SourceError};
-use crate::types::{Axis, Button, Buttons, Control, Nanos, OWN_PHYS};
+use crate::types::{Axis, Button, Buttons, Control, Nanos};
 
 /// A state is handed up at least this often.
 const HEARTBEAT: Duration = Duration::from_millis(100);
-/// The identity of gelpad's own pad, and of many that are not.
+/// The maker and kind of gelpad's own pad, and of many that are not.
 const OWN_ID: (Option<u16>, Option<u16>) = (Some(0x045e), Some(0x028e));
 /// Buttons without a layout count up from a multiple of this in the kernel's codes.
 const BLOCK: u32 = 16;
@@ -54,10 +54,16 @@ pub struct GamepadSource {
     opened: Instant,
     /// Devices that count.
     devices: Vec<Device>,
-    /// Pads that gelpad itself has made.
-    own: Vec<GamepadId>,
+    own: Own,
     /// What came after the report that was handed up last.
     next: Option<gilrs::Event>,
+}
+
+/// The pad that gelpad itself has made: nothing tells it from a real one but that it comes when it is expected.
+enum Own {
+    None,
+    Expected,
+    Is(GamepadId),
 }
 
 struct Device {
@@ -87,12 +93,11 @@ impl GamepadSource {
             gilrs,
             opened: Instant::now(),
             devices: Vec::new(),
-            own: Vec::new(),
+            own: Own::None,
             next: None,
         };
         let there: Vec<GamepadId> = source.gilrs.gamepads().map(|(id, _)| id).collect();
-        // Of several that look alike, gelpad's own came last.
-        for id in there.into_iter().rev() {
+        for id in there {
             source.connected(id);
         }
         if source.devices.is_empty() {
@@ -101,11 +106,19 @@ impl GamepadSource {
         Ok(source)
     }
 
+    /// Since this was opened gelpad has made a pad of its own: the next one of its kind to come is that, and plays
+    /// nothing.
+    #[must_use]
+    pub fn beside_own_pad(mut self) -> Self {
+        self.own = Own::Expected;
+        self
+    }
+
     fn connected(&mut self, id: GamepadId) {
         let gamepad = self.gilrs.gamepad(id);
         let looks_own = (gamepad.vendor_id(), gamepad.product_id()) == OWN_ID;
-        if looks_own && own_pads() > self.own.len() {
-            self.own.push(id);
+        if looks_own && matches!(self.own, Own::Expected) {
+            self.own = Own::Is(id);
             return;
         }
         let name = gamepad.name().to_owned();
@@ -118,7 +131,9 @@ impl GamepadSource {
     }
 
     fn disconnected(&mut self, id: GamepadId) {
-        self.own.retain(|own| *own != id);
+        if matches!(self.own, Own::Is(own) if own == id) {
+            self.own = Own::None;
+        }
         let gone = self.devices.iter().position(|device| device.id == id);
         if let Some(index) = gone {
             let name = self.devices.remove(index).name;
@@ -219,17 +234,4 @@ fn value(gamepad: &Gamepad<'_>, axis: Axis) -> f32 {
             .map_or(0.0, gilrs::ev::state::ButtonData::value),
         _ => 0.0,
     }
-}
-
-/// How many pads gelpad has made on this machine: the kernel keeps what their maker says of where they are plugged in.
-fn own_pads() -> usize {
-    let Ok(entries) = std::fs::read_dir("/sys/class/input") else {
-        return 0;
-    };
-    entries
-        .filter_map(Result::ok)
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with("event"))
-        .filter_map(|entry| std::fs::read_to_string(entry.path().join("device/phys")).ok())
-        .filter(|phys| phys.trim().as_bytes() == OWN_PHYS.to_bytes())
-        .count()
 }

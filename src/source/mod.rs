@@ -3,7 +3,12 @@
 //! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
 //! run backwards. What it had to skip it says, so that nothing is lost in silence.
 
+mod arrangement;
+pub mod board;
+mod clock;
+mod eit_folder;
 pub mod eit_text;
+mod files;
 mod frames_csv;
 #[cfg(feature = "gilrs")]
 mod gamepad;
@@ -14,8 +19,12 @@ mod robot;
 mod script;
 pub mod serial;
 mod simulated;
+mod table;
 pub mod wire;
 
+pub use arrangement::{Arrangement, ArrangementError, plausible_counts, told as order_told};
+pub use eit_folder::EitFolder;
+pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;
 #[cfg(feature = "gilrs")]
 pub use gamepad::GamepadSource;
@@ -25,6 +34,7 @@ pub use recorded::RecordedFrames;
 pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
 pub use simulated::{SimulatedPad, SimulatedSource};
+pub use table::FramesTable;
 
 use std::path::PathBuf;
 
@@ -41,6 +51,13 @@ pub enum Reading {
     /// Something came that is no frame; it was skipped.
     Skipped {
         /// What was wrong with it, for the player.
+        reason: String,
+        /// Frames that were lost with it; 0 where the next frame's number will tell.
+        frames: u64,
+    },
+    /// The board went away; the source looks for it and goes on when it is back.
+    Gone {
+        /// What happened, for the player.
         reason: String,
     },
     /// Nothing yet; ask again.
@@ -120,12 +137,15 @@ pub enum SourceError {
         /// Why.
         reason: String,
     },
-    /// A serial port went away.
-    #[error("{port}: the board is gone (unplugged or reset); all keys are up")]
+    /// A port that is listened to went away.
+    #[error("{port}: the board is gone (unplugged or reset)")]
     Gone {
         /// Its path.
         port: String,
     },
+    /// A board's frames do not fit the pad.
+    #[error(transparent)]
+    Arrangement(ArrangementError),
 }
 
 /// Something that gives frames.

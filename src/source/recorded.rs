@@ -48,6 +48,7 @@ impl Source for RecordedFrames {
             if let Some(frame) = self.frames.pop_front() {
                 let wrong = |why: &str| {
                     Ok(Reading::Skipped {
+                        frames: 1,
                         reason: why.to_owned(),
                     })
                 };

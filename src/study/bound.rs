@@ -8,9 +8,8 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::press::UNKNOWNS;
 use super::{Press, StudyError, pressed};
-use crate::eit::{Fields, ForwardModel, element_jacobian};
+use crate::eit::{Fields, ForwardModel, PRESS_UNKNOWNS, element_jacobian};
 use crate::pad::{Pad, TouchSign};
 use crate::types::PointMm;
 
@@ -78,7 +77,7 @@ impl Touched<'_> {
         let under = self.under(pad.touch_sign);
         let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
         let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
-        let unknowns = UNKNOWNS * self.presses.len();
+        let unknowns = PRESS_UNKNOWNS * self.presses.len();
         let conductivity =
             Mat::from_fn(under.len(), unknowns, |row, unknown| under[row].1[unknown]);
         Slopes {
@@ -93,13 +92,14 @@ impl Touched<'_> {
         (0..mesh.triangles.len())
             .filter_map(|triangle| {
                 let points = mesh.quarter_points_mm(triangle);
-                let is_under = |point: &PointMm| self.presses.iter().any(|p| p.bump(*point) > 0.0);
+                let is_under = |point: &PointMm| self.presses.iter().any(|p| p.share(*point) > 0.0);
                 points.iter().any(is_under).then(|| {
-                    let mut mean = vec![0.0; UNKNOWNS * self.presses.len()];
+                    let mut mean = vec![0.0; PRESS_UNKNOWNS * self.presses.len()];
                     for point in points {
                         let level =
                             self.background[triangle] * pressed(self.presses, sign, point) / 4.0;
-                        for (part, press) in mean.chunks_exact_mut(UNKNOWNS).zip(self.presses) {
+                        for (part, press) in mean.chunks_exact_mut(PRESS_UNKNOWNS).zip(self.presses)
+                        {
                             let gain = f64::from(sign.factor()) * level / press.factor(point);
                             for (sum, slope) in part.iter_mut().zip(press.derivatives(point)) {
                                 *sum += gain * slope;
@@ -139,7 +139,9 @@ impl Slopes {
         let told = information.llt(Side::Lower).ok()?;
         let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
         let bounds = self.presses.iter().enumerate().map(|(index, press)| {
-            let of = |a: usize, b: usize| covariance[(UNKNOWNS * index + a, UNKNOWNS * index + b)];
+            let of = |a: usize, b: usize| {
+                covariance[(PRESS_UNKNOWNS * index + a, PRESS_UNKNOWNS * index + b)]
+            };
             let (radius, rise) = (press.radius_mm, press.rise);
             // The volume goes with rise x radius^2.
             let volume = of(3, 3) / (rise * rise)

@@ -8,15 +8,14 @@ pub mod job;
 mod merit;
 mod phantom;
 pub mod phantoms;
-mod press;
 mod report;
 mod vary;
 pub mod width;
 
+pub use crate::eit::{Press, pressed};
 pub use bound::{PressBound, Slopes, Touched, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
-pub use press::{Press, pressed};
 pub use vary::Vary;
 
 use std::path::{Path, PathBuf};

@@ -6,7 +6,9 @@
 mod input;
 mod kit;
 mod player;
+mod scribe;
 
 pub use input::{message_of, texts_of};
 pub use kit::{Kit, KitError};
 pub use player::{Played, Player, PlayerError};
+pub use scribe::Scribe;

@@ -20,9 +20,6 @@ pub struct Control {
     pub axes: [f32; Axis::ALL.len()],
 }
 
-/// Where gelpad's own gamepads say they are plugged in, so that gelpad never plays itself.
-pub const OWN_PHYS: &core::ffi::CStr = c"gelpad/pad";
-
 /// A set of buttons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Buttons(u16);

@@ -18,7 +18,7 @@ mod touch;
 
 pub use bytes::ByteReader;
 pub use colour::heat;
-pub use control::{Buttons, Control, OWN_PHYS, Part};
+pub use control::{Buttons, Control, Part};
 pub use event::{Action, Event, Output};
 pub use fault::{Fault, Faulty};
 pub use frame::Frame;

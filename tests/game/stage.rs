@@ -15,18 +15,13 @@ use tempfile::TempDir;
 use crate::log::Log;
 use crate::process::Process;
 use crate::script::Script;
+use crate::server::{PATIENCE, start_server};
 use crate::tools::Tools;
 
 const GAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/jump.s");
 const LINKER_CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/nrom.cfg");
 const LOG_SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/log.lua");
 
-/// For each step of the start, and for gelpad beyond its script: a busy machine
-/// may need long, and a step that hangs shall still be told apart.
-const PATIENCE: Duration = Duration::from_mins(1);
-/// The X server ends by itself with its last client, and then leaves no socket
-/// and no lock file behind.
-const SERVER_GRACE: Duration = Duration::from_secs(2);
 /// The game goes on after gelpad: the last jump comes down.
 const ENCORE: Duration = Duration::from_secs(1);
 /// Frames the game has run for before anybody plays: it draws itself in three.
@@ -47,7 +42,7 @@ impl Stage {
     pub fn start(tools: &Tools) -> Result<Self> {
         let folder = tempfile::tempdir().context("cannot create a folder for the test")?;
         let game = assemble(tools, folder.path())?;
-        let (server, display) = start_server(tools, folder.path())?;
+        let (server, display) = start_server(&tools.xvfb, folder.path())?;
         let log = folder.path().join("log.csv");
         let emulator = start_emulator(tools, folder.path(), &display, &game, &log)?;
         let mut stage = Self {
@@ -125,22 +120,6 @@ fn assemble(tools: &Tools, folder: &Path) -> Result<PathBuf> {
         .arg(&game);
     Process::start("ld65", &mut ld65, folder)?.succeed(PATIENCE)?;
     Ok(game)
-}
-
-/// Starts an X server on a display that it chooses itself, and so on none that
-/// anybody else uses.
-fn start_server(tools: &Tools, folder: &Path) -> Result<(Process, OsString)> {
-    let answer = folder.join("display");
-    let mut xvfb = Command::new(&tools.xvfb);
-    xvfb.args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
-        .args(["-screen", "0", "640x480x24"]);
-    let mut server =
-        Process::start_answering("Xvfb", &mut xvfb, folder, &answer)?.with_grace(SERVER_GRACE);
-    let number = server.wait_for("display number", PATIENCE, || {
-        let text = fs::read_to_string(&answer).context("cannot read the X server's answer")?;
-        Ok(text.strip_suffix('\n').map(str::to_owned))
-    })?;
-    Ok((server, format!(":{number}").into()))
 }
 
 fn start_emulator(

@@ -20,7 +20,7 @@ use crate::calibrate::{
 };
 use crate::pad::Pad;
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, Noise, Robot, Script, SimulatedSource, Source};
+use crate::source::{Noise, Robot, Script, SimulatedSource, Source, open_file};
 use crate::touch::Detector;
 use crate::types::PointMm;
 
@@ -164,8 +164,13 @@ fn open(
                 Noise::new(args.snr, args.seed),
             )?)
         }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
         SourceArg::Gamepad => bail!("a gamepad has no places that could be learned"),
     })
 }

@@ -105,8 +105,8 @@ fn ask(
                     show(pad, profile, &session);
                 }
             }
-            Reading::Skipped { reason } => tracing::warn!("skipped what is no frame: {reason}"),
-            Reading::Control(_) | Reading::Idle => {}
+            Reading::Skipped { reason, .. } => tracing::warn!("skipped what is no frame: {reason}"),
+            Reading::Control(_) | Reading::Gone { .. } | Reading::Idle => {}
             Reading::End => break,
         }
     }

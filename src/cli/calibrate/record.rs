@@ -95,7 +95,8 @@ pub(super) fn record(
                     index += 1;
                 }
             },
-            Reading::Skipped { reason } => tracing::warn!("skipped what is no frame: {reason}"),
+            Reading::Skipped { reason, .. } => tracing::warn!("skipped what is no frame: {reason}"),
+            Reading::Gone { reason } => tracing::warn!("{reason}"),
             Reading::Control(_) | Reading::Idle => {}
             Reading::End if presser == Presser::GoesOn => bail!(
                 "{index} presses were seen for {} places: one that was missed cannot be told from its neighbours\n  help: press harder or longer, or give the file's own number with --points",

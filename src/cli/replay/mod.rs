@@ -10,7 +10,7 @@ mod sink;
 mod verify;
 
 use std::fs::File;
-use std::io::{BufReader, Read as _};
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::engine::{Engine, Input};
 use crate::pad::DEFAULT_PAD;
 use crate::profile::DEFAULT_PROFILE;
 use crate::session::ReadError;
-use crate::source::{FramesCsv, Reading, Source as _};
+use crate::source::{FileKind, Reading, file_kind, open_file};
 use crate::tape::{Kit, Played, Player, PlayerError};
 use crate::touch::SensingBuilder;
 use crate::types::Event;
@@ -55,11 +55,7 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
 
 /// Whether a file begins as recordings do.
 pub(super) fn is_recording(path: &Path) -> anyhow::Result<bool> {
-    let mut head = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut head))
-        .with_context(|| path.display().to_string())?;
-    Ok(head == mcap::MAGIC)
+    Ok(file_kind(path)? == FileKind::Recording)
 }
 
 /// Opens a recording.
@@ -74,7 +70,7 @@ fn frames(args: &ReplayArgs, sink: &mut Sink) -> anyhow::Result<Ending> {
     let profile = args.profile.as_deref().unwrap_or(DEFAULT_PROFILE);
     let profile = resolve::profile(profile, args.user.as_deref())?;
     let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
-    let mut source = FramesCsv::open(&args.file, pad.channels())?;
+    let mut source = open_file(&args.file, &pad)?;
     let method = resolve::method(args.method, &profile, &pad);
     let builder = resolve::sensing(&pad, method)?;
     let engine = Engine::new(&pad, Arc::new(builder.first()?), profile).corrected(correction);
@@ -83,7 +79,12 @@ fn frames(args: &ReplayArgs, sink: &mut Sink) -> anyhow::Result<Ending> {
         match source.read() {
             Ok(Reading::Frame(frame)) => play.input(&Input::Frame(frame))?,
             Ok(Reading::End) => break,
-            Ok(Reading::Control(_) | Reading::Skipped { .. } | Reading::Idle) => {}
+            Ok(
+                Reading::Control(_)
+                | Reading::Skipped { .. }
+                | Reading::Gone { .. }
+                | Reading::Idle,
+            ) => {}
             Err(error) => {
                 play.end()?;
                 return Err(error.into());

@@ -7,10 +7,12 @@ use serde::Serialize;
 
 use crate::cli::args::{OutputArg, PrintArg, ReplayArgs, SourceArg};
 use crate::cli::outputs;
-use crate::cli::play::Signals;
+use crate::cli::play::{Signals, say};
 use crate::output::Held;
 use crate::types::{Action, Event, Nanos, Output, Touch, ms_from_nanos};
 
+/// What an output of text calls itself.
+const TRACE: &str = "trace";
 /// Longest sleep between two looks for a signal.
 const NAP: Duration = Duration::from_millis(20);
 
@@ -38,7 +40,12 @@ impl Sink {
             Some(OutputArg::Trace) => None,
             Some(output) => {
                 let source = SourceArg::Replay(args.file.clone());
-                Some(Held::new(outputs::open(output, &source, true)?.device))
+                let chosen = outputs::open(output, &source, true)?;
+                if let Some(told) = &chosen.told {
+                    say(told);
+                }
+                // Where there is nothing better than text, the lines on stdout are it.
+                (chosen.device.name() != TRACE).then(|| Held::new(chosen.device))
             }
         };
         let judges = args.expect.is_some() || args.update.is_some();

@@ -16,7 +16,7 @@ mod scatter;
 
 pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
-pub use scatter::{Press, Scatterer};
+pub use scatter::Scatterer;
 
 use crate::types::PointMm;
 

@@ -14,8 +14,8 @@ use faer::linalg::solvers::Solve;
 
 use crate::eit::forward::{Fields, ForwardModel};
 use crate::eit::jacobian::{element_jacobian, pair_sums};
-use crate::eit::{ContactModel, Mesh, MeshSize, SetupError};
-use crate::pad::{Pad, TouchSign};
+use crate::eit::{ContactModel, Mesh, MeshSize, Press, SetupError};
+use crate::pad::Pad;
 use crate::types::PointMm;
 
 /// The coarse mesh has at most this many nodes: its inverse takes 4 bytes a pair of them.
@@ -24,36 +24,6 @@ const MOST_NODES: usize = 4500;
 const COARSE_SCALE: f64 = 2.0;
 /// ... and grows by this factor until it is small enough.
 const COARSER: f64 = 1.15;
-
-/// A press as gels show it: the conductivity is multiplied (or, where touches conduct worse, divided) by
-/// 1 + rise (1 - (d / radius)^2) within its radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Press {
-    /// Its middle, mm.
-    pub centre_mm: PointMm,
-    /// Its radius, mm.
-    pub radius_mm: f64,
-    /// Relative rise in its middle.
-    pub rise: f64,
-}
-
-impl Press {
-    /// The share of the rise at a point, 0 to 1.
-    #[must_use]
-    pub fn share(&self, [x, y]: PointMm) -> f64 {
-        let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
-        (1.0 - (dx * dx + dy * dy) / (self.radius_mm * self.radius_mm)).max(0.0)
-    }
-
-    /// Relative change of conductivity at a point.
-    fn change(&self, point: PointMm, sign: TouchSign) -> f64 {
-        let rise = self.rise * self.share(point);
-        match sign {
-            TouchSign::Rise => rise,
-            TouchSign::Fall => -rise / (1.0 + rise),
-        }
-    }
-}
 
 /// A pad ready to be pressed anywhere.
 #[derive(Clone, Debug)]

@@ -385,10 +385,20 @@ fn times(ui: &mut Ui, playing: &Playing) {
                 ui.end_row();
             };
             row("frames", format!("{:.0} a second", view.frames_per_s));
-            row(
-                "frame to events",
-                format!("{:.2} ms", view.latency_us as f64 / 1e3),
-            );
+            // Median and one of a hundred, of every stage of a frame.
+            let stages = &view.stages;
+            for (what, spread) in [
+                ("in the queue", &stages.queue),
+                ("to touches", &stages.touches),
+                ("to events", &stages.events),
+                ("to the device", &stages.device),
+                ("frame to device", &stages.frame_to_device),
+            ] {
+                if spread.count > 0 {
+                    let [median, p99] = [spread.median_us, spread.p99_us].map(|us| us / 1e3);
+                    row(what, format!("{median:.2} ms, 1 % over {p99:.2}"));
+                }
+            }
             if view.frames_per_s > 0.0 {
                 row(
                     "sure to be seen",

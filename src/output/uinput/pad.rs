@@ -11,7 +11,7 @@ use evdev::{
 
 use super::rumble::Rumble;
 use super::{Report, builder};
-use crate::types::{Action, Axis, Button, OWN_PHYS, Output};
+use crate::types::{Action, Axis, Button, Output};
 
 /// What the kernel's driver calls a wired pad.
 pub const PAD_NAME: &str = "Microsoft X-Box 360 pad";
@@ -43,7 +43,6 @@ impl Pad {
         let keys: AttributeSet<KeyCode> = Button::ALL.iter().filter_map(|b| code(*b)).collect();
         let mut made = builder()?
             .name(PAD_NAME)
-            .with_phys(OWN_PHYS)?
             .input_id(InputId::new(
                 BusType::BUS_USB,
                 PAD_VENDOR,

@@ -10,7 +10,7 @@ use super::score::{REACH_MM, Score};
 use super::specimen::Specimen;
 use super::stats::{Share, Spread};
 use crate::pad::TouchSign;
-use crate::study::{StudyError, Touched, pressed};
+use crate::study::StudyError;
 
 /// Noise in proportion to each reading, dB.
 pub(super) const SNR_DB: f64 = 60.0;
@@ -45,17 +45,10 @@ pub(super) fn solve_pairs(
     (0..draws)
         .map(|_| {
             let presses = random.pair(distance_mm)?;
-            let fields = specimen.touched(|point| pressed(&presses, pad.touch_sign, point))?;
-            let volts = fields.voltages(&pad.protocol);
-            let touched = Touched {
-                model: &specimen.model,
-                fields: &fields,
-                background: &specimen.background,
-                presses: &presses,
-            };
+            let (volts, slopes) = specimen.pressed(pad, &presses)?;
             let deviations = NoiseKind::Proportional.deviations(&volts, &specimen.rest);
             let reach_mm = REACH_MM * bench.scale;
-            let bounds_mm = match touched.slopes(pad).bounds(&deviations) {
+            let bounds_mm = match slopes.bounds(&deviations) {
                 Some(bounds) => bounds
                     .iter()
                     .map(|bound| bound.with_noise(share(SNR_DB)).mean_mm().min(reach_mm))

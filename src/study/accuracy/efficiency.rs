@@ -10,7 +10,7 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{REACH_MM, Score};
 use super::stats::Spread;
-use crate::study::{Press, StudyError, Touched, pressed};
+use crate::study::{Press, StudyError};
 use crate::types::PointMm;
 
 /// Noise in proportion to each reading, dB.
@@ -51,17 +51,9 @@ pub(super) fn solve(
         radius_mm: PRESS.0 * bench.scale,
         rise: PRESS.1,
     }];
-    let fields = specimen.touched(|point| pressed(&presses, pad.touch_sign, point))?;
-    let volts = fields.voltages(&pad.protocol);
-    let touched = Touched {
-        model: &specimen.model,
-        fields: &fields,
-        background: &specimen.background,
-        presses: &presses,
-    };
+    let (volts, slopes) = specimen.pressed(pad, &presses)?;
     let kind = NoiseKind::Proportional;
-    let bound_mm = touched
-        .slopes(pad)
+    let bound_mm = slopes
         .bounds(&kind.deviations(&volts, &specimen.rest))
         .map_or(f64::NAN, |bounds| {
             bounds[0].with_noise(share(SNR_DB)).rms_mm()

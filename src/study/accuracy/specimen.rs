@@ -6,6 +6,7 @@
 use super::draws::Draws;
 use crate::eit::{ContactModel, Fields, ForwardError, ForwardModel, Mesh, MeshSize};
 use crate::pad::Pad;
+use crate::study::{Press, Slopes, Touched, pressed};
 use crate::types::PointMm;
 
 /// Contact impedances spread by this share about what the pad's text says, evenly.
@@ -80,6 +81,22 @@ impl Specimen {
             *sigma *= background;
         }
         self.model.solve(&conductivity)
+    }
+
+    /// Its readings under presses, V/A, and what they say of the presses.
+    pub(super) fn pressed(
+        &self,
+        pad: &Pad,
+        presses: &[Press],
+    ) -> Result<(Vec<f64>, Slopes), ForwardError> {
+        let fields = self.touched(|point| pressed(presses, pad.touch_sign, point))?;
+        let touched = Touched {
+            model: &self.model,
+            fields: &fields,
+            background: &self.background,
+            presses,
+        };
+        Ok((fields.voltages(&pad.protocol), touched.slopes(pad)))
     }
 }
 

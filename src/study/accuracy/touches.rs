@@ -9,7 +9,7 @@ use super::score::{Found, REACH_MM, Score};
 use super::sensing::Rested;
 use super::specimen::Specimen;
 use super::stats::{Share, Spread};
-use crate::study::{Merit, Press, PressBound, StudyError, Touched, pressed};
+use crate::study::{Merit, Press, PressBound, StudyError};
 
 /// A force counts at most as this much off, as a share of the true one; so does its bound.
 const MOST_FORCE_ERROR: f64 = 1.0;
@@ -71,23 +71,13 @@ fn drawn(
     seed: u64,
 ) -> Result<Drawn, StudyError> {
     let pad = &bench.pad;
-    let fields = match presses.len() {
-        0 => None,
-        _ => Some(specimen.touched(|point| pressed(&presses, pad.touch_sign, point))?),
+    let (volts, slopes) = match presses.as_slice() {
+        [] => (specimen.rest.clone(), None),
+        presses => {
+            let (volts, slopes) = specimen.pressed(pad, presses)?;
+            (volts, Some(slopes))
+        }
     };
-    let volts = match &fields {
-        None => specimen.rest.clone(),
-        Some(fields) => fields.voltages(&pad.protocol),
-    };
-    let slopes = fields.as_ref().map(|fields| {
-        let touched = Touched {
-            model: &specimen.model,
-            fields,
-            background: &specimen.background,
-            presses: &presses,
-        };
-        touched.slopes(pad)
-    });
     let bounds_at_0_db = NoiseKind::ALL.map(|kind| {
         let deviations = kind.deviations(&volts, &specimen.rest);
         slopes

@@ -1,12 +1,13 @@
-//! A press as gels show it, and what several of them make of a pad.
+//! A press as gels show it: the model that simulated pads, studies and the table of responses share.
 
 use crate::pad::TouchSign;
 use crate::types::PointMm;
 
 /// Unknowns of a press: x, y, radius, rise.
-pub(super) const UNKNOWNS: usize = 4;
+pub const PRESS_UNKNOWNS: usize = 4;
 
-/// A press as gels show it: the conductivity is multiplied by 1 + rise (1 - (d / radius)^2) within its radius.
+/// A press as gels show it: the conductivity is multiplied (or, where touches conduct worse, divided) by
+/// 1 + rise (1 - (d / radius)^2) within its radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
     /// Its middle, mm.
@@ -18,10 +19,20 @@ pub struct Press {
 }
 
 impl Press {
-    /// The factor at a point.
+    /// The factor at a point, of a pad whose touches conduct better.
     #[must_use]
     pub fn factor(&self, point: PointMm) -> f64 {
-        1.0 + self.rise * self.bump(point)
+        1.0 + self.rise * self.share(point)
+    }
+
+    /// Relative change of conductivity at a point.
+    #[must_use]
+    pub fn change(&self, point: PointMm, sign: TouchSign) -> f64 {
+        let rise = self.rise * self.share(point);
+        match sign {
+            TouchSign::Rise => rise,
+            TouchSign::Fall => -rise / (1.0 + rise),
+        }
     }
 
     /// Its volume, relative rise x mm2: what `force` measures.
@@ -30,25 +41,27 @@ impl Press {
         self.rise * std::f64::consts::PI * self.radius_mm * self.radius_mm / 2.0
     }
 
-    /// Height of the press at a point as a share of its height in the middle.
-    pub(super) fn bump(&self, [x, y]: PointMm) -> f64 {
+    /// The share of the rise at a point, 0 to 1.
+    #[must_use]
+    pub fn share(&self, [x, y]: PointMm) -> f64 {
         let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
         (1.0 - (dx * dx + dy * dy) / (self.radius_mm * self.radius_mm)).max(0.0)
     }
 
     /// Derivatives of the factor for x, y (1/mm), radius (1/mm) and rise.
-    pub(super) fn derivatives(&self, [x, y]: PointMm) -> [f64; UNKNOWNS] {
-        let bump = self.bump([x, y]);
-        if bump == 0.0 {
-            return [0.0; UNKNOWNS];
+    #[must_use]
+    pub fn derivatives(&self, [x, y]: PointMm) -> [f64; PRESS_UNKNOWNS] {
+        let share = self.share([x, y]);
+        if share == 0.0 {
+            return [0.0; PRESS_UNKNOWNS];
         }
         let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
         let r2 = self.radius_mm * self.radius_mm;
         [
             2.0 * self.rise * dx / r2,
             2.0 * self.rise * dy / r2,
-            2.0 * self.rise * (1.0 - bump) / self.radius_mm,
-            bump,
+            2.0 * self.rise * (1.0 - share) / self.radius_mm,
+            share,
         ]
     }
 }
