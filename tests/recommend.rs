@@ -21,6 +21,8 @@ const PAD_MM: [f64; 2] = [100.0, 100.0];
 /// Presses that a person is asked for before settings are recommended, and presses that are judged.
 const LEARNED: usize = 60;
 const JUDGED: usize = 120;
+/// What own settings are worth to slow and to trembling hands, at least, in 100 presses.
+const GAIN_POINTS: f64 = 15.0;
 /// People on whom the search was tuned, and people whom nobody looked at then.
 const TUNED: std::ops::RangeInclusive<u64> = 1..=20;
 const HELD_OUT: std::ops::RangeInclusive<u64> = 1001..=1020;
@@ -67,7 +69,7 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
     };
     let (steady, others) = (of(true), of(false));
     let shipped = outcome(&steady, None).share();
-    climb(plain, &mut |overlay| {
+    let mut value = |overlay: &Overlay| {
         let (mut all, other) = std::thread::scope(|scope| {
             let other = scope.spawn(|| outcome(&others, Some(overlay)));
             let steady = outcome(&steady, Some(overlay));
@@ -80,8 +82,26 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
         };
         all += other;
         Ok::<f64, std::convert::Infallible>(all.share() - 100.0 * lost)
-    })
-    .expect("found")
+    };
+    // Two settings come out nearly alike: the search begins at both.
+    let joining = Overlay {
+        long_ms: 700,
+        when_decided: true,
+        tremor_ms: 130,
+        tremor_mm: 20,
+        slow_keys_ms: 60,
+        bounce_keys_ms: 200,
+        ..plain.clone()
+    };
+    let mut found: Vec<(f64, Overlay)> = [plain, joining]
+        .into_iter()
+        .map(|from| {
+            let best = climb(from, &mut value).expect("found");
+            (value(&best).expect("judged"), best)
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.pop().expect("two").1
 }
 
 fn outcome(part: &[Trial], overlay: Option<&Overlay>) -> Outcome {
@@ -146,12 +166,12 @@ fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
             told(spared),
             told(own)
         );
-        // The best for all swallow two of five presses of steady hands, wrong ones too.
+        // The best for all swallow presses of steady hands, wrong ones too.
         let gains = match kind {
             Kind::Steady => own.0 >= same.0 && own.1 <= shipped.1,
-            Kind::Slow => own.0 >= same.0 + 15.0 && own.1 <= same.1,
-            // What the best for all leave to be gained for trembling hands is less: docs/calibration.md.
-            Kind::Tremor => own.0 >= same.0 + 3.0 && own.0 >= spared.0 + 15.0 && own.1 <= same.1,
+            Kind::Slow | Kind::Tremor => {
+                own.0 >= same.0.max(spared.0) + GAIN_POINTS && own.1 <= same.1.min(spared.1)
+            }
         };
         if !gains {
             failed.push(kind);

@@ -18,6 +18,9 @@ const GAP: f32 = 10.0;
 const LINE: f32 = 34.0;
 const TITLE: f32 = 24.0;
 
+/// Draws something of the caller's into a room beside the level.
+pub type Beside<'a> = &'a mut dyn FnMut(&mut Ui, Rect);
+
 /// Draws the practice level and lets its time run.
 #[derive(Clone, Debug, Default)]
 pub struct PracticeView {
@@ -31,12 +34,7 @@ impl PracticeView {
     /// Draws the level into the room that is left, and plays it on by the time since it was drawn last.
     ///
     /// `beside` draws something of the caller's into a room of its own: the pad, say.
-    pub fn ui(
-        &mut self,
-        ui: &mut Ui,
-        practice: &mut Practice,
-        beside: Option<&mut dyn FnMut(&mut Ui, Rect)>,
-    ) {
+    pub fn ui(&mut self, ui: &mut Ui, practice: &mut Practice, beside: Option<Beside<'_>>) {
         let now_s = ui.input(|input| input.time);
         let before_s = self.drawn_s.replace(now_s).unwrap_or(now_s);
         if !self.paused {
