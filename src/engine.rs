@@ -149,6 +149,12 @@ impl Engine {
         self.detector.state()
     }
 
+    /// What finds the touches, for views of its signals.
+    #[must_use]
+    pub fn detector(&self) -> &Detector {
+        &self.detector
+    }
+
     /// The outputs that are down.
     pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
         self.gestures.held()

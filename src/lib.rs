@@ -13,6 +13,8 @@ pub mod doctor;
 pub mod eit;
 pub mod engine;
 pub mod gesture;
+#[cfg(feature = "gui")]
+pub mod gui;
 pub mod output;
 pub mod pad;
 pub mod profile;

@@ -28,7 +28,10 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
-    ("calibrate", &["types", "pad", "eit", "touch"]),
+    (
+        "calibrate",
+        &["types", "pad", "eit", "touch", "profile", "gesture"],
+    ),
     ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
@@ -38,6 +41,24 @@ const TABLE: &[(&str, &[&str])] = &[
         ],
     ),
     ("doctor", &["types", "output"]),
+    (
+        "gui",
+        &[
+            "types",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "session",
+            "tape",
+            "source",
+            "output",
+            "runtime",
+            "calibrate",
+        ],
+    ),
     (
         "cli",
         &[
@@ -56,6 +77,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cache",
             "calibrate",
             "study",
+            "gui",
             "doctor",
         ],
     ),

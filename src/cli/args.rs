@@ -15,8 +15,8 @@ use crate::types::Method;
 
 /// Play games on a soft sheet of hydrogel.
 ///
-/// Without a command it plays a scripted level on the simulated pad and shows it here; nothing is sent to your
-/// desktop.
+/// Without a command it opens the window on the simulated pad; where there is no display, it plays a scripted level and
+/// shows it here. Nothing is sent to your desktop until you say so.
 #[derive(Debug, Parser)]
 #[command(
     name = "gelpad",
@@ -500,6 +500,8 @@ Examples:
     learns again from what was recorded
   gelpad calibrate --presses train.csv --evaluate test.csv
     places test.csv by voltages alone; needs no pad, prints one JSON object
+  gelpad calibrate --source serial:/dev/ttyACM0 --recommend anna
+    asks for short, long and double presses, and writes the settings that suit the person who made them
 
 Presses are CSV: x_mm,y_mm,d0,d1,... with differences pressed - unpressed in any unit; recordings have
 force,model_x_mm,model_y_mm before d0, and can be saved as a calibration.")]
@@ -522,6 +524,12 @@ pub(super) struct CalibrateArgs {
     /// How many places to press
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = points)]
     pub points: usize,
+    /// Ask for presses instead, and write settings that suit this person: users/NAME.toml here, or -o FILE
+    #[arg(long, value_name = "NAME", requires = "source", conflicts_with_all = ["presses", "evaluate"])]
+    pub recommend: Option<String>,
+    /// The profile whose regions are pressed for --recommend
+    #[arg(long, default_value = "super-mario-classified")]
+    pub profile: String,
     /// How images are made while recording: tikhonov, noser, smooth or l1 [default: what the pad says, else noser]
     #[arg(long)]
     pub method: Option<Method>,

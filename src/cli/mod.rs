@@ -31,6 +31,8 @@ mod recover;
 mod replay;
 mod resolve;
 mod study;
+#[cfg(feature = "gui")]
+mod window;
 
 use std::process::ExitCode;
 
@@ -44,6 +46,9 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     log::start(arguments.verbose);
     let outcome = match arguments.command {
+        #[cfg(feature = "gui")]
+        None => window::open(),
+        #[cfg(not(feature = "gui"))]
         None => play::level(),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),

@@ -55,7 +55,7 @@ pub(super) fn trace(live: bool) -> Box<dyn Device> {
 
 /// The first that opens: devices of the kernel reach every program and are released by it; then the desktop's own; then
 /// nothing but text.
-fn best(live: bool) -> Chosen {
+pub(super) fn best(live: bool) -> Chosen {
     let (has_wayland, has_x11) = (set("WAYLAND_DISPLAY"), set("DISPLAY"));
     let mut candidates = vec![KERNEL];
     if has_wayland || has_x11 {

@@ -120,7 +120,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     run(&kit.pad, made, source, device, title, changes, asides)
 }
 
-fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
+pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
     let source: Box<dyn Source> = match &args.source {
         SourceArg::Gamepad => return gamepads::open(),
         SourceArg::Simulated(script_path) => {
@@ -151,7 +151,7 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
 }
 
 /// What an engine is made of, and what remakes its matrices.
-fn kit(
+pub(super) fn kit(
     pad: Pad,
     pad_toml: String,
     profile: Arc<Profile>,
@@ -243,7 +243,7 @@ fn watch(
 }
 
 /// What a text for the terminal says first, without its colours.
-fn in_one_line(text: &str) -> String {
+pub(super) fn in_one_line(text: &str) -> String {
     let mut plain = String::new();
     let mut is_colour = false;
     for character in text.chars() {

@@ -59,6 +59,8 @@ struct Watched {
     at_mm: PointMm,
     force: f64,
     radius_mm: f64,
+    /// When it came back the last time, and when it had lifted before.
+    back: Option<(Nanos, Nanos)>,
     state: State,
 }
 
@@ -66,6 +68,8 @@ struct Watched {
 enum State {
     /// Counts from then on, if it is still there.
     Waiting { due: Nanos },
+    /// Lifted while it waited; goes on waiting if it comes back until then.
+    Away { due: Nanos, until: Nanos },
     /// Counts when it lifts.
     UntilLift,
     /// Counts.
@@ -98,9 +102,10 @@ impl Accept {
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
         let due = |watched: &Watched| match watched.state {
-            State::Waiting { due: at } | State::Lifting { at } | State::Rested { until: at } => {
-                Some(at)
-            }
+            State::Waiting { due: at }
+            | State::Away { until: at, .. }
+            | State::Lifting { at }
+            | State::Rested { until: at } => Some(at),
             State::UntilLift | State::Passed | State::Silent | State::Resting { .. } => None,
         };
         self.watched.iter().filter_map(due).min()
@@ -125,7 +130,7 @@ impl Accept {
                 note_release(released, watched.place, at);
                 false
             }
-            State::Rested { until } => until > t_ns,
+            State::Rested { until } | State::Away { until, .. } => until > t_ns,
             _ => true,
         });
     }
@@ -175,6 +180,7 @@ impl Accept {
             at_mm: change.at,
             force: change.force,
             radius_mm: 0.0,
+            back: None,
             state: State::Passed,
         };
         if bounces(&self.released, settings, watched.place, t_ns) {
@@ -211,12 +217,23 @@ impl Accept {
         let radius_mm = radius_mm(touch.contact.area_mm2);
         let back = self.watched.iter_mut().find(|watched| {
             !watched.is_part
-                && matches!(watched.state, State::Lifting { .. })
+                && matches!(watched.state, State::Lifting { .. } | State::Away { .. })
                 && distance_mm(watched.at_mm, at_mm) < settings.tremor_mm
         });
         if let Some(watched) = back {
             watched.source = touch.id;
-            watched.state = State::Passed;
+            match watched.state {
+                State::Away { due, .. } if due > t_ns => watched.state = State::Waiting { due },
+                State::Away { .. } => {
+                    watched.state = State::Passed;
+                    self.passed.push(watched.passed(Phase::Down));
+                }
+                State::Lifting { at } => {
+                    watched.back = Some((t_ns, at - settings.tremor_ns));
+                    watched.state = State::Passed;
+                }
+                _ => {}
+            }
             return;
         }
         if self.watched.len() == MOST_TOUCHES {
@@ -238,6 +255,7 @@ impl Accept {
             at_mm,
             force,
             radius_mm,
+            back: None,
             state: State::Passed,
         };
         if rests {
@@ -271,7 +289,9 @@ impl Accept {
             .rest_area_mm2
             .is_some_and(|most| touch.contact.area_mm2 > most);
         match &mut watched.state {
-            State::Silent | State::Lifting { .. } | State::Rested { .. } => return,
+            State::Silent | State::Lifting { .. } | State::Away { .. } | State::Rested { .. } => {
+                return;
+            }
             State::Resting { large } => {
                 *large |= rests;
                 watched.at_mm = at_mm;
@@ -315,14 +335,28 @@ impl Accept {
         let watched = &mut self.watched[index];
         match watched.state {
             State::Passed if self.settings.tremor_ns > 0 => {
+                // A re-touch that SlowKeys would not count makes the press no longer.
+                let lifted_ns = match watched.back {
+                    Some((since_ns, before_ns)) if t_ns - since_ns < self.settings.slow_keys_ns => {
+                        before_ns
+                    }
+                    _ => t_ns,
+                };
                 watched.state = State::Lifting {
-                    at: t_ns + self.settings.tremor_ns,
+                    at: (lifted_ns + self.settings.tremor_ns).max(t_ns),
                 };
                 return;
             }
             State::Passed => {
                 self.passed.push(watched.passed(Phase::Up));
                 note_release(&mut self.released, watched.place, t_ns);
+            }
+            State::Waiting { due } if self.settings.tremor_ns > 0 => {
+                watched.state = State::Away {
+                    due,
+                    until: t_ns + self.settings.tremor_ns,
+                };
+                return;
             }
             State::UntilLift => {
                 let lasted = t_ns - watched.since_ns >= self.settings.slow_keys_ns;
@@ -350,6 +384,7 @@ impl Accept {
             | State::Silent
             | State::Resting { large: false }
             | State::Lifting { .. }
+            | State::Away { .. }
             | State::Rested { .. } => {}
         }
         self.watched.remove(index);

@@ -81,6 +81,8 @@ pub struct Latch {
     pub short_ns: Nanos,
     /// Length of a long press, whenever the touch lifts.
     pub long_ns: Nanos,
+    /// Goes down when it is known to be short or long, not with the touch.
+    pub when_decided: bool,
 }
 
 /// What a touch must be. Times and distances are half-open: at the threshold it is reached.

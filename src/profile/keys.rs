@@ -145,6 +145,7 @@ const KEYS: &[Key] = &[
     key("min_gap_ms", Setting, MS, "0", "shortest release before the same output is pressed again"),
     key("max_hold_ms", Setting, MS, "off", "a longer press is released by force"),
     key("long_ms", Setting, MS, "200", "parts a short press from a long one (mode classified)"),
+    key("classify", Setting, Kind::Word(&["down", "decided"]), "down", "decided: mode classified presses when the length is known, a short press at the lift, a long one after long_ms; for whom a short press takes long"),
     key("short_frames", Setting, FRAMES, "5", "length of a short press, in frames of the NES"),
     key("long_frames", Setting, FRAMES, "32", "length of a long press, in frames of the NES"),
     key("tapping_term_ms", Setting, MS, "200", "a touch that lifts sooner is a tap"),

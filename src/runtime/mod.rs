@@ -19,6 +19,7 @@ mod record;
 mod schedule;
 mod steps;
 mod touches;
+mod wake;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -41,6 +42,7 @@ use latency::EngineTimes;
 pub use latency::{Emitted, Spread, Stages};
 use rebuild::Rebuilder;
 use steps::EngineThread;
+use wake::Wake;
 
 pub use listen::{Listener, Step};
 pub use record::{RecordError, RecordReport, Recorder, record};
@@ -85,6 +87,10 @@ pub struct View {
     pub held: Vec<Output>,
     /// The last events, oldest first.
     pub events: VecDeque<Event>,
+    /// Events so far: tells which of the last ones are new.
+    pub events_so_far: u64,
+    /// What the newest frame measured, for those who build pads.
+    pub signals: Signals,
     /// Frames so far.
     pub frames: u64,
     /// Frames that were lost or garbled.
@@ -101,6 +107,21 @@ pub struct View {
     pub late_events: u64,
     /// How hard a game shakes the pad: the strong motor and the weak one, 0..1.
     pub rumble: [f32; 2],
+}
+
+/// What a frame measured, channel by channel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// The voltages as they came.
+    pub volts: Vec<f32>,
+    /// Their relative change against the untouched pad; empty before there is one.
+    pub changes: Vec<f32>,
+    /// How much of that the touches explain; the rest is the fit's residual.
+    pub explained: Vec<f32>,
+    /// The untouched pad's voltages, as of the last half second.
+    pub reference: Vec<f32>,
+    /// Deviation of each reading from frame to frame, relative; infinite for a channel that is left out.
+    pub noise: Vec<f32>,
 }
 
 /// What was played, when it is over.
@@ -141,6 +162,7 @@ pub struct Running {
     stop: Arc<AtomicBool>,
     commands: Producer<Command>,
     views: triple_buffer::Output<View>,
+    wake: Arc<Wake>,
     threads: Option<Threads>,
 }
 
@@ -253,6 +275,8 @@ pub fn start_with(
         touches: Vec::new(),
         held: Vec::new(),
         events: VecDeque::new(),
+        events_so_far: 0,
+        signals: Signals::default(),
         frames: 0,
         lost_frames: 0,
         lost_electrodes: Vec::new(),
@@ -263,6 +287,8 @@ pub fn start_with(
         rumble: [0.0; 2],
     };
     let pace = source.pace();
+    let wake = Arc::new(Wake::default());
+    let waking = Arc::clone(&wake);
     let (views_in, views) = triple_buffer::triple_buffer(&blank);
     let (told, emitted) = triple_buffer::triple_buffer(&Emitted::default());
     let output = Builder::new()
@@ -282,6 +308,7 @@ pub fn start_with(
             events: events_in,
             output: to_output,
             views: views_in,
+            wake: waking,
             view: blank,
             listeners,
             fresh: Vec::new(),
@@ -305,6 +332,7 @@ pub fn start_with(
         stop,
         commands: commands_in,
         views,
+        wake,
         threads: Some(Threads {
             source,
             engine,
@@ -337,6 +365,11 @@ impl Running {
             threads.engine.thread().unpark();
         }
         taken
+    }
+
+    /// Wakes a thread whenever there is a newer view: it need not ask again and again. The first thread stays the one.
+    pub fn wake(&self, thread: std::thread::Thread) {
+        self.wake.who(thread);
     }
 
     /// The newest view.

@@ -11,7 +11,7 @@ use super::latency::{Emitted, EngineTimes};
 use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
 use super::schedule::Due;
-use super::{Arrival, Arrived, Command, EngineReport, Losses, NAP, View, nanos, now};
+use super::{Arrival, Arrived, Command, EngineReport, Losses, NAP, View, Wake, nanos, now};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
@@ -21,6 +21,8 @@ use crate::types::{Control, Event, Frame, Nanos};
 const SILENCE: Duration = Duration::from_millis(500);
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
+/// What changes slowly of the signals is looked at once in so many frames.
+const SLOW_SIGNALS: u64 = 50;
 
 pub(super) struct EngineThread {
     pub(super) engine: Engine,
@@ -31,6 +33,7 @@ pub(super) struct EngineThread {
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
+    pub(super) wake: Arc<Wake>,
     pub(super) view: View,
     pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
@@ -129,6 +132,7 @@ impl EngineThread {
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;
+        self.view.signals.volts.clone_from(&frame.volts);
         let taken = now();
         let mut placed = taken;
         self.input_watched(&Input::Frame(frame), Some(at), &mut || placed = now());
@@ -280,6 +284,7 @@ impl EngineThread {
                 self.view.events.pop_front();
             }
             self.view.events.push_back(event);
+            self.view.events_so_far += 1;
             let mut due = Due {
                 event,
                 at: due_at,
@@ -325,7 +330,26 @@ impl EngineThread {
     fn publish(&mut self) {
         let emitted = *self.emitted.read();
         let state = self.engine.touches();
+        let detector = self.engine.detector();
+        if self.view.frames.is_multiple_of(SLOW_SIGNALS) && detector.is_ready() {
+            let [reference, noise] = detector.at_rest();
+            self.view.signals.reference = reference;
+            self.view.signals.noise = noise;
+        }
         let slot = self.views.input_buffer_mut();
+        slot.signals.volts.clone_from(&self.view.signals.volts);
+        slot.signals
+            .reference
+            .clone_from(&self.view.signals.reference);
+        slot.signals.noise.clone_from(&self.view.signals.noise);
+        if detector.is_ready() {
+            let (changes, explained) = detector.changes();
+            slot.signals.changes.clear();
+            slot.signals.changes.extend_from_slice(changes);
+            slot.signals.explained.clear();
+            slot.signals.explained.extend_from_slice(explained);
+        }
+        slot.events_so_far = self.view.events_so_far;
         slot.t_ns = self.view.t_ns;
         slot.profile = Arc::clone(self.engine.profile());
         slot.paused = self.engine.is_paused();
@@ -344,5 +368,6 @@ impl EngineThread {
         slot.late_events = emitted.late;
         slot.rumble = emitted.rumble;
         self.views.publish();
+        self.wake.wake();
     }
 }

@@ -12,6 +12,7 @@ mod files;
 mod frames_csv;
 #[cfg(feature = "gilrs")]
 mod gamepad;
+mod live;
 mod noise;
 mod recorded;
 mod robot;
@@ -27,6 +28,7 @@ pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;
 #[cfg(feature = "gilrs")]
 pub use gamepad::GamepadSource;
+pub use live::{Hand, LiveSource};
 pub use noise::Noise;
 pub use recorded::RecordedFrames;
 pub use robot::Robot;

@@ -27,7 +27,7 @@ const EDGE_SHARE: f64 = 0.08;
 const MAP_COLUMNS: usize = 40;
 
 /// Places spread evenly over a pad, in an order that jumps about.
-pub(super) fn places(pad: &Pad, count: usize) -> Vec<PointMm> {
+pub(in crate::cli) fn places(pad: &Pad, count: usize) -> Vec<PointMm> {
     // The R2 sequence (Roberts 2018): powers of the inverse of the plastic number.
     const STEP: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
     let size = pad.outline.size_mm();

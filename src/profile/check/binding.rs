@@ -210,6 +210,7 @@ impl Check {
                     short_ns: frames(self.own_number(top, entries, "short_frames", 5.0)),
                     long_ns: frames(self.own_number(top, entries, "long_frames", 32.0)),
                     long_after_ns: self.own_ms(top, entries, "long_ms", 200.0),
+                    when_decided: self.choice(top, "classify", Table::User) == Some("decided"),
                 })
             }
             "latch" => Mode::Latch(self.own_ms(top, entries, "length_ms", 100.0)),
