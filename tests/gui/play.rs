@@ -53,7 +53,7 @@ fn a_start_that_fails_says_why_and_is_tried_again() {
 fn pause_and_zero_are_asked_of_the_game() {
     let mut stage = stage();
     stage.button("⏸ Pause");
-    stage.button("⊙ Zero");
+    stage.button("Zero");
     let asked = &stage.app().playing.asked;
     assert!(
         matches!(asked[..], [Command::Pause, Command::Rezero]),
@@ -255,6 +255,6 @@ fn the_pad_is_pressed_in_the_smallest_window_too() {
 #[test]
 fn the_pad_window_opens_beside() {
     let mut stage = stage();
-    stage.button("⬒ Pad window");
+    stage.button("🗖 Pad window");
     assert!(stage.app().pad_window.open);
 }

@@ -103,7 +103,7 @@ fn the_board_s_figures_are_told() {
 fn zero_is_asked_for_and_a_hand_on_the_pad_is_told() {
     let mut stage = at(Step::Zero);
     assert!(stage.tells("nothing touches it"));
-    stage.button("⊙ Zero now");
+    stage.button("Zero now");
     assert!(matches!(stage.app().playing.asked[..], [Command::Rezero]));
     stage.see(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
     assert!(stage.tells("is the pad free?"));

@@ -208,7 +208,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
                 playing.ask(Command::Pause);
             }
             if ui
-                .button("⊙ Zero")
+                .button("Zero")
                 .on_hover_text("the pad counts as untouched as it is now")
                 .clicked()
             {
@@ -216,7 +216,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
             }
             if playing.has_hand()
                 && ui
-                    .button("⬒ Pad window")
+                    .button("🗖 Pad window")
                     .on_hover_text("a small window that takes no focus: press it while your game has the keyboard")
                     .clicked()
             {
@@ -252,7 +252,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
 /// Profile, source and output.
 fn choose(ui: &mut Ui, choice: &Choice, names: &Names) -> Option<Wish> {
     let mut wanted = choice.clone();
-    let width = (ui.available_width() - 66.0).max(90.0);
+    let width = (ui.available_width() - 104.0).max(80.0);
     egui::ComboBox::from_label("Profile")
         .width(width)
         .truncate()
