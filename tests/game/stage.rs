@@ -27,9 +27,11 @@ const ENCORE: Duration = Duration::from_secs(1);
 /// The window solves its pad's touches when it is new to the machine.
 #[cfg(feature = "gui")]
 const WINDOW_STARTS: Duration = Duration::from_secs(6);
-/// In the window of 1280 x 800 points: the button of the worst problem.
+/// In the window of 1280 x 800 points: the button that sends to the game, and the one that opens the pad's own window.
 #[cfg(feature = "gui")]
-const MENDS: (&str, &str) = ("853", "33");
+const SEND: (&str, &str) = ("853", "33");
+#[cfg(feature = "gui")]
+const PAD_WINDOW: (&str, &str) = ("1150", "145");
 /// On the screen: the jump of the pad's own window, which opens at (40, 40).
 #[cfg(feature = "gui")]
 const PAD_JUMP: (&str, &str) = ("282", "208");
@@ -104,9 +106,8 @@ impl Stage {
         let window = ["^gelpad$", "windowmove", "0", "0"];
         self.xdotool(tools, &[&search[..], &window].concat())?;
         thread::sleep(WINDOW_STARTS);
-        // The button that sends, then the one in its place that opens the pad's own window.
-        for _ in 0..2 {
-            self.xdotool(tools, &["mousemove", MENDS.0, MENDS.1, "click", "1"])?;
+        for (x, y) in [SEND, PAD_WINDOW] {
+            self.xdotool(tools, &["mousemove", x, y, "click", "1"])?;
             thread::sleep(WINDOW_STARTS);
         }
         self.focus(tools)?;
