@@ -82,7 +82,7 @@ fn another_pad_is_chosen() {
     let mut stage = stage();
     stage.click(Role::ComboBox, "Pad");
     stage.window.get_by_label("round-tank").click();
-    stage.steps(3);
+    stage.settle();
     assert_eq!(stage.desk.last().expect("a start").pad, "round-tank");
 }
 
@@ -190,7 +190,7 @@ fn presses_that_are_asked_for_become_settings_of_this_person() {
         }
         stage.steps(2);
     }
-    for _ in 0..200 {
+    for _ in 0..1200 {
         if stage.tells("right presses") {
             break;
         }
