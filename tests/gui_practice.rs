@@ -114,7 +114,7 @@ fn fingers_on_the_pad_finish_the_level() {
 fn before_the_first_press_it_says_which_outputs_play() {
     let mut harness = harness(practice(), [1000.0, 640.0]);
     harness.run();
-    harness.get_by_label_contains("key:right walks, key:f jumps");
+    harness.get_by_label_contains("“right” on the pad to walk, “jump” to jump");
     harness.get_by_label_contains("no jump yet");
 }
 
@@ -166,8 +166,8 @@ fn walking_by_itself_leaves_only_jumps_to_be_pressed() {
     harness.run();
     harness.get_by_label("Walk by itself").click();
     harness.run();
-    harness.get_by_label_contains("key:f jumps");
-    assert!(harness.query_by_label_contains("key:right walks").is_none());
+    harness.get_by_label_contains("Press “jump” on the pad");
+    assert!(harness.query_by_label_contains("to walk").is_none());
     let practice = &mut harness.state_mut().practice;
     assert!(practice.walks());
     let from = practice.body().place[0];

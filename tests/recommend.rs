@@ -2,7 +2,8 @@
 //!
 //! Sixty simulated people (tests/recommend/people.rs) press what they are asked for, once to be learned from and once to be
 //! judged. The fixed settings are the best that the same search finds when it is shown the presses that are judged, of all
-//! people together: no other choice of one setting for all does better there, as far as the search sees.
+//! people together: no other choice of one setting for all does better there, as far as the search sees. Beside them stand the
+//! best that do not spoil the pad for steady hands.
 //!
 //! `cargo test --test recommend -- --nocapture` prints the table of docs/calibration.md. `GELPAD_TUNING=1` takes the people
 //! on whom the search was tuned instead of those who were held out.
@@ -20,6 +21,8 @@ const PAD_MM: [f64; 2] = [100.0, 100.0];
 /// Presses that a person is asked for before settings are recommended, and presses that are judged.
 const LEARNED: usize = 60;
 const JUDGED: usize = 120;
+/// What own settings are worth to slow and to trembling hands, at least, in 100 presses.
+const GAIN_POINTS: f64 = 15.0;
 /// People on whom the search was tuned, and people whom nobody looked at then.
 const TUNED: std::ops::RangeInclusive<u64> = 1..=20;
 const HELD_OUT: std::ops::RangeInclusive<u64> = 1001..=1020;
@@ -53,26 +56,58 @@ fn case(kind: Kind, seed: u64) -> Case {
     }
 }
 
-/// The same settings for everybody: the best for all of these presses together.
-fn best_fixed(cases: &[Case]) -> Overlay {
-    let judge = judge();
-    let plain = Overlay::of_profile(&judge.profile(None).expect("sound"));
-    let trials: Vec<Trial> = cases
-        .iter()
-        .flat_map(|case| case.judged.iter().map(Trial::thinned))
-        .collect();
-    let (left, right) = trials.split_at(trials.len() / 2);
-    climb(plain, &mut |overlay| {
-        let outcome = |part: &[Trial]| judge().outcome(part, Some(overlay)).expect("sound");
-        let mut all = Outcome::default();
-        std::thread::scope(|scope| {
-            let other = scope.spawn(|| outcome(right));
-            all += outcome(left);
-            all += other.join().expect("no panic");
+/// The same settings for everybody: the best for all of these presses together, or the best of those under which steady
+/// hands fare no worse than with the profile as it is shipped.
+fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
+    let plain = Overlay::of_profile(&judge().profile(None).expect("sound"));
+    let of = |steady: bool| -> Vec<Trial> {
+        cases
+            .iter()
+            .filter(|case| (case.kind == Kind::Steady) == steady)
+            .flat_map(|case| case.judged.iter().map(Trial::thinned))
+            .collect()
+    };
+    let (steady, others) = (of(true), of(false));
+    let shipped = outcome(&steady, None).share();
+    let mut value = |overlay: &Overlay| {
+        let (mut all, other) = std::thread::scope(|scope| {
+            let other = scope.spawn(|| outcome(&others, Some(overlay)));
+            let steady = outcome(&steady, Some(overlay));
+            (steady, other.join().expect("no panic"))
         });
-        Ok::<f64, std::convert::Infallible>(all.share())
-    })
-    .expect("found")
+        let lost = if spares_steady {
+            (shipped - all.share()).max(0.0)
+        } else {
+            0.0
+        };
+        all += other;
+        Ok::<f64, std::convert::Infallible>(all.share() - 100.0 * lost)
+    };
+    // Two settings come out nearly alike: the search begins at both.
+    let joining = Overlay {
+        long_ms: 700,
+        when_decided: true,
+        tremor_ms: 130,
+        tremor_mm: 20,
+        slow_keys_ms: 60,
+        bounce_keys_ms: 200,
+        ..plain.clone()
+    };
+    let mut found: Vec<(f64, Overlay)> = [plain, joining]
+        .into_iter()
+        .map(|from| {
+            let best = climb(from, &mut value).expect("found");
+            (value(&best).expect("judged"), best)
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.pop().expect("two").1
+}
+
+fn outcome(part: &[Trial], overlay: Option<&Overlay>) -> Outcome {
+    judge()
+        .outcome(part, overlay)
+        .expect("the profile's own regions")
 }
 
 /// Share that came out right, and wrong presses a minute, of one kind of people.
@@ -109,44 +144,41 @@ fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
         cases.extend(other.join().expect("no panic"));
         cases
     });
-    let fixed = best_fixed(&cases);
+    let fixed = best_fixed(&cases, false);
+    let sparing = best_fixed(&cases, true);
+    println!("the best settings for all:\n{}", fixed.toml(None));
+    println!("the best that spare steady hands:\n{}", sparing.toml(None));
     println!(
-        "the best settings that are the same for all:\n{}",
-        fixed.toml(None)
+        "| hands | as shipped | fixed, best for all | fixed, sparing steady hands | recommended |"
     );
-    println!(
-        "| hands | as shipped | best fixed | recommended | wrong a minute: shipped | fixed | recommended |"
-    );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- |");
     let mut failed = Vec::new();
-    if std::env::var_os("GELPAD_TUNING").is_some() {
-        for case in cases.iter().filter(|case| case.kind == Kind::Tremor) {
-            let best = best_fixed(std::slice::from_ref(case));
-            let judge = judge();
-            let share =
-                |overlay: &Overlay| judge.outcome(&case.judged, Some(overlay)).expect("sound");
-            println!(
-                "oracle {:?} {best:?}\n   own {:?}",
-                share(&best),
-                share(&case.recommended.overlay)
-            );
-        }
-    }
     for kind in KINDS {
         let shipped = figures(&cases, kind, |_| None);
         let same = figures(&cases, kind, |_| Some(fixed.clone()));
+        let spared = figures(&cases, kind, |_| Some(sparing.clone()));
         let own = figures(&cases, kind, |case| Some(case.recommended.overlay.clone()));
+        let told = |(share, wrong): (f64, f64)| format!("{share:.1} %, {wrong:.2}");
         println!(
-            "| {kind:?} | {:.1} % | {:.1} % | {:.1} % | {:.2} | {:.2} | {:.2} |",
-            shipped.0, same.0, own.0, shipped.1, same.1, own.1
+            "| {kind:?} | {} | {} | {} | {} |",
+            told(shipped),
+            told(same),
+            told(spared),
+            told(own)
         );
-        let gain = if kind == Kind::Steady { 0.0 } else { 15.0 };
-        if own.0 < same.0 + gain || own.1 > same.1 {
+        // The best for all swallow presses of steady hands, wrong ones too.
+        let gains = match kind {
+            Kind::Steady => own.0 >= same.0 && own.1 <= shipped.1,
+            Kind::Slow | Kind::Tremor => {
+                own.0 >= same.0.max(spared.0) + GAIN_POINTS && own.1 <= same.1.min(spared.1)
+            }
+        };
+        if !gains {
             failed.push(kind);
         }
     }
-    for case in &cases {
-        if std::env::var_os("GELPAD_TUNING").is_some() {
+    if std::env::var_os("GELPAD_TUNING").is_some() {
+        for case in &cases {
             println!("{:?} {:?}", case.kind, case.recommended.overlay);
         }
     }

@@ -102,10 +102,15 @@ impl Profile {
         let mode = match &binding.mode {
             Mode::Direct => String::new(),
             Mode::Classified(latch) => format!(
-                ": {} ms, or {} ms if it lasts {} ms",
+                ": {} ms, or {} ms if it lasts {} ms{}",
                 ms(latch.short_ns),
                 ms(latch.long_ns),
-                ms(latch.long_after_ns)
+                ms(latch.long_after_ns),
+                if latch.when_decided {
+                    ", when that is known"
+                } else {
+                    ""
+                }
             ),
             Mode::Latch(length_ns) => format!(": for {} ms", ms(*length_ns)),
             Mode::Toggle => ": on, and off with the next".to_owned(),

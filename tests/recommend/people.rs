@@ -115,12 +115,14 @@ impl Person {
                 }
             }
             Kind::Tremor => {
-                let short_ms = 120.0 * (between(0.0, 1.0) * f64::ln(500.0 / 120.0)).exp();
+                // A trembling hand may be as quick as a steady one or as slow as a slow one.
+                let short_ms = 70.0 * (between(0.0, 1.0) * f64::ln(700.0 / 70.0)).exp();
+                let long_ms = (short_ms * between(2.2, 3.0)).max(between(350.0, 600.0));
                 let tremor_hz = between(4.0, 8.0);
                 let period_ms = 1000.0 / tremor_hz;
                 Self {
                     short: Time(short_ms, 0.25),
-                    long: Time(300.0 + short_ms * between(2.2, 3.0), 0.2),
+                    long: Time(long_ms, 0.2),
                     gap: Time(between(300.0, 900.0), 0.2),
                     aim_mm: 4.0,
                     brush: between(0.05, 0.15),

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::{Judge, Overlay, RecommendError, Trial};
 
 /// Each press is tried this many times as slow: nobody presses twice alike.
-const PACES: [f64; 3] = [0.9, 1.0, 1.1];
+const PACES: [f64; 5] = [0.8, 0.9, 1.0, 1.1, 1.25];
 /// A press that nobody meant is as bad as so many that do not come out.
 const WRONG_WORTH: f64 = 2.0;
 /// Rounds over all settings, at most.

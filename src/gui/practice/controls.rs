@@ -39,6 +39,8 @@ pub enum Deed {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Controls {
     deeds: Vec<(Output, Deed)>,
+    /// Names of the first region whose output does it.
+    regions: Vec<(Deed, String)>,
 }
 
 impl Controls {
@@ -83,7 +85,35 @@ impl Controls {
                 }
             }
         }
+        controls.name_regions(profile);
         controls
+    }
+
+    fn name_regions(&mut self, profile: &Profile) {
+        for binding in &profile.bindings {
+            let deed = binding.targets.iter().find_map(|target| match target {
+                Target::Output(index) => self.deed(profile.outputs[*index]),
+                _ => None,
+            });
+            if let (Some(deed), Some(region)) = (deed, binding.regions.first())
+                && self.region(deed).is_none()
+            {
+                let name = profile.regions[*region].name.clone();
+                self.regions.push((deed, name));
+            }
+        }
+    }
+
+    /// What the player presses for it: the region's name, else the output's.
+    #[must_use]
+    pub fn told(&self, deed: Deed) -> Option<String> {
+        let region = self.region(deed).map(str::to_owned);
+        region.or_else(|| self.output(deed).map(|output| output.to_string()))
+    }
+
+    fn region(&self, deed: Deed) -> Option<&str> {
+        let found = self.regions.iter().find(|(other, _)| *other == deed);
+        found.map(|(_, name)| name.as_str())
     }
 
     fn add(&mut self, output: Output, deed: Deed) {

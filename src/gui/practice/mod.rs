@@ -19,7 +19,7 @@ pub use controls::{Controls, Deed};
 pub use level::{A_WAY, Level, TILE, Tile};
 pub use physics::{Body, Buttons, Happened, STEPS_PER_S, height};
 pub use tab::PracticeTab;
-pub use view::PracticeView;
+pub use view::{Beside, PracticeView};
 
 use std::collections::VecDeque;
 

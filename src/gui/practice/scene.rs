@@ -14,8 +14,9 @@ use super::{Practice, Stage};
 
 /// The player stands at this share of the width from the left.
 const AHEAD: f64 = 0.36;
-/// Rows of the level that are always seen.
+/// Rows of the level, and columns of it, that are always seen.
 const ROWS_SEEN: f64 = 13.0;
+const COLUMNS_SEEN: f64 = 21.0;
 /// A coin turns once in so many steps.
 const TURN_STEPS: f64 = 110.0;
 /// Taller and narrower by so much at most, while it rises or falls.
@@ -96,7 +97,9 @@ struct Camera {
 
 impl Camera {
     fn new(practice: &Practice, room: Rect) -> Self {
-        let scale = f64::from(room.height()) / (ROWS_SEEN * TILE);
+        let scale = (f64::from(room.height()) / (ROWS_SEEN * TILE))
+            .min(f64::from(room.width()) / (COLUMNS_SEEN * TILE))
+            .max(1e-3);
         let seen = f64::from(room.width()) / scale;
         let most = (practice.level().width() - seen).max(0.0);
         Self {
@@ -195,9 +198,14 @@ fn tiles(painter: &Painter, camera: &Camera, practice: &Practice, colours: &Colo
             match level.tile(column, row) {
                 Tile::Air => {}
                 Tile::Ground => {
-                    // A little wider: no seams between tiles.
-                    painter.rect_filled(rect.expand2(vec2(0.6, 0.6)), 0.0, colours.ground);
-                    if level.tile(column, row + 1) == Tile::Air {
+                    let is_top = level.tile(column, row + 1) == Tile::Air;
+                    // A little wider: no seams between tiles; round corners of the turf stay free.
+                    let mut earth = rect.expand2(vec2(0.6, 0.6));
+                    if is_top {
+                        earth.min.y = rect.top() + camera.long(4.5);
+                    }
+                    painter.rect_filled(earth, 0.0, colours.ground);
+                    if is_top {
                         let side = |other: i64| level.tile(other, row) == Tile::Air;
                         let round = (camera.long(5.0)).min(255.0) as u8;
                         let corners = CornerRadius {

@@ -36,6 +36,7 @@ impl PracticeTab {
     /// Draws the level and the pad.
     pub fn ui(&mut self, ui: &mut Ui, picture: &mut Picture, playing: &mut Playing) {
         self.take(&playing.view);
+        self.view.paused = playing.view.paused;
         let mut pad = |ui: &mut Ui, room| {
             play::pad(ui, room, picture, playing, false);
         };

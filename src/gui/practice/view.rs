@@ -18,28 +18,30 @@ const GAP: f32 = 10.0;
 const LINE: f32 = 34.0;
 const TITLE: f32 = 24.0;
 
+/// Draws something of the caller's into a room beside the level.
+pub type Beside<'a> = &'a mut dyn FnMut(&mut Ui, Rect);
+
 /// Draws the practice level and lets its time run.
 #[derive(Clone, Debug, Default)]
 pub struct PracticeView {
     /// When it was drawn last, by egui's time, s.
     drawn_s: Option<f64>,
+    /// Whether time stands still: the game is paused.
+    pub paused: bool,
 }
 
 impl PracticeView {
     /// Draws the level into the room that is left, and plays it on by the time since it was drawn last.
     ///
     /// `beside` draws something of the caller's into a room of its own: the pad, say.
-    pub fn ui(
-        &mut self,
-        ui: &mut Ui,
-        practice: &mut Practice,
-        beside: Option<&mut dyn FnMut(&mut Ui, Rect)>,
-    ) {
+    pub fn ui(&mut self, ui: &mut Ui, practice: &mut Practice, beside: Option<Beside<'_>>) {
         let now_s = ui.input(|input| input.time);
         let before_s = self.drawn_s.replace(now_s).unwrap_or(now_s);
-        practice.advance(now_s - before_s);
-        if practice.moves() {
-            ui.ctx().request_repaint();
+        if !self.paused {
+            practice.advance(now_s - before_s);
+            if practice.moves() {
+                ui.ctx().request_repaint();
+            }
         }
         let palette = theme::of(ui);
         let room = ui.available_rect_before_wrap();
@@ -150,7 +152,7 @@ fn picture(ui: &mut Ui, room: Rect, practice: &Practice) {
 
 /// What there is to say.
 fn said(practice: &Practice) -> String {
-    let named = |deed| practice.controls().output(deed);
+    let named = |deed| practice.controls().told(deed);
     match practice.stage() {
         Stage::Done { best } => {
             let time = practice.time_s();
@@ -160,10 +162,10 @@ fn said(practice: &Practice) -> String {
         Stage::Running => format!("{:.1} s", practice.time_s()),
         Stage::Ready => match (named(Deed::Right), named(Deed::Jump)) {
             (_, Some(jump)) if practice.walks() => {
-                format!("Press the pad: {jump} jumps. The longer the press, the higher the jump.")
+                format!("Press “{jump}” on the pad: the longer you press, the higher the jump.")
             }
             (Some(right), Some(jump)) => format!(
-                "Press the pad: {right} walks, {jump} jumps. The longer the press, the higher the jump."
+                "Press “{right}” on the pad to walk, “{jump}” to jump: the longer you press, the higher."
             ),
             _ => "This profile has no keys that walk right and jump: choose another, such as super-mario."
                 .to_owned(),
