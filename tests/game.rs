@@ -80,6 +80,8 @@ fn main() -> ExitCode {
         trial("direct", direct),
         trial("classified", classified),
         trial("walking", walking),
+        #[cfg(feature = "gui")]
+        trial("window", window),
         trial("presses", presses),
     ];
     libtest_mimic::run(&arguments, trials).exit_code()
@@ -220,6 +222,27 @@ impl Lcg {
         let span = u64::from(range.end - range.start);
         range.start + ((self.0 >> 33) % span) as u32
     }
+}
+
+/// The mouse on the window's own pad, while the emulator has the keyboard: that pad takes no focus.
+#[cfg(feature = "gui")]
+fn window(stage: &mut Stage) -> Result<()> {
+    let tools = Tools::find()?;
+    let log = stage.play_in_window(&tools, &[SHORT_MS, LONG_MS, SHORT_MS, LONG_MS])?;
+    let jumps = log.presses(|frame| frame.a);
+    print_jumps(&jumps, log.rate_hz()?);
+    let [short, long, short_again, long_again] = jumps.as_slice() else {
+        bail!("4 presses of the mouse became {} jumps", jumps.len());
+    };
+    for (short, long) in [(short, long), (short_again, long_again)] {
+        ensure!(
+            long.height_px > short.height_px,
+            "a long press rose {} px, a short one {} px",
+            long.height_px,
+            short.height_px
+        );
+    }
+    Ok(())
 }
 
 fn press_lengths_ms() -> impl Iterator<Item = u32> {

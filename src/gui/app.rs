@@ -425,7 +425,7 @@ impl App {
         );
         let playing = &self.playing;
         let (mark, colour, state) = if self.starting.is_some() {
-            ("◌", palette.warn, "starting")
+            ("…", palette.warn, "starting")
         } else if self.failed.is_some() || playing.ended.is_some() {
             ("✖", palette.bad, "stopped")
         } else if playing.view.paused {

@@ -80,6 +80,7 @@ pub fn open(opening: Opening) -> Result<(), NoWindow> {
             options,
             Box::new(move |creation| {
                 std::panic::set_hook(hook);
+                theme::fonts(&creation.egui_ctx);
                 let mut app = App::new(opening.desk);
                 app.wake_by(&creation.egui_ctx)?;
                 app.tab = opening.tab;

@@ -78,7 +78,7 @@ impl PadWindow {
         ui.painter().text(
             Pos2::new(bar.left() + 8.0, bar.center().y),
             egui::Align2::LEFT_CENTER,
-            "gelpad  ⠿ move",
+            "gelpad: drag to move",
             egui::FontId::proportional(12.0),
             palette.weak,
         );

@@ -115,7 +115,7 @@ impl Place {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::profile::Profile;
+    use crate::gui::still;
     use proptest::prelude::*;
 
     const MIRRORS: [Mirror; 4] = [
@@ -132,8 +132,7 @@ mod tests {
     ];
 
     fn settings(mirror: Mirror, rotate: Rotation) -> Settings {
-        let text = "schema = 1\nname = \"p\"\nabout = \"p\"\n";
-        let mut settings = Profile::from_toml("p", text).expect("sound").settings;
+        let mut settings = still::profile().settings.clone();
         settings.mirror = mirror;
         settings.rotate = rotate;
         settings

@@ -87,6 +87,15 @@ pub fn touch(id: u64) -> Color32 {
     TOUCHES[(id % TOUCHES.len() as u64) as usize]
 }
 
+/// Gives texts the signs that the text's own font lacks: arrows, dots, triangles. Before the first pass.
+pub fn fonts(ctx: &egui::Context) {
+    let mut fonts = egui::FontDefinitions::default();
+    if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
+        family.push("Hack".to_owned());
+    }
+    ctx.set_fonts(fonts);
+}
+
 /// Dresses both themes of a context.
 pub fn dress(ctx: &egui::Context) {
     for theme in [Theme::Dark, Theme::Light] {

@@ -23,7 +23,7 @@ pub fn start_server(xvfb: &Path, folder: &Path) -> Result<(Process, OsString)> {
     let mut command = Command::new(xvfb);
     command
         .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
-        .args(["-screen", "0", "640x480x24"]);
+        .args(["-screen", "0", "1300x820x24"]);
     let mut server =
         Process::start_answering("Xvfb", &mut command, folder, &answer)?.with_grace(SERVER_GRACE);
     let number = server.wait_for("display number", PATIENCE, || {

@@ -41,6 +41,7 @@ impl Stage {
         app.tab = tab;
         let mut window = Harness::builder()
             .with_size(size)
+            .with_context_setup(gelpad::gui::theme::fonts)
             .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
         window.run_steps(3);
         Self { window, desk }
@@ -90,7 +91,19 @@ impl Stage {
     /// Clicks what has a role and a label.
     pub fn click(&mut self, role: Role, label: &str) {
         self.window.get_by_role_and_label(role, label).click();
+        self.settle();
+    }
+
+    /// Goes on until a game that was asked for has started, or not.
+    pub fn settle(&mut self) {
         self.steps(3);
+        for _ in 0..400 {
+            if !self.app().is_starting() {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            self.steps(1);
+        }
     }
 
     pub fn button(&mut self, label: &str) {

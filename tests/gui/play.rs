@@ -53,7 +53,7 @@ fn a_start_that_fails_says_why_and_is_tried_again() {
 fn pause_and_zero_are_asked_of_the_game() {
     let mut stage = stage();
     stage.button("⏸ Pause");
-    stage.button("⊙ Zero");
+    stage.button("Zero");
     let asked = &stage.app().playing.asked;
     assert!(
         matches!(asked[..], [Command::Pause, Command::Rezero]),
@@ -75,7 +75,7 @@ fn another_profile_is_chosen_by_its_name() {
     let mut stage = stage();
     stage.click(Role::ComboBox, "Profile");
     stage.window.get_by_label("racing").click();
-    stage.steps(3);
+    stage.settle();
     let last = stage.desk.last().expect("a start");
     assert_eq!(last.profile, "racing");
     assert_eq!(last.to, To::Nothing, "the rest stays");
@@ -91,7 +91,7 @@ fn a_port_is_chosen_as_source() {
     let mut stage = Stage::on(std::sync::Arc::new(desk), Tab::Play, WIDE);
     stage.click(Role::ComboBox, "From");
     stage.window.get_by_label("/dev/ttyACM7").click();
-    stage.steps(3);
+    stage.settle();
     let last = stage.desk.last().expect("a start");
     assert_eq!(last.from, From::Serial("/dev/ttyACM7".to_owned()));
 }
@@ -255,6 +255,6 @@ fn the_pad_is_pressed_in_the_smallest_window_too() {
 #[test]
 fn the_pad_window_opens_beside() {
     let mut stage = stage();
-    stage.button("⬒ Pad window");
+    stage.button("🗖 Pad window");
     assert!(stage.app().pad_window.open);
 }

@@ -208,7 +208,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
                 playing.ask(Command::Pause);
             }
             if ui
-                .button("⊙ Zero")
+                .button("Zero")
                 .on_hover_text("the pad counts as untouched as it is now")
                 .clicked()
             {
@@ -216,7 +216,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
             }
             if playing.has_hand()
                 && ui
-                    .button("⬒ Pad window")
+                    .button("🗖 Pad window")
                     .on_hover_text("a small window that takes no focus: press it while your game has the keyboard")
                     .clicked()
             {
@@ -243,7 +243,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
     }
     theme::card(ui).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        theme::title(ui, "times");
+        theme::title(ui, "times: the usual · one of a hundred");
         times(ui, playing);
     });
     wish
@@ -252,7 +252,7 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
 /// Profile, source and output.
 fn choose(ui: &mut Ui, choice: &Choice, names: &Names) -> Option<Wish> {
     let mut wanted = choice.clone();
-    let width = (ui.available_width() - 66.0).max(90.0);
+    let width = (ui.available_width() - 104.0).max(80.0);
     egui::ComboBox::from_label("Profile")
         .width(width)
         .truncate()
@@ -396,7 +396,7 @@ fn times(ui: &mut Ui, playing: &Playing) {
             ] {
                 if spread.count > 0 {
                     let [median, p99] = [spread.median_us, spread.p99_us].map(|us| us / 1e3);
-                    row(what, format!("{median:.2} ms, 1 % over {p99:.2}"));
+                    row(what, format!("{median:.2} · {p99:.1} ms"));
                 }
             }
             if view.frames_per_s > 0.0 {
@@ -406,6 +406,5 @@ fn times(ui: &mut Ui, playing: &Playing) {
                 );
             }
             row("lost frames", view.lost_frames.to_string());
-            row("to", playing.output.clone());
         });
 }

@@ -275,7 +275,7 @@ fn zero(ui: &mut Ui, playing: &mut Playing) -> Option<Wish> {
         ui,
         "Take your hands off the pad, then set it to zero: what it reads then counts as untouched. It follows slow drift by itself; zero it again when something was laid on it or taken off.",
     );
-    if ui.button("⊙ Zero now").clicked() {
+    if ui.button("Zero now").clicked() {
         playing.ask(Command::Rezero);
     }
     let count = playing.view.touches.len();
