@@ -61,7 +61,7 @@ fn told(report: &Report, colours: bool) -> String {
         0 => "Nothing here takes what gelpad plays.\n".to_owned(),
         _ => format!("gelpad can play by the {outputs}.\n"),
     });
-    if lines().any(|line| mends_by_rule(line)) {
+    if lines().any(mends_by_rule) {
         text.push_str(&format!(
             "\nThe rule that `gelpad doctor --install-rule` writes to {}:\n\n{}",
             rule::RULE_PATH,

@@ -127,7 +127,7 @@ fn spare_key(connection: &RustConnection) -> Option<u8> {
     let width = usize::from(mapping.keysyms_per_keycode).max(1);
     let keys = mapping.keysyms.chunks(width).zip(least..=most);
     let spare = keys.filter(|(symbols, _)| symbols.iter().all(|symbol| *symbol == 0));
-    spare.map(|(_, key)| key).last()
+    spare.map(|(_, key)| key).next_back()
 }
 
 pub(super) fn judge(display: &Display) -> Line {

@@ -113,7 +113,6 @@ pub fn dress(ctx: &egui::Context) {
 }
 
 /// A card: a rounded ground of its own.
-#[must_use]
 pub fn card(ui: &egui::Ui) -> egui::Frame {
     let palette = of(ui);
     egui::Frame::new()

@@ -74,6 +74,8 @@ pub struct Reader<R> {
     attachment: Option<(String, Vec<u8>)>,
     notes: Vec<String>,
     losses: u64,
+    /// Behind some damage there are no further records.
+    exhausted: bool,
     ended: bool,
 }
 
@@ -120,6 +122,7 @@ impl<R: Read + Seek> Reader<R> {
             attachment: None,
             notes: Vec::new(),
             losses: 0,
+            exhausted: false,
             ended: false,
         };
         let setup = reader.read_setup()?;
@@ -270,7 +273,7 @@ impl<R: Read + Seek> Reader<R> {
 
     /// The next record, past damage if salvaging.
     fn record(&mut self) -> Result<Option<u8>, ReadError> {
-        loop {
+        while !self.exhausted {
             let offset = self.records.offset;
             let why = match self.records.next() {
                 Ok(code) => return Ok(code),
@@ -289,9 +292,10 @@ impl<R: Read + Seek> Reader<R> {
                 Some(bytes) => {
                     self.note(format!("{bytes} bytes from {offset} on were passed over"))
                 }
-                None => return Ok(None),
+                None => self.exhausted = true,
             }
         }
+        Ok(None)
     }
 
     fn take_channel(&mut self, body: Option<&[u8]>) {

@@ -78,8 +78,11 @@ impl Source for FramesTable {
     }
 }
 
-/// The frames of a text in the pad's order, and what was found; or the first problem, at its line.
-fn frames_of(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), (u64, String)> {
+/// A line, from 1, and what is wrong there.
+type Problem = (u64, String);
+
+/// The frames of a text in the pad's order, and what was found; or the first problem.
+fn frames_of(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), Problem> {
     let rows = rows_of(text)?;
     let (Some(first), counts) = (rows.first(), plausible_counts(pad)) else {
         return Err((1, "the table is empty".to_owned()));

@@ -10,7 +10,9 @@ use gilrs::{EventType, Gilrs};
 use crate::pad::{cases, send};
 
 /// Longest wait for one event: the guest is slow, and a missing one must not hang.
-const PATIENCE: Duration = Duration::from_secs(10);
+const WAIT: Duration = Duration::from_millis(100);
+/// So many times.
+const PATIENCE: usize = 300;
 
 pub fn read() -> Result<()> {
     let mut pad = Uinput::create()?;
@@ -42,7 +44,11 @@ pub fn read() -> Result<()> {
 
 /// Waits for an event of a kind; others that come before it must be of no button.
 fn wait(gilrs: &mut Gilrs, is_it: impl Fn(&EventType) -> bool) -> Result<()> {
-    while let Some(event) = gilrs.next_event_blocking(Some(PATIENCE)) {
+    // It wakes without an event when other devices come and go.
+    for _ in 0..PATIENCE {
+        let Some(event) = gilrs.next_event_blocking(Some(WAIT)) else {
+            continue;
+        };
         if is_it(&event.event) {
             return Ok(());
         }

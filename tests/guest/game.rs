@@ -1,7 +1,8 @@
 //! fceux plays the game of `tests/game` by gelpad's pad, and by nothing else.
 //!
-//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game. The test lets go of a switch
-//! when it has seen the game take it for so many frames: so it does not matter how fast the guest is.
+//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game: so the test decides when a
+//! press comes, after it has seen how fast the game runs in the guest just then. Lengths are in frames of the game, far from
+//! where a short jump becomes a long one: no guest keeps time well.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,13 +15,15 @@ use crate::host::{Guest, needs_gilrs};
 use crate::tools::Tools;
 
 /// Short and long presses in turn, frames of the game.
-const SHORT_FRAMES: usize = 5;
-const LONG_FRAMES: usize = 36;
+const SHORT_FRAMES: usize = 8;
+const LONG_FRAMES: usize = 60;
 const PRESSES: usize = 6;
 /// The highest jump is over, frames.
 const REST_FRAMES: usize = 60;
 /// What the game reaches when A is held for 31 frames or more, px.
 const HIGHEST_PX: u8 = 66;
+/// Frames by which its rate is known.
+const RATE_FRAMES: usize = 60;
 /// Frames after which the game has drawn itself and its rate is known.
 const WARM_UP_FRAMES: usize = 90;
 /// A guest on a busy machine takes long to start an emulator.
@@ -87,7 +90,7 @@ pub use of_gilrs::inside;
 mod of_gilrs {
     use super::*;
     use crate::as_evdev;
-    use crate::log::{Frame, Log, Press};
+    use crate::log::{Log, Press};
     use crate::process::Process;
     use crate::source::{Gelpad, SwitchBox};
 
@@ -145,7 +148,7 @@ output = "pad:right"
         game.run_for(WARM_UP_FRAMES)?;
         let seen = game.log()?.frames().len();
         for index in 0..PRESSES {
-            game.hold(&mut switches, JUMP, asked(index), |frame| frame.a)?;
+            game.hold(&mut switches, JUMP, asked(index))?;
         }
         let jumps = game.log()?.skip(seen).presses(|frame| frame.a);
         println!("frames asked  frames of A  height px");
@@ -159,7 +162,7 @@ output = "pad:right"
         }
         judge(&jumps)?;
         let seen = game.log()?.frames().len();
-        game.hold(&mut switches, RIGHT, LONG_FRAMES, |frame| frame.right)?;
+        game.hold(&mut switches, RIGHT, LONG_FRAMES)?;
         let walks = game.log()?.skip(seen).presses(|frame| frame.right);
         ensure!(
             walks.len() == 1 && walks[0].way_px > 0,
@@ -224,21 +227,13 @@ output = "pad:right"
             self.wait_for(|log| log.frames().len() >= until)
         }
 
-        /// Holds a switch until the game has taken it for so many frames, then lets the jump come down.
-        fn hold(
-            &mut self,
-            switches: &mut SwitchBox,
-            switch: u16,
-            frames: usize,
-            held: impl Fn(&Frame) -> bool,
-        ) -> Result<()> {
-            let before = self.log()?.frames().len();
-            let held = |log: &Log| {
-                let fresh = &log.frames()[before..];
-                fresh.iter().filter(|frame| held(frame)).count()
-            };
+        /// Holds a switch for so many frames, then lets the jump come down.
+        fn hold(&mut self, switches: &mut SwitchBox, switch: u16, frames: usize) -> Result<()> {
+            let log = self.log()?;
+            let before = log.frames().len().saturating_sub(RATE_FRAMES);
+            let length = Duration::from_secs_f64(frames as f64 / log.skip(before).rate_hz()?);
             switches.set(switch, true)?;
-            self.wait_for(|log| held(log) >= frames)?;
+            std::thread::sleep(length);
             switches.set(switch, false)?;
             self.run_for(REST_FRAMES)
         }

@@ -53,7 +53,9 @@ struct Pad(VirtualDevice);
 
 impl Pad {
     fn plug_in(vendor: u16, product: u16) -> Result<Self> {
-        let keys = AttributeSet::from_iter((0x130..0x13f).map(KeyCode));
+        // In the order of the kernel's driver, and none more: libraries count buttons and axes.
+        let keys = [A, B, X, Y, 0x136, 0x137, 0x13a, 0x13b, 0x13c, 0x13d, 0x13e];
+        let keys = AttributeSet::from_iter(keys.map(KeyCode));
         let stick = AbsInfo::new(0, -32768, 32767, 16, 128, 0);
         let trigger = AbsInfo::new(0, 0, 255, 0, 0, 0);
         let hat = AbsInfo::new(0, -1, 1, 0, 0, 0);
@@ -61,7 +63,6 @@ impl Pad {
             .name("Microsoft X-Box 360 pad")
             .input_id(InputId::new(BusType::BUS_USB, vendor, product, 0x0114))
             .with_keys(&keys)?;
-        // In the order of the kernel's driver, and all of them: libraries count axes.
         let [x, y, z, rx, ry, rz] = [stick, stick, trigger, stick, stick, trigger];
         let axes = [
             (0, x),
@@ -184,7 +185,9 @@ impl Gelpad {
 /// `BTN_0`.
 const FIRST_SWITCH: u16 = 0x100;
 const A: u16 = 0x130;
+const B: u16 = 0x131;
 const X: u16 = 0x133;
+const Y: u16 = 0x134;
 
 pub fn play() -> Result<()> {
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
