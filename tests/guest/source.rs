@@ -228,7 +228,19 @@ pub fn play() -> Result<()> {
     drop(pad);
     gelpad.sends(&["release key:f", "release key:g"])?;
     gelpad.says("is gone")?;
+    let rest = gelpad.end()?;
+    ensure!(rest.is_empty(), "what was not asked for: {rest:?}");
+    println!("played, and unplugged");
+    Ok(())
+}
 
+/// Unplugged and plugged in again, it plays on.
+pub fn replug() -> Result<()> {
+    let pad = Pad::plug_in(0x045e, 0x028e)?;
+    let mut gelpad = Gelpad::start(PROFILE, &["--output", "trace"])?;
+    gelpad.says("gamepad: ")?;
+    drop(pad);
+    gelpad.says("is gone")?;
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
     gelpad.says("gamepad: ")?;
     pad.key(A, true)?;
@@ -237,7 +249,7 @@ pub fn play() -> Result<()> {
     gelpad.sends(&["release key:f"])?;
     let rest = gelpad.end()?;
     ensure!(rest.is_empty(), "what was not asked for: {rest:?}");
-    println!("played, unplugged, plugged in again");
+    println!("unplugged, plugged in again");
     Ok(())
 }
 
