@@ -51,7 +51,6 @@ fn main() -> ExitCode {
         trial("touches_by_udp", tuio::by_udp),
         trial("version_1", version_1::replays),
         trial("an_hour", replays::hour).with_ignored_flag(true),
-        trial("write_version_1", version_1::write).with_ignored_flag(true),
     ];
     let needs = |name, missing: Option<String>, run: fn() -> Result<()>| match missing {
         Some(missing) if !tools::all_required() => {
