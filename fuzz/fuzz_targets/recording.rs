@@ -90,7 +90,10 @@ fuzz_target!(|bytes: &[u8]| {
                 // What can be read can be written, and is then the same.
                 let again = message.to_json(None);
                 let back = Message::from_json(topic, &again, &mut Unpacker::default());
-                assert_eq!(back.map(|back| back.map(|back| back.to_json(None))), Ok(Some(again)));
+                assert_eq!(
+                    back.map(|back| back.map(|back| back.to_json(None))),
+                    Ok(Some(again))
+                );
             }
         }
         4 => {

@@ -5,13 +5,17 @@
 
 use std::time::{Duration, Instant};
 
-use gilrs::{Axis as From, Button as Pressed, EventType, Gamepad, GamepadId, Gilrs, GilrsBuilder};
+use gilrs::{Axis as From, Button as Pressed, EventType, GamepadId, Gilrs, GilrsBuilder};
 
 use super::{Pace, Reading, Source, SourceError};
 use crate::types::{Axis, Button, Buttons, Control, Nanos};
 
 /// A state is handed up at least this often.
 const HEARTBEAT: Duration = Duration::from_millis(100);
+/// Where the library wakes for nothing, it is asked again after this.
+const NAP: Duration = Duration::from_millis(2);
+/// While no device is there, they are looked for anew this often: one that comes while another goes may be missed.
+const LOOK: Duration = Duration::from_secs(1);
 /// The maker and kind of gelpad's own pad, and of many that are not.
 const OWN_ID: (Option<u16>, Option<u16>) = (Some(0x045e), Some(0x028e));
 /// Buttons without a layout count up from a multiple of this in the kernel's codes.
@@ -57,6 +61,9 @@ pub struct GamepadSource {
     own: Own,
     /// What came after the report that was handed up last.
     next: Option<gilrs::Event>,
+    /// The last state, and when it was handed up.
+    told: Option<Control>,
+    looked: Instant,
 }
 
 /// The pad that gelpad itself has made: nothing tells it from a real one but that it comes when it is expected.
@@ -69,8 +76,10 @@ enum Own {
 struct Device {
     id: GamepadId,
     name: String,
-    /// Buttons of a switch box that has no gamepad's layout: in their order they are a, b, x, y, ...
-    switches: Buttons,
+    /// As far as its events have been taken: the library's own state is ahead of them. The buttons of a switch box, which
+    /// has no gamepad's layout, are a, b, x, y, ... in their order.
+    buttons: Buttons,
+    axes: [f32; Axis::ALL.len()],
 }
 
 impl GamepadSource {
@@ -83,23 +92,16 @@ impl GamepadSource {
         reason = "what a gamepad says is stamped on arrival"
     )]
     pub fn open() -> Result<Self, SourceError> {
-        let gilrs = GilrsBuilder::new()
-            .with_force_feedback(false)
-            .build()
-            .map_err(|error| SourceError::Gamepads {
-                reason: error.to_string(),
-            })?;
         let mut source = Self {
-            gilrs,
+            gilrs: library()?,
             opened: Instant::now(),
             devices: Vec::new(),
             own: Own::None,
             next: None,
+            told: None,
+            looked: Instant::now(),
         };
-        let there: Vec<GamepadId> = source.gilrs.gamepads().map(|(id, _)| id).collect();
-        for id in there {
-            source.connected(id);
-        }
+        source.take_all();
         if source.devices.is_empty() {
             tracing::warn!("no gamepad is plugged in yet: plug one in whenever you like");
         }
@@ -114,7 +116,30 @@ impl GamepadSource {
         self
     }
 
+    /// Takes whatever is plugged in.
+    fn take_all(&mut self) {
+        let there: Vec<GamepadId> = self.gilrs.gamepads().map(|(id, _)| id).collect();
+        for id in there {
+            self.connected(id);
+        }
+    }
+
+    /// Looks for devices anew, if there are none.
+    #[allow(clippy::disallowed_methods, reason = "by the clock, not at every call")]
+    fn look_again(&mut self) -> Result<(), SourceError> {
+        let alone = self.devices.is_empty() && matches!(self.own, Own::None);
+        if alone && self.looked.elapsed() > LOOK {
+            self.looked = Instant::now();
+            self.gilrs = library()?;
+            self.take_all();
+        }
+        Ok(())
+    }
+
     fn connected(&mut self, id: GamepadId) {
+        if self.devices.iter().any(|device| device.id == id) {
+            return;
+        }
         let gamepad = self.gilrs.gamepad(id);
         let looks_own = (gamepad.vendor_id(), gamepad.product_id()) == OWN_ID;
         if looks_own && matches!(self.own, Own::Expected) {
@@ -126,7 +151,8 @@ impl GamepadSource {
         self.devices.push(Device {
             id,
             name,
-            switches: Buttons::default(),
+            buttons: Buttons::default(),
+            axes: Default::default(),
         });
     }
 
@@ -143,26 +169,13 @@ impl GamepadSource {
 
     fn take(&mut self, event: &gilrs::Event) {
         match event.event {
-            EventType::Connected => self.connected(event.id),
-            EventType::Disconnected => self.disconnected(event.id),
-            EventType::ButtonPressed(Pressed::Unknown, code) => {
-                self.switch(event.id, code.into_u32(), true);
-            }
-            EventType::ButtonReleased(Pressed::Unknown, code) => {
-                self.switch(event.id, code.into_u32(), false);
-            }
+            EventType::Connected => return self.connected(event.id),
+            EventType::Disconnected => return self.disconnected(event.id),
             _ => {}
         }
-    }
-
-    fn switch(&mut self, id: GamepadId, code: u32, is_down: bool) {
-        let device = self.devices.iter_mut().find(|device| device.id == id);
-        let button = Button::ALL.get((code % BLOCK) as usize);
-        if let (Some(device), Some(button)) = (device, button) {
-            device.switches = match is_down {
-                true => device.switches.with(*button),
-                false => device.switches.without(*button),
-            };
+        let device = self.devices.iter_mut().find(|own| own.id == event.id);
+        if let Some(device) = device {
+            device.take(&event.event);
         }
     }
 
@@ -174,15 +187,9 @@ impl GamepadSource {
             ..Control::default()
         };
         for device in &self.devices {
-            let gamepad = self.gilrs.gamepad(device.id);
-            for button in Button::ALL {
-                if is_pressed(&gamepad, *button) || device.switches.contains(*button) {
-                    control.buttons = control.buttons.with(*button);
-                }
-            }
-            for axis in Axis::ALL {
-                let value = value(&gamepad, *axis);
-                let furthest = &mut control.axes[*axis as usize];
+            let bits = control.buttons.bits() | device.buttons.bits();
+            control.buttons = Buttons::from_bits(bits);
+            for (furthest, value) in control.axes.iter_mut().zip(device.axes) {
                 if value.abs() > furthest.abs() {
                     *furthest = value;
                 }
@@ -192,46 +199,107 @@ impl GamepadSource {
     }
 }
 
+impl Device {
+    fn take(&mut self, event: &EventType) {
+        match *event {
+            EventType::ButtonPressed(Pressed::Unknown, code) => {
+                self.button(switch(code.into_u32()), true);
+            }
+            EventType::ButtonReleased(Pressed::Unknown, code) => {
+                self.button(switch(code.into_u32()), false);
+            }
+            EventType::ButtonPressed(pressed, _) => {
+                self.button(found(BUTTONS, pressed), true);
+                self.axis(found(TRIGGERS, pressed), 1.0);
+            }
+            EventType::ButtonReleased(pressed, _) => {
+                self.button(found(BUTTONS, pressed), false);
+                self.axis(found(TRIGGERS, pressed), 0.0);
+            }
+            EventType::ButtonChanged(pressed, value, _) => {
+                self.axis(found(TRIGGERS, pressed), value);
+            }
+            EventType::AxisChanged(from, value, _) => self.axis(found(STICKS, from), value),
+            _ => {}
+        }
+    }
+
+    fn button(&mut self, button: Option<Button>, is_down: bool) {
+        if let Some(button) = button {
+            self.buttons = match is_down {
+                true => self.buttons.with(button),
+                false => self.buttons.without(button),
+            };
+        }
+    }
+
+    fn axis(&mut self, axis: Option<Axis>, value: f32) {
+        if let Some(axis) = axis {
+            self.axes[axis as usize] = value;
+        }
+    }
+}
+
 impl Source for GamepadSource {
     fn pace(&self) -> Pace {
         Pace::ByDevice
     }
 
     fn read(&mut self) -> Result<Reading, SourceError> {
+        self.look_again()?;
         let first = match self.next.take() {
             Some(event) => Some(event),
             None => self.gilrs.next_event_blocking(Some(HEARTBEAT)),
         };
-        if let Some(first) = first {
-            self.take(&first);
-            // The events of one report carry one time: half of a report is no state.
-            while let Some(event) = self.gilrs.next_event() {
-                if (event.id, event.time) != (first.id, first.time) {
-                    self.next = Some(event);
-                    break;
+        match first {
+            Some(first) => {
+                self.take(&first);
+                // The events of one report carry one time: half of a report is no state.
+                while let Some(event) = self.gilrs.next_event() {
+                    if (event.id, event.time) != (first.id, first.time) {
+                        self.next = Some(event);
+                        break;
+                    }
+                    self.take(&event);
                 }
-                self.take(&event);
             }
+            None => std::thread::sleep(NAP),
         }
-        Ok(Reading::Control(self.state()))
+        let state = self.state();
+        let news = match &self.told {
+            Some(told) => {
+                let long = state.t_ns - told.t_ns >= HEARTBEAT.as_nanos() as Nanos;
+                let said = |of: &Control| (of.present, of.buttons, of.axes);
+                long || said(told) != said(&state)
+            }
+            None => true,
+        };
+        if !news {
+            return Ok(Reading::Idle);
+        }
+        self.told = Some(state);
+        Ok(Reading::Control(state))
     }
 }
 
-fn is_pressed(gamepad: &Gamepad<'_>, button: Button) -> bool {
-    BUTTONS
+fn library() -> Result<Gilrs, SourceError> {
+    GilrsBuilder::new()
+        .with_force_feedback(false)
+        .build()
+        .map_err(|error| SourceError::Gamepads {
+            reason: error.to_string(),
+        })
+}
+
+/// What something of the library's is to us.
+fn found<T: Copy, L: Copy + PartialEq>(table: &[(T, L)], theirs: L) -> Option<T> {
+    table
         .iter()
-        .find(|(own, _)| *own == button)
-        .is_some_and(|(_, pressed)| gamepad.is_pressed(*pressed))
+        .find(|(_, one)| *one == theirs)
+        .map(|(own, _)| *own)
 }
 
-fn value(gamepad: &Gamepad<'_>, axis: Axis) -> f32 {
-    let stick = STICKS.iter().find(|(own, _)| *own == axis);
-    let trigger = TRIGGERS.iter().find(|(own, _)| *own == axis);
-    match (stick, trigger) {
-        (Some((_, from)), _) => gamepad.value(*from),
-        (_, Some((_, pressed))) => gamepad
-            .button_data(*pressed)
-            .map_or(0.0, gilrs::ev::state::ButtonData::value),
-        _ => 0.0,
-    }
+/// The button that a switch without a layout is, by the kernel's code.
+fn switch(code: u32) -> Option<Button> {
+    Button::ALL.get((code % BLOCK) as usize).copied()
 }

@@ -12,6 +12,10 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// An effect that ends by itself, ms.
 const LENGTH_MS: u16 = 300;
 
+#[allow(
+    clippy::disallowed_methods,
+    reason = "a deadline of a test reads the clock"
+)]
 pub fn shake() -> Result<()> {
     let pad = Uinput::create()?;
     let mut devices = evdev::enumerate().map(|(_, device)| device);

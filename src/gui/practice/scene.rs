@@ -165,6 +165,10 @@ fn sky(painter: &Painter, room: Rect, colours: &Colours) {
 
 /// Two rows of round hills, the far one slower.
 fn hills(painter: &Painter, camera: &Camera, colours: &Colours) {
+    // They end at the ground: a gap is a gap down to the bottom.
+    let mut above = camera.room;
+    above.max.y = camera.at([0.0, 2.0 * TILE]).y;
+    let painter = painter.with_clip_rect(above.intersect(painter.clip_rect()));
     for (colour, pace, apart, radius) in [
         (colours.hills[0], 0.25, 170.0, 105.0),
         (colours.hills[1], 0.5, 120.0, 66.0),

@@ -200,3 +200,30 @@ fn lost(error: io::Error) -> OutputError {
         reason: error.to_string(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_down_is_what_was_pressed_and_not_released() {
+        let (mut parent, mut line) = UnixStream::pair().expect("a line");
+        let mut known = Known::default();
+        let mut told = |text: &str| {
+            parent.write_all(text.as_bytes()).expect("told");
+            assert!(matches!(known.hear(&mut line), Ok(Heard::Lines)));
+            known.down.iter().map(Output::to_string).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            told("press key:f\npress mouse:left\npre"),
+            ["key:f", "mouse:left"]
+        );
+        assert_eq!(
+            told("ss key:d\nbeat\nrelease key:f\n"),
+            ["mouse:left", "key:d"]
+        );
+        assert_eq!(told("press key:d\nnonsense\n"), ["mouse:left", "key:d"]);
+        drop(parent);
+        assert!(matches!(known.hear(&mut line), Ok(Heard::End)));
+    }
+}
