@@ -23,7 +23,7 @@ export DISPLAY
 # CPU time of the thread `engine` of a process, ns.
 engine_ns() {
   for task in /proc/"$1"/task/*; do
-    [ "$(cat "$task/comm")" = engine ] && cut -d' ' -f1 "$task/schedstat"
+    if [ "$(cat "$task/comm")" = engine ]; then cut -d' ' -f1 "$task/schedstat"; fi
   done
 }
 # CPU time of a process, in ticks of 10 ms.
