@@ -10,7 +10,7 @@ use gelpad::eit::order::Layout;
 use gelpad::pad::{Pad, shipped_pad};
 use gelpad::source::board::{Board, BoardSettings, Cable, Faults, Plan, Signal, serve};
 use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
-use gelpad::source::wire::{Decoded, Dialect, Format, FormatKind, MOST_HELD_BYTES, Wiring};
+use gelpad::source::wire::{Decoded, Format, FormatKind, MOST_HELD_BYTES, Wiring};
 use gelpad::source::{Reading, Script, Source};
 use rustix::process::{Pid, Signal as Interrupt, kill_process};
 
@@ -83,7 +83,7 @@ fn over_pty(pad: &Pad, settings: &BoardSettings, format: Format, frames: usize) 
 /// What a format with so many decimals keeps of a value that its board scales.
 fn rounded(values: &[Vec<f32>], decimals: usize) -> Vec<Vec<f32>> {
     let keep = |value: &f32| {
-        format!("{:.decimals$}", 1e4_f32 * value)
+        format!("{:.decimals$}", 100.0_f32 * value)
             .parse()
             .expect("a number")
     };
@@ -289,13 +289,8 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
         FormatKind::Request,
         FormatKind::Sciospec,
     ] {
-        let (count, lost_first) = match kind {
-            FormatKind::OpenEit => (192, 1),
-            FormatKind::Square => (256, 1),
-            // The instrument's cycle is learned from a whole one when the damage lasted.
-            FormatKind::Sciospec => (208, 2),
-            _ => (208, 1),
-        };
+        // The instrument's cycle is learned from a whole one when the damage lasted.
+        let lost_first = if kind == FormatKind::Sciospec { 2 } else { 1 };
         for faults in damage {
             let Spell {
                 wiring,
@@ -307,15 +302,14 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
             let sound = decoded(kind, &wiring, &bytes[sound_from..]);
             assert_eq!(sound.len(), SOUND_FRAMES, "{kind:?}");
             let tail = SOUND_FRAMES - lost_first;
-            assert_eq!(
-                whole[whole.len() - tail..],
-                sound[lost_first..],
-                "{kind:?} {faults:?}"
+            assert!(
+                whole[whole.len() - tail..] == sound[lost_first..],
+                "{kind:?} {faults:?}: other frames"
             );
-            // A reply's count is judged by whoever knows the pad.
-            if kind != FormatKind::Request && kind != FormatKind::OpenEit {
+            // The count of a line or reply is judged by whoever knows the pad.
+            if kind == FormatKind::Sciospec {
                 assert!(
-                    whole.iter().all(|frame| frame.len() == count),
+                    whole.iter().all(|frame| frame.len() == 208),
                     "{kind:?} {faults:?}"
                 );
             }
@@ -418,7 +412,7 @@ fn play_goes_on_through_everything_and_holds_nothing() {
     assert!(presses >= 5, "{presses} presses\n{trace}\n{told}");
     for expected in [
         "the board speaks gelpad's own packets",
-        "whose check sum is wrong",
+        "skipped what is no frame",
         "has been silent for 500 ms: all keys are up",
         "the board is gone",
         "the board is back",

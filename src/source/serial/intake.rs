@@ -5,8 +5,9 @@
 //! garbled, until the board has gone over to that for good.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
-use crate::pad::Pad;
+use crate::pad::{Channel, Pad};
 use crate::source::arrangement::{Arrangement, plausible_counts};
 use crate::source::clock::DeviceClock;
 use crate::source::wire::{Decoded, Dialect, Format, WireFrame, Wiring};
@@ -25,6 +26,8 @@ pub(super) struct Intake {
     dialect: Box<dyn Dialect>,
     counts: Vec<usize>,
     arrangement: Option<Arrangement>,
+    /// What the board said its values are readings of when that was found.
+    listing: Option<Arc<[Channel]>>,
     /// Frames of a number of values that is not yet sure, with their arrival.
     unsure: Vec<(WireFrame, Nanos)>,
     clock: DeviceClock,
@@ -42,6 +45,7 @@ impl Intake {
             pad: pad.clone(),
             format,
             arrangement: None,
+            listing: None,
             unsure: Vec::new(),
             clock: DeviceClock::default(),
             sequence: None,
@@ -109,6 +113,7 @@ impl Intake {
         let count = frame.values.len();
         if let Some(arrangement) = &self.arrangement
             && arrangement.values() == count
+            && self.listing == frame.listing
         {
             let volts = arrangement.apply(&frame.values);
             self.unsure.clear();
@@ -151,6 +156,7 @@ impl Intake {
             }
         }
         self.arrangement = Some(found);
+        self.listing = listing;
         Ok(())
     }
 
@@ -182,12 +188,12 @@ impl Intake {
             .arrangement
             .as_ref()
             .map_or(self.pad.channels(), Arrangement::values);
-        readings.push_back(Reading::Skipped {
-            reason: format!(
-                "{count} values where there should be {wanted}: is it another pad (--pad)?"
-            ),
-            frames: 1,
-        });
+        let reason = if count == wanted {
+            format!("{count} values of other drives than before")
+        } else {
+            format!("{count} values where there should be {wanted}: is it another pad (--pad)?")
+        };
+        readings.push_back(Reading::Skipped { reason, frames: 1 });
     }
 
     /// Value by value: one that was garbled does not tell the order.
@@ -252,7 +258,8 @@ mod tests {
         let pad = pad("edinburgh-lattice");
         let volts = rest(&pad);
         let mut intake = Intake::new(&pad, FormatKind::Gelpad.into());
-        let packet = |sequence: u32| encode(Values::F32, sequence, 1000 * sequence, &volts);
+        let packet =
+            |sequence: u32| encode(Values::F32, sequence, sequence.wrapping_mul(1000), &volts);
         // The count runs over on the way.
         let begin: Vec<u8> = (0..5_u32).flat_map(|n| packet(n.wrapping_sub(2))).collect();
         assert_eq!(frames(&fed(&mut intake, &begin)), 5);
