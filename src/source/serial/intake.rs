@@ -144,8 +144,16 @@ impl Intake {
             listing.as_deref(),
             self.format.order,
             &self.pad,
-        )
-        .map_err(SourceError::Arrangement)?;
+        );
+        let found = match found {
+            Ok(found) => found,
+            // Damage may look like another board; the one that was there goes on.
+            Err(_) if self.arrangement.is_some() => {
+                self.unsure.clear();
+                return Ok(());
+            }
+            Err(error) => return Err(SourceError::Arrangement(error)),
+        };
         tracing::info!(target: "gelpad::told", "{}", found.told());
         let had_one = self.arrangement.is_some();
         for (frame, arrived_ns) in std::mem::take(&mut self.unsure) {

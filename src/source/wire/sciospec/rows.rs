@@ -98,6 +98,11 @@ impl Rows {
                 Ok(whole)
             };
         }
+        if !self.cycle.contains(&turn) {
+            // The cycle was learned from a frame that lacked its end.
+            *self = Self::default();
+            return Err("a drive that was not there before".to_owned());
+        }
         if self.spoilt || self.rows.is_empty() {
             return Ok(None);
         }
