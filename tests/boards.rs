@@ -10,8 +10,8 @@ use gelpad::eit::order::Layout;
 use gelpad::pad::{Pad, shipped_pad};
 use gelpad::source::board::{Board, BoardSettings, Cable, Faults, Plan, Signal, serve};
 use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
-use gelpad::source::wire::{Decoded, Dialect, Format, FormatKind, MOST_HELD_BYTES, Wiring};
-use gelpad::source::{Reading, Script, Source};
+use gelpad::source::wire::{Decoded, Format, FormatKind, MOST_HELD_BYTES, Wiring};
+use gelpad::source::{Reading, Script, Source, plausible_counts};
 use rustix::process::{Pid, Signal as Interrupt, kill_process};
 
 const SCRIPT: &str = "t:100 down 1 80 50\nt:180 up 1\nt:200 end";
@@ -314,8 +314,13 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
             );
             // A reply's count is judged by whoever knows the pad.
             if kind != FormatKind::Request && kind != FormatKind::OpenEit {
+                // Six halves and a whole line hold 32 x 32 values, which no pad of 16 electrodes takes for its own.
+                let plausible = plausible_counts(&pad("edinburgh-lattice"));
+                let mut taken = whole
+                    .iter()
+                    .filter(|frame| plausible.contains(&frame.len()));
                 assert!(
-                    whole.iter().all(|frame| frame.len() == count),
+                    taken.all(|frame| frame.len() == count),
                     "{kind:?} {faults:?}"
                 );
             }
@@ -418,7 +423,7 @@ fn play_goes_on_through_everything_and_holds_nothing() {
     assert!(presses >= 5, "{presses} presses\n{trace}\n{told}");
     for expected in [
         "the board speaks gelpad's own packets",
-        "whose check sum is wrong",
+        "skipped what is no frame",
         "has been silent for 500 ms: all keys are up",
         "the board is gone",
         "the board is back",

@@ -306,7 +306,7 @@ pub(super) struct DeviceArgs {
     /// Where the port is to be found: a link that is made there [default: where the system puts it; it is said]
     #[arg(long, value_name = "PATH")]
     pub port: Option<PathBuf>,
-    /// What it speaks: openeit, square, request, lines[:complex], sciospec or gelpad; with :rotated or :flipped
+    /// What it speaks: openeit, square, request, lines, lines:complex, sciospec or gelpad; with :rotated or :flipped
     #[arg(long, value_name = "F")]
     pub format: Format,
     /// The pad that it reads: a shipped one, or a file
@@ -382,7 +382,7 @@ pub(super) enum LayoutArg {
 /// How a board on a serial port talks.
 #[derive(Args, Clone, Debug)]
 pub(super) struct BoardArgs {
-    /// What a board sends: auto, openeit, square, request, lines[:complex], sciospec or gelpad
+    /// What a board sends: auto, openeit, square, request, lines, lines:complex, sciospec or gelpad
     #[arg(long, value_name = "F", default_value = "auto")]
     pub format: Format,
     /// Speed of a serial port (USB boards take any)

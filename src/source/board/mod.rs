@@ -1,7 +1,7 @@
 //! A simulated board: what its firmware does with a pad's voltages and with what the host sends, in every wire format.
 //!
 //! It lives in the library because tests, demonstrations and whoever writes firmware share it. The board itself does no IO
-//! and reads no clock; [`serve`] gives it a pseudo-terminal and the time.
+//! and reads no clock; [`serve()`] gives it a pseudo-terminal and the time.
 
 mod faults;
 mod firmware;
