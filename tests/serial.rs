@@ -272,7 +272,7 @@ fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_u
     let stderr = String::from_utf8_lossy(&output.stderr);
     for told in [
         "the board speaks OpenEIT Spectra's text (--format openeit), 192 values a frame",
-        "192 voltages a frame: opposite drive",
+        "192 voltages a frame",
         "skipped what is no frame (2 so far)",
         "2 frames lost (2 of them garbled)",
         "the board is gone",
