@@ -28,20 +28,26 @@ pub(super) fn open(
     let device: Box<dyn Device> = match (output, source) {
         (OutputArg::Trace, _) => trace(live),
         (OutputArg::Gamepad, _) => (KERNEL.open)()?,
-        (OutputArg::Keyboard, _) => match first(&desktop(set("WAYLAND_DISPLAY"), set("DISPLAY"))) {
-            (Some(device), _) => device,
-            (None, reasons) => {
-                return Err(OutputError::NoDevice {
-                    device: "keyboard",
-                    reason: reasons.join("; "),
-                });
-            }
-        },
+        (OutputArg::Keyboard, _) => keyboard()?,
         // A demonstration must not type into whatever has the focus.
         (OutputArg::Auto, SourceArg::Simulated(_)) => trace(live),
         (OutputArg::Auto, _) => return Ok(best(live)),
     };
     Ok(Chosen { device, told: None })
+}
+
+/// Keys of this desktop; of the kernel where there is none.
+fn keyboard() -> Result<Box<dyn Device>, OutputError> {
+    let (has_wayland, has_x11) = (set("WAYLAND_DISPLAY"), set("DISPLAY"));
+    let mut candidates = desktop(has_wayland, has_x11);
+    if !has_wayland && !has_x11 {
+        candidates.insert(0, NO_DESKTOP);
+    }
+    let (device, reasons) = first(&candidates);
+    device.ok_or_else(|| OutputError::NoDevice {
+        device: "keyboard",
+        reason: reasons.join("; "),
+    })
 }
 
 /// Events as text.

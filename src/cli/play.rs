@@ -27,7 +27,7 @@ use crate::source::serial::SerialSource;
 use crate::source::{LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError, open_file};
 use crate::tape::Kit;
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::{Button, Method, Output};
+use crate::types::Method;
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -91,7 +91,7 @@ pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     if let Some(told) = told {
         say(&told);
     }
-    let source = source(device.takes(Output::Button(Button::A)));
+    let source = source(device.is_gamepad());
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");

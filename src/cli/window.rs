@@ -25,7 +25,7 @@ use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::{self, Running};
 use crate::source::{LiveSource, Noise, Reading, open_file};
 use crate::tape::Played;
-use crate::types::{Button, Faulty, Output, PointMm};
+use crate::types::{Faulty, PointMm};
 
 /// Noise of the simulated pad, dB, and its seed.
 const NOISE: (f64, u64) = (60.0, 1);
@@ -222,7 +222,7 @@ fn start(choice: &Choice) -> anyhow::Result<Started> {
         // The player has asked for it: the simulated pad may type too.
         To::Auto => outputs::best(true).device,
     };
-    let source = source(device.takes(Output::Button(Button::A)));
+    let source = source(device.is_gamepad());
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");

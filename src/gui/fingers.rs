@@ -191,7 +191,7 @@ mod tests {
         let [finger] = fingers.for_pad()[..] else {
             panic!("one finger");
         };
-        assert_eq!((finger.radius_mm, finger.rise), (7.0, 1.2));
+        assert!((finger.radius_mm - 7.0).abs() < 1e-9 && (finger.rise - 1.2).abs() < 1e-9);
         assert_eq!(finger.centre_mm, [50.0, 40.0]);
     }
 

@@ -51,6 +51,10 @@ impl Device for Hushed {
         self.device.takes(output)
     }
 
+    fn is_gamepad(&self) -> bool {
+        self.device.is_gamepad()
+    }
+
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
         self.last_ns = event.t_ns;
         let hushed = self.hush.load(Ordering::Relaxed);

@@ -63,6 +63,11 @@ pub trait Device: Send {
     /// Whether it has such a key or button.
     fn takes(&self, output: Output) -> bool;
 
+    /// Whether other programs see it as a gamepad, gelpad's own source among them.
+    fn is_gamepad(&self) -> bool {
+        false
+    }
+
     /// Takes one event. It shows at the next [`Device::flush`], or sooner.
     ///
     /// # Errors

@@ -3,6 +3,11 @@
 //! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game: the test lets go of a
 //! switch when it has seen the game take it for so many frames, however fast the guest is.
 
+#![cfg_attr(
+    not(feature = "gilrs"),
+    allow(dead_code, reason = "who plays in the guest needs gilrs")
+)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -6,7 +6,7 @@
 //! order and held against what the model says a press there does. The numbering under which all three fit is the board's.
 //!
 //! A press is held against the model by the cosine between both changes, each reading weighted by its noise: force and size
-//! of the finger cancel. The finger may miss the shown place by [`MISS_MM`]; the best place within counts.
+//! of the finger cancel. The finger may miss the shown place by `MISS_MM`; the best place within counts.
 
 mod presses;
 mod text;

@@ -5,7 +5,7 @@
 //! under which most are what was asked for is recommended ([`recommend`]). So nothing is guessed from averages, and what
 //! the person is told ("38 of 40 right, 21 without") was counted.
 //!
-//! Delay is paid for: a setting that makes a press or a release later must be worth it ([`cost`](search)).
+//! Delay is paid for: a setting that makes a press or a release later must be worth it (`search::cost`).
 //! Each press is tried at several speeds, since nobody presses twice alike: a threshold that just misses the recorded
 //! presses loses to one in the middle of the gap.
 

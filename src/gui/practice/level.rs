@@ -127,16 +127,22 @@ impl Level {
         level.coins.sort_by(|a, b| a[0].total_cmp(&b[0]));
         level.starts.sort_by(|a, b| a[0].total_cmp(&b[0]));
         level.starts.insert(0, begin);
-        // The flag stands on the ground.
-        while level.flag[1] > 0.0
-            && level.tile(
-                (level.flag[0] / TILE) as i64,
-                (level.flag[1] / TILE) as i64 - 1,
-            ) == Tile::Air
-        {
-            level.flag[1] -= TILE;
-        }
+        // What a player stands at stands on the ground.
+        level.flag = level.lowered(level.flag);
+        level.starts = level
+            .starts
+            .iter()
+            .map(|foot| level.lowered(*foot))
+            .collect();
         level
+    }
+
+    /// The place below a place that has something solid under it.
+    fn lowered(&self, [x, mut y]: [f64; 2]) -> [f64; 2] {
+        while y > 0.0 && !self.is_solid(x, y - 1.0) {
+            y -= TILE;
+        }
+        [x, y]
     }
 
     /// Its length, px.

@@ -116,7 +116,7 @@ fn a_press_that_is_over_before_the_window_is_drawn_still_jumps_by_its_length() {
 fn after_the_end_a_jump_begins_anew_and_the_best_time_stays() {
     let mut practice = play(&script(), 60.0, 45.0);
     let best = practice.best_s();
-    practice.event(&event(50_000, true, Deed::Jump));
+    practice.event(&event(45_020, true, Deed::Jump));
     practice.advance(0.1);
     assert_eq!(practice.stage(), Stage::Ready);
     assert_eq!(practice.best_s(), best);

@@ -113,6 +113,10 @@ impl Device for Uinput {
         }
     }
 
+    fn is_gamepad(&self) -> bool {
+        self.pad.is_some()
+    }
+
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
         let outcome = match event.action {
             Action::Press(Output::Key(key)) => self.keyboard.key(key, true),

@@ -266,8 +266,7 @@ mod tests {
         let pad = pad("edinburgh-lattice");
         let volts = rest(&pad);
         let mut intake = Intake::new(&pad, FormatKind::Gelpad.into());
-        let packet =
-            |sequence: u32| encode(Values::F32, sequence, sequence.wrapping_mul(1000), &volts);
+        let packet = |n: u32| encode(Values::F32, n, n.wrapping_mul(1000), &volts);
         // The count runs over on the way.
         let begin: Vec<u8> = (0..5_u32).flat_map(|n| packet(n.wrapping_sub(2))).collect();
         assert_eq!(frames(&fed(&mut intake, &begin)), 5);
