@@ -372,12 +372,13 @@ mod tests {
         let rest = frame(&mut source).volts;
         hand.press(&[finger(1, 50.0)]);
         hand.press(&[]);
-        let touched: Vec<bool> = (0..200)
+        // On a busy machine the tap may take longer, but it is never shorter, and it ends.
+        let mut touched = (0..1000)
             .map(|_| frame(&mut source).volts != rest)
-            .skip_while(|touched| !touched)
-            .take(6)
-            .collect();
-        assert_eq!(touched, [true, true, true, false, false, false]);
+            .skip_while(|touched| !touched);
+        let long = touched.by_ref().take_while(|touched| *touched).count();
+        assert!(long >= 3, "{long} frames of 10 ms");
+        assert_eq!(touched.next(), Some(false));
     }
 
     #[test]
