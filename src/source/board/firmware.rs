@@ -9,13 +9,15 @@ use crate::source::wire::{FormatKind, Wiring, gelpad, lines, openeit, request, s
 
 /// What a board's converter makes of a volt per ampere, so that its format keeps enough digits: text with four or five
 /// decimals, potentials of an instrument that drives a milliampere, counts of a converter of 24 bits.
-const TEXT_SCALE: f32 = 1e4;
+const TEXT_SCALE: f32 = 100.0;
 const INSTRUMENT_SCALE: f32 = 1e-3;
-const COUNTS_SCALE: f32 = 65_536.0;
+const COUNTS_SCALE: f32 = 8192.0;
 /// What the Spectra prints at reset.
 const MENU: &str = "OpenEIT\r\nA) Time Series\r\nB) Bioimpedance Spectroscopy\r\nC) Electrical Impedance Tomography\r\nchoose and press return:\r\n";
 /// Bytes of the host's that are kept until they make a command.
 const MOST_HEARD: usize = 512;
+/// What an instrument's commands begin with.
+const COMMANDS: std::ops::RangeInclusive<u8> = 0xa1..=0xd3;
 /// Electrodes of an instrument's channel group.
 const GROUP: usize = 16;
 
@@ -123,11 +125,15 @@ impl Firmware {
         answer
     }
 
-    /// Commands `CT LEN data CT`, each acknowledged; what is none is refused.
+    /// Commands `CT LEN data CT`, each acknowledged; what is none is refused, and bytes that begin none are passed over.
     fn hear_commands(&mut self) -> Vec<u8> {
         let mut answers = Vec::new();
         while let [tag, length, ..] = self.heard[..] {
             let whole = usize::from(length) + 3;
+            if !COMMANDS.contains(&tag) {
+                self.heard.remove(0);
+                continue;
+            }
             if self.heard.len() < whole {
                 break;
             }

@@ -5,8 +5,9 @@
 //! garbled, until the board has gone over to that for good.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
-use crate::pad::Pad;
+use crate::pad::{Channel, Pad};
 use crate::source::arrangement::{Arrangement, plausible_counts};
 use crate::source::clock::DeviceClock;
 use crate::source::wire::{Decoded, Dialect, Format, WireFrame, Wiring};
@@ -25,6 +26,8 @@ pub(super) struct Intake {
     dialect: Box<dyn Dialect>,
     counts: Vec<usize>,
     arrangement: Option<Arrangement>,
+    /// What the board said its values are readings of when that was found.
+    listing: Option<Arc<[Channel]>>,
     /// Frames of a number of values that is not yet sure, with their arrival.
     unsure: Vec<(WireFrame, Nanos)>,
     clock: DeviceClock,
@@ -42,6 +45,7 @@ impl Intake {
             pad: pad.clone(),
             format,
             arrangement: None,
+            listing: None,
             unsure: Vec::new(),
             clock: DeviceClock::default(),
             sequence: None,
@@ -109,6 +113,7 @@ impl Intake {
         let count = frame.values.len();
         if let Some(arrangement) = &self.arrangement
             && arrangement.values() == count
+            && self.listing == frame.listing
         {
             let volts = arrangement.apply(&frame.values);
             self.unsure.clear();
@@ -139,8 +144,16 @@ impl Intake {
             listing.as_deref(),
             self.format.order,
             &self.pad,
-        )
-        .map_err(SourceError::Arrangement)?;
+        );
+        let found = match found {
+            Ok(found) => found,
+            // Damage may look like another board; the one that was there goes on.
+            Err(_) if self.arrangement.is_some() => {
+                self.unsure.clear();
+                return Ok(());
+            }
+            Err(error) => return Err(SourceError::Arrangement(error)),
+        };
         tracing::info!(target: "gelpad::told", "{}", found.told());
         let had_one = self.arrangement.is_some();
         for (frame, arrived_ns) in std::mem::take(&mut self.unsure) {
@@ -151,6 +164,7 @@ impl Intake {
             }
         }
         self.arrangement = Some(found);
+        self.listing = listing;
         Ok(())
     }
 
@@ -182,12 +196,12 @@ impl Intake {
             .arrangement
             .as_ref()
             .map_or(self.pad.channels(), Arrangement::values);
-        readings.push_back(Reading::Skipped {
-            reason: format!(
-                "{count} values where there should be {wanted}: is it another pad (--pad)?"
-            ),
-            frames: 1,
-        });
+        let reason = if count == wanted {
+            format!("{count} values of other drives than before")
+        } else {
+            format!("{count} values where there should be {wanted}: is it another pad (--pad)?")
+        };
+        readings.push_back(Reading::Skipped { reason, frames: 1 });
     }
 
     /// Value by value: one that was garbled does not tell the order.

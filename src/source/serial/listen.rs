@@ -16,6 +16,8 @@ use crate::types::Nanos;
 const ELECTRODES: [usize; 3] = [16, 8, 32];
 /// Frames whose median tells the order.
 const ORDER_FRAMES: usize = 9;
+/// From this frame on the rate is measured.
+const SETTLED_FRAMES: u64 = 5;
 /// Different numbers of values that are counted; more are noise.
 const MOST_COUNTS: usize = 64;
 
@@ -30,8 +32,8 @@ pub struct Heard {
     pub first_bytes: Vec<u8>,
     /// Whole frames.
     pub frames: u64,
-    /// Arrival of the first and the last, ns.
-    pub between_ns: Option<(Nanos, Nanos)>,
+    /// Arrival of the last of the first [`SETTLED_FRAMES`] and of the last frame, ns.
+    between_ns: Option<(Nanos, Nanos)>,
     /// How many frames had how many values.
     pub values: BTreeMap<usize, u64>,
     /// What should have been a frame and was none.
@@ -55,11 +57,12 @@ pub struct Heard {
 }
 
 impl Heard {
-    /// Frames a second, from the first to the last.
+    /// Frames a second, once the first have come: those wait until their format is sure.
     #[must_use]
     pub fn frames_per_s(&self) -> Option<f64> {
         let (first, last) = self.between_ns?;
-        (last > first).then(|| (self.frames - 1) as f64 / ((last - first) as f64 * 1e-9))
+        (last > first)
+            .then(|| (self.frames - SETTLED_FRAMES) as f64 / ((last - first) as f64 * 1e-9))
     }
 
     /// The number of values that most frames have.
@@ -110,8 +113,10 @@ impl Heard {
 
     fn frame(&mut self, now_ns: Nanos, frame: WireFrame) {
         self.frames += 1;
-        let first_ns = self.between_ns.map_or(now_ns, |(first, _)| first);
-        self.between_ns = Some((first_ns, now_ns));
+        if self.frames >= SETTLED_FRAMES {
+            let first_ns = self.between_ns.map_or(now_ns, |(first, _)| first);
+            self.between_ns = Some((first_ns, now_ns));
+        }
         let count = frame.values.len();
         if self.values.len() < MOST_COUNTS || self.values.contains_key(&count) {
             *self.values.entry(count).or_default() += 1;

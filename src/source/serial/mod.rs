@@ -43,7 +43,8 @@ pub struct SerialSource {
     intake: Intake,
     readings: VecDeque<Reading>,
     started: Instant,
-    opened_ns: Nanos,
+    /// When the talk began; none before the first reading, which may come long after the opening.
+    opened_ns: Option<Nanos>,
     next_try: Instant,
     buffer: Vec<u8>,
 }
@@ -67,7 +68,7 @@ impl SerialSource {
             intake: Intake::new(pad, format),
             readings: VecDeque::new(),
             started: now,
-            opened_ns: 0,
+            opened_ns: None,
             next_try: now,
             buffer: vec![0; 4096],
         })
@@ -88,10 +89,11 @@ impl SerialSource {
             },
         };
         let now_ns = self.now_ns();
+        let opened_ns = *self.opened_ns.get_or_insert(now_ns);
         let bytes = &self.buffer[..heard];
         self.intake
-            .feed(now_ns, self.opened_ns, bytes, &mut self.readings)?;
-        if let Some(words) = self.intake.say(now_ns, self.opened_ns)
+            .feed(now_ns, opened_ns, bytes, &mut self.readings)?;
+        if let Some(words) = self.intake.say(now_ns, opened_ns)
             && let Err(error) = device.write_all(&words)
             && error.kind() != ErrorKind::TimedOut
         {
@@ -126,7 +128,7 @@ impl SerialSource {
             tracing::warn!("{path}: the board is back");
             self.path = path;
             self.device = Some(device);
-            self.opened_ns = self.now_ns();
+            self.opened_ns = Some(self.now_ns());
             self.intake.reopened();
         }
     }

@@ -164,11 +164,11 @@ impl FormatKind {
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
-            Self::Gelpad => "gelpad's own packets (docs/wire.md)",
+            Self::Gelpad => "gelpad's own packets",
             Self::Sciospec => "Sciospec EIT16/32",
             Self::OpenEit => "OpenEIT Spectra's text",
-            Self::Request => "a value a line and `Done`, for each `D` that is sent",
-            Self::Square => "N x N values a line (Teensy)",
+            Self::Request => "a value a line and `Done` for each `D`",
+            Self::Square => "N x N values a line",
             Self::Lines => "a line of numbers a frame",
         }
     }
