@@ -3,8 +3,9 @@
 //! What all devices say together is handed up as a whole at every report, and ten times a second besides, so that the
 //! engine knows from silence that nobody reads the devices any more. gelpad's own virtual pad is never among them.
 
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
+use gilrs::ev::Code;
 use gilrs::{Axis as From, Button as Pressed, EventType, GamepadId, Gilrs, GilrsBuilder};
 
 use super::{Pace, Reading, Source, SourceError};
@@ -71,6 +72,40 @@ enum Own {
     None,
     Expected,
     Is(GamepadId),
+}
+
+/// The events of a device that belong together: half of a report is no state. They carry one time; but where the
+/// clock is coarse a whole tap does too, and no report presses a button and releases it.
+struct Report {
+    id: GamepadId,
+    time: SystemTime,
+    buttons: Vec<Code>,
+}
+
+impl Report {
+    fn of(first: &gilrs::Event) -> Self {
+        Self {
+            id: first.id,
+            time: first.time,
+            buttons: Vec::from_iter(button_of(&first.event)),
+        }
+    }
+
+    /// Whether an event is one more of this report.
+    fn takes(&mut self, event: &gilrs::Event) -> bool {
+        let button = button_of(&event.event);
+        let again = button.is_some_and(|button| self.buttons.contains(&button));
+        self.buttons.extend(button);
+        (event.id, event.time) == (self.id, self.time) && !again
+    }
+}
+
+/// The button that an event presses or releases.
+fn button_of(event: &EventType) -> Option<Code> {
+    match *event {
+        EventType::ButtonPressed(_, code) | EventType::ButtonReleased(_, code) => Some(code),
+        _ => None,
+    }
 }
 
 struct Device {
@@ -254,9 +289,9 @@ impl Source for GamepadSource {
         match first {
             Some(first) => {
                 self.take(&first);
-                // The events of one report carry one time: half of a report is no state.
+                let mut report = Report::of(&first);
                 while let Some(event) = self.gilrs.next_event() {
-                    if (event.id, event.time) != (first.id, first.time) {
+                    if !report.takes(&event) {
                         self.next = Some(event);
                         break;
                     }

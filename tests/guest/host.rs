@@ -59,7 +59,8 @@ impl Guest {
         let said = self.run(&[own.to_str().context("an odd path")?, "--inside", part])?;
         let Said { code, out, err } = &said;
         println!("{out}");
-        ensure!(*code == 0, "exit code {code}\n{out}\n{err}");
+        let last = err.lines().last().unwrap_or_default();
+        ensure!(*code == 0, "exit code {code}: {last}\n{out}\n{err}");
         Ok(())
     }
 
