@@ -61,6 +61,8 @@ fn main() -> ExitCode {
             }
         };
     }
+    // A backtrace is looked up before the stack unwinds: with debug information that takes a second or two.
+    std::panic::set_hook(Box::new(|info| eprintln!("{info}")));
     let mut arguments = Arguments::from_args();
     // They measure time.
     arguments.test_threads = Some(1);

@@ -2,7 +2,7 @@
 //!
 //! The simulated pad at 60 dB, through the whole engine. The forearm is a chain of overlapping discs along the left edge.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
@@ -48,6 +48,9 @@ fn forearm() -> Vec<Finger> {
         .collect()
 }
 
+/// What the pad reads under fingers, without noise: solved once, for all seeds.
+static SOLVED: Mutex<Vec<(Vec<Finger>, Vec<f64>)>> = Mutex::new(Vec::new());
+
 struct Bench {
     pad: SimulatedPad,
     engine: Engine,
@@ -77,7 +80,7 @@ impl Bench {
     }
 
     fn play(&mut self, fingers: &[Finger], frames: u64) {
-        let volts = self.pad.volts(fingers).expect("solved");
+        let volts = self.volts(fingers);
         for _ in 0..frames {
             let frame = Frame {
                 t_ns: self.frame * FRAME_NS,
@@ -91,6 +94,20 @@ impl Bench {
             }
             self.frame += 1;
         }
+    }
+
+    fn volts(&self, fingers: &[Finger]) -> Vec<f64> {
+        let known = |solved: &[(Vec<Finger>, Vec<f64>)]| {
+            let found = solved.iter().find(|(of, _)| of == fingers);
+            found.map(|(_, volts)| volts.clone())
+        };
+        let lock = || SOLVED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(volts) = known(&lock()) {
+            return volts;
+        }
+        let volts = self.pad.volts(fingers).expect("solved");
+        lock().push((fingers.to_vec(), volts.clone()));
+        volts
     }
 
     /// Taps on the right half beside whatever lies there; the presses of either half.

@@ -1,4 +1,6 @@
 //! What a detector makes of presses on the simulated pad, over time: by images alone, and in the voltages.
+//!
+//! Ten minutes of drift are played at its worst; with `GELPAD_FULL=1` at other rates too.
 
 mod lattice;
 
@@ -126,7 +128,11 @@ fn a_press_held_for_a_minute_right_after_the_start_stays_one_press_by_image() {
 
 #[test]
 fn a_press_held_for_ten_minutes_of_drift_stays_a_press_in_its_place() {
-    for percent_a_minute in [0.0, 1.0, -2.0] {
+    let rates: &[f32] = match std::env::var_os("GELPAD_FULL") {
+        Some(_) => &[-2.0, 0.0, 1.0],
+        None => &[-2.0],
+    };
+    for &percent_a_minute in rates {
         let mut bench = Bench::located(60.0, 3);
         bench.board = Box::new(move |_, volt, frame| {
             let minutes = frame as f32 / FRAMES_A_MINUTE as f32;

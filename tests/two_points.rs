@@ -1,4 +1,4 @@
-//! Two near touches are two, one odd touch is one. `GELPAD_FULL=1` draws 400 of each instead of 40.
+//! Two near touches are two, one odd touch is one. `GELPAD_FULL=1` draws 400 of each instead of 25.
 
 mod lattice;
 
@@ -89,7 +89,7 @@ fn draws() -> usize {
     if std::env::var_os("GELPAD_FULL").is_some() {
         400
     } else {
-        40
+        25
     }
 }
 
@@ -151,7 +151,7 @@ fn one_odd_touch_is_one() {
             split += usize::from(seen.len() > 1);
         }
         println!("{name}: {split} of {draws} split");
-        // Of forty, a share of 2 % shows up to two (in nineteen of twenty tries).
+        // Of so few, a share of 2 % shows up to two (in nineteen of twenty tries).
         let most = if draws < 100 { 2 } else { draws / 50 };
         assert!(split <= most, "{name}");
     }

@@ -145,7 +145,6 @@ fn a_press_that_is_too_short_is_asked_for_again() {
 }
 
 #[test]
-#[ignore = "searches for longer than a minute in an unoptimised build; tests/recommend.rs tests the search itself"]
 fn presses_that_are_asked_for_become_settings_of_this_person() {
     let mut stage = at(Step::Recommend);
     stage
@@ -185,7 +184,7 @@ fn presses_that_are_asked_for_become_settings_of_this_person() {
                 stage.quick(|view| view.touches.clear());
             }
         }
-        for _ in 0..125 {
+        for _ in 0..205 {
             stage.quick(|_| {});
         }
         stage.steps(2);

@@ -33,6 +33,18 @@ pub struct Asked {
     pub length: Length,
 }
 
+impl std::fmt::Display for Asked {
+    /// As a person is told.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let region = &self.region;
+        match self.length {
+            Length::Short => write!(f, "tap {region}, briefly"),
+            Length::Long => write!(f, "press {region} and hold it a second"),
+            Length::Twice => write!(f, "tap {region} twice, quickly"),
+        }
+    }
+}
+
 /// One thing asked for, and all that the pad saw until the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {

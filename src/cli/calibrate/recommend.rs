@@ -6,9 +6,7 @@ use std::sync::Arc;
 use anyhow::bail;
 
 use super::{Spinner, file, say};
-use crate::calibrate::recommend::{
-    Asked, FEWEST_TRIALS, Length, RecommendError, Session, Trial, recommend,
-};
+use crate::calibrate::recommend::{FEWEST_TRIALS, RecommendError, Session, Trial, recommend};
 use crate::cli::args::{CalibrateArgs, SourceArg};
 use crate::cli::exit::Ending;
 use crate::cli::map::Map;
@@ -114,23 +112,18 @@ fn ask(
 }
 
 fn show(pad: &Pad, profile: &Profile, session: &Session) {
-    let Some((number, Asked { region, length })) = session.asked() else {
+    let Some((number, asked)) = session.asked() else {
         return;
-    };
-    let how = match length {
-        Length::Short => "press it shortly",
-        Length::Long => "press it and hold, for a long press",
-        Length::Twice => "press it twice, shortly",
     };
     let pad_mm = pad.outline.size_mm();
     let mut map = Map::new(pad_mm, MAP_COLUMNS).regions(profile);
-    if let Some(wanted) = profile.regions.iter().find(|one| one.name == *region) {
+    if let Some(wanted) = profile.regions.iter().find(|one| one.name == asked.region) {
         let place = wanted.placed(pad_mm, &profile.settings.area).centre_mm();
         map = map.marked(place, '✕');
     }
     // The terminal's bell: eyes are on the pad.
     say(&format!(
-        "\u{7}{}\n{} of {}: {region} ✕: {how}",
+        "\u{7}{}\n{} of {}: {asked} (✕)",
         map.framed(),
         number + 1,
         session.count()

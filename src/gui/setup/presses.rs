@@ -1,8 +1,7 @@
-//! Presses that the set-up asks for, gathered from views. Pure: views in, presses and trials out.
+//! Presses that the set-up asks for, gathered from views. Pure: views in, presses and changes of touches out.
 //!
 //! A calibration's press counts while exactly one touch is down; its first views are left out, as the finger still sinks in.
 
-use crate::calibrate::recommend::{Asked, Trial};
 use crate::calibrate::{Modelled, Press};
 use crate::runtime::View;
 use crate::types::{Nanos, Phase, PointMm, Touch};
@@ -90,55 +89,36 @@ impl PressTaker {
     }
 }
 
-/// Takes what a person does with one thing asked for.
+/// What becomes of touches from view to view.
 #[derive(Clone, Debug, Default)]
-pub struct TrialTaker {
-    touches: Vec<(Nanos, Touch)>,
+pub struct Changes {
     down: Vec<Touch>,
     last_ns: Nanos,
 }
 
-impl TrialTaker {
-    /// Takes a view.
-    pub fn view(&mut self, view: &View) {
+impl Changes {
+    /// What this view changes; nothing if it has been seen.
+    pub fn view(&mut self, view: &View) -> Vec<Touch> {
         if view.t_ns == self.last_ns {
-            return;
+            return Vec::new();
         }
         self.last_ns = view.t_ns;
-        for touch in &view.touches {
-            let known = self.down.iter().any(|down| down.id == touch.id);
-            let phase = if known { Phase::Move } else { Phase::Down };
-            self.touches.push((view.t_ns, Touch { phase, ..*touch }));
-        }
-        for gone in self
-            .down
-            .iter()
-            .filter(|down| view.touches.iter().all(|touch| touch.id != down.id))
-        {
-            let touch = Touch {
-                phase: Phase::Up,
-                ..*gone
+        let is_in = |touches: &[Touch], touch: &Touch| touches.iter().any(|t| t.id == touch.id);
+        let there = view.touches.iter().map(|touch| {
+            let phase = match is_in(&self.down, touch) {
+                true => Phase::Move,
+                false => Phase::Down,
             };
-            self.touches.push((view.t_ns, touch));
-        }
+            Touch { phase, ..*touch }
+        });
+        let gone = self.down.iter().filter(|down| !is_in(&view.touches, down));
+        let gone = gone.map(|touch| Touch {
+            phase: Phase::Up,
+            ..*touch
+        });
+        let changed = there.chain(gone).collect();
         self.down.clone_from(&view.touches);
-    }
-
-    /// How long nothing has been touched after something was; none before or while it is.
-    #[must_use]
-    pub fn quiet_ns(&self) -> Option<Nanos> {
-        let (last_ns, _) = self.touches.last()?;
-        self.down
-            .is_empty()
-            .then(|| self.last_ns.saturating_sub(*last_ns))
-    }
-
-    /// The trial, over.
-    pub fn finish(&mut self, asked: Option<Asked>) -> Trial {
-        Trial {
-            asked,
-            touches: std::mem::take(&mut self.touches),
-        }
+        changed
     }
 }
 
@@ -207,23 +187,16 @@ mod tests {
     }
 
     #[test]
-    fn a_trial_holds_down_moves_and_up_of_every_touch() {
-        let mut taker = TrialTaker::default();
+    fn a_touch_goes_down_moves_and_comes_up() {
         let all = in_time(vec![
             views(2, vec![]),
             views(3, vec![touch(7, [10.0, 10.0], 0.5)]),
             views(30, vec![]),
         ]);
-        for view in &all {
-            taker.view(view);
-        }
-        assert_eq!(taker.quiet_ns(), Some(290 * NANOS_PER_MS));
-        let phases: Vec<Phase> = taker
-            .finish(None)
-            .touches
-            .iter()
-            .map(|(_, touch)| touch.phase)
-            .collect();
+        let mut changes = Changes::default();
+        // Every view is seen twice: nothing comes of the second time.
+        let changed = all.iter().flat_map(|v| [changes.view(v), changes.view(v)]);
+        let phases: Vec<Phase> = changed.flatten().map(|touch| touch.phase).collect();
         assert_eq!(phases, [Phase::Down, Phase::Move, Phase::Move, Phase::Up]);
     }
 }

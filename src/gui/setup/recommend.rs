@@ -6,31 +6,24 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Ui;
 
-use super::presses::TrialTaker;
+use super::presses::Changes;
 use super::{notice, say};
-use crate::calibrate::recommend::{Asked, Length, Recommendation, Trial};
+use crate::calibrate::recommend::{FEWEST_TRIALS, Recommendation, Session, Trial};
 use crate::gui::desk::{Choice, Desk};
 use crate::gui::edit::write_beside;
 use crate::gui::play::Wish;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
-use crate::profile::Profile;
-use crate::types::{NANOS_PER_MS, Nanos};
 
-/// A trial is over when nothing has been touched for so long.
-const OVER_NS: Nanos = 1_200 * NANOS_PER_MS;
-/// Rounds over the regions that are asked for.
-const ROUNDS: usize = 3;
-/// Regions that are asked for.
-const REGIONS: usize = 3;
+/// Presses that are asked for.
+const PRESSES: usize = 24;
 
 /// The step's state.
 #[derive(Default)]
 pub(super) struct Recommending {
     name: String,
-    asked: Vec<Asked>,
-    trials: Vec<Trial>,
-    taker: TrialTaker,
+    session: Option<Session>,
+    changes: Changes,
     thinking: Option<Receiver<Result<Recommendation, String>>>,
     found: Option<Recommendation>,
     notice: Option<String>,
@@ -39,7 +32,7 @@ pub(super) struct Recommending {
 impl Recommending {
     /// The region that is to be pressed now.
     pub(super) fn asked_region(&self) -> Option<String> {
-        let asked = self.asked.get(self.trials.len())?;
+        let (_, asked) = self.session.as_ref()?.asked()?;
         Some(asked.region.clone())
     }
 
@@ -62,12 +55,9 @@ impl Recommending {
                 }
             }
         }
-        if self.trials.len() < self.asked.len() {
-            self.taker.view(&playing.view);
-            if self.taker.quiet_ns().is_some_and(|quiet| quiet >= OVER_NS) {
-                let asked = self.asked[self.trials.len()].clone();
-                self.trials.push(self.taker.finish(Some(asked)));
-            }
+        let changed = self.changes.view(&playing.view);
+        if let Some(session) = &mut self.session {
+            session.frame(playing.view.t_ns, &changed);
         }
     }
 
@@ -87,41 +77,26 @@ impl Recommending {
             ui.add(field.desired_width(140.0)).labelled_by(label.id);
         });
         let mut wish = None;
-        match self.asked.get(self.trials.len()) {
-            Some(asked) => {
-                let words = match asked.length {
-                    Length::Short => format!("tap {}, briefly", asked.region),
-                    Length::Long => format!("press {} and hold it a second", asked.region),
-                    Length::Twice => format!("tap {} twice, quickly", asked.region),
-                };
-                ui.label(egui::RichText::new(words).size(19.0));
-                let done = self.trials.len() as f32 / self.asked.len() as f32;
-                let count = format!("{} of {}", self.trials.len(), self.asked.len());
-                ui.add(egui::ProgressBar::new(done).text(count));
-                if ui.button("Stop").clicked() {
-                    *self = Self {
-                        name: std::mem::take(&mut self.name),
-                        ..Self::default()
-                    };
-                }
+        let asked = self.session.as_ref().and_then(|session| {
+            let (number, asked) = session.asked()?;
+            Some((number, session.count(), asked.to_string()))
+        });
+        if let Some((number, count, words)) = asked {
+            ui.label(egui::RichText::new(words).size(19.0));
+            let done = number as f32 / count as f32;
+            ui.add(egui::ProgressBar::new(done).text(format!("{number} of {count}")));
+            if ui.button("Stop").clicked() {
+                self.session = None;
             }
-            None if self.thinking.is_some() => {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label("looking at your presses …");
-                });
-            }
-            None => {
-                if ui.button("Begin").clicked() {
-                    self.asked = asked_of(&playing.view.profile);
-                    self.trials.clear();
-                    self.found = None;
-                    self.notice = None;
-                }
-                if !self.asked.is_empty() && self.found.is_none() && self.notice.is_none() {
-                    self.think(playing, desk);
-                }
-            }
+        } else if let Some(session) = self.session.take() {
+            self.think(session.finish(), playing, desk);
+        } else if self.thinking.is_some() {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label("looking at your presses …");
+            });
+        } else if ui.button("Begin").clicked() {
+            self.begin(playing);
         }
         if let Some(found) = self.found.clone() {
             wish = self.told(ui, &found, playing, desk.as_ref());
@@ -130,13 +105,23 @@ impl Recommending {
         wish
     }
 
-    fn think(&mut self, playing: &Playing, desk: &Arc<dyn Desk>) {
+    fn begin(&mut self, playing: &Playing) {
+        self.found = None;
+        self.notice = None;
+        let session = Session::new(Session::usual(&playing.view.profile, PRESSES));
+        if session.count() < FEWEST_TRIALS {
+            self.notice = Some(
+                "this profile has no region that a plain press is bound to: choose another one"
+                    .to_owned(),
+            );
+            return;
+        }
+        self.session = Some(session);
+    }
+
+    fn think(&mut self, trials: Vec<Trial>, playing: &Playing, desk: &Arc<dyn Desk>) {
         let (sender, receiver) = sync_channel(1);
-        let (desk, choice, trials) = (
-            Arc::clone(desk),
-            playing.choice.clone(),
-            self.trials.clone(),
-        );
+        let (desk, choice) = (Arc::clone(desk), playing.choice.clone());
         let pad_mm = playing.pad.outline.size_mm();
         let spawned = std::thread::Builder::new()
             .name("recommend".to_owned())
@@ -196,56 +181,5 @@ impl Recommending {
             user: Some(path.display().to_string()),
             ..playing.choice.clone()
         }))
-    }
-}
-
-/// What is asked for: short, long and double presses of the first regions, mixed.
-fn asked_of(profile: &Profile) -> Vec<Asked> {
-    let bound: Vec<&str> = profile
-        .regions
-        .iter()
-        .enumerate()
-        .filter(|(index, region)| {
-            !region.rest && profile.bindings.iter().any(|b| b.regions.contains(index))
-        })
-        .map(|(_, region)| region.name.as_str())
-        .collect();
-    // The largest are pressed most; jump and the arrows are among the first of every profile.
-    let chosen = bound.iter().take(REGIONS);
-    let mut asked = Vec::new();
-    for round in 0..ROUNDS {
-        for (index, region) in chosen.clone().enumerate() {
-            for length in [Length::Short, Length::Long, Length::Twice] {
-                // Not every region in every way: that would take minutes.
-                if length == Length::Twice && (round + index) % 2 == 1 {
-                    continue;
-                }
-                asked.push(Asked {
-                    region: (*region).to_owned(),
-                    length,
-                });
-            }
-        }
-    }
-    asked
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::calibrate::recommend::FEWEST_TRIALS;
-    use crate::gui::still;
-
-    #[test]
-    fn enough_is_asked_for_in_every_way() {
-        let asked = asked_of(&still::profile());
-        assert!(
-            asked.len() >= FEWEST_TRIALS && asked.len() <= 30,
-            "{}",
-            asked.len()
-        );
-        for length in [Length::Short, Length::Long, Length::Twice] {
-            assert!(asked.iter().any(|asked| asked.length == length));
-        }
     }
 }
