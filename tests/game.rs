@@ -43,7 +43,7 @@ const RIGHT: Place = Place { x_mm: 37, y_mm: 57 };
 const SHORT_MS: u32 = 80;
 const LONG_MS: u32 = 600;
 /// Short and long presses in turn, so many in all.
-const JUMPS: u32 = 20;
+const JUMPS: u32 = 12;
 /// From one press to the next: the highest jump (0.9 s in the air) is over.
 const JUMP_PERIOD_MS: u32 = 1200;
 /// Before the first touch: the pad takes its reference without one.

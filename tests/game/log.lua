@@ -11,14 +11,10 @@
 -- to a bash, which stamps each as it arrives and writes it out at once; bash
 -- reads the clock without starting a program. It ends when the pipe closes, that
 -- is with fceux, however that ends.
---
--- With GELPAD_GAME_STAMPS=coarse it writes the file itself, in whole seconds: on a
--- slow machine with one processor bash falls behind by half a second.
 
 local PLAYER_X, PLAYER_Y = 0x02, 0x03
 local BUTTONS = { "A", "B", "select", "start", "up", "down", "left", "right" }
 
-local COLUMNS = "frame,time_ms," .. table.concat(BUTTONS, ",") .. ",x,y"
 local STAMP = [[
 while IFS=, read -r frame rest; do
     us=${EPOCHREALTIME/./}
@@ -27,22 +23,13 @@ done
 ]]
 
 assert(os.getenv("GELPAD_GAME_LOG"), "GELPAD_GAME_LOG names no file")
-local coarse = os.getenv("GELPAD_GAME_STAMPS") == "coarse"
-local log
-if coarse then
-    log = assert(io.open(os.getenv("GELPAD_GAME_LOG"), "w"))
-    log:write(COLUMNS, "\n")
-else
-    log = assert(io.popen(
-        "exec >\"$GELPAD_GAME_LOG\"; echo '" .. COLUMNS .. "'; LC_ALL=C exec bash -c '" .. STAMP .. "'", "w"))
-end
+local header = "frame,time_ms," .. table.concat(BUTTONS, ",") .. ",x,y"
+local log = assert(io.popen(
+    "exec >\"$GELPAD_GAME_LOG\"; echo '" .. header .. "'; LC_ALL=C exec bash -c '" .. STAMP .. "'", "w"))
 
 while true do
     local held = joypad.get(1)
     local line = { emu.framecount() }
-    if coarse then
-        table.insert(line, os.time() * 1000)
-    end
     for _, button in ipairs(BUTTONS) do
         table.insert(line, held[button] and 1 or 0)
     end

@@ -211,7 +211,6 @@ output = "pad:right"
                 .env("DISPLAY", display)
                 .env("QT_QPA_PLATFORM", "xcb")
                 .env("GELPAD_GAME_LOG", &log)
-                .env("GELPAD_GAME_STAMPS", "coarse")
                 .args(["--sound", "0", "--loadlua"])
                 .arg(script)
                 .arg(folder().join("jump.nes"));
