@@ -1,0 +1,3 @@
+//! The thickness study.
+mod sensor;
+pub use sensor::{Placement, conductor};
