@@ -2,8 +2,10 @@
 
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use gelpad::pad::{Pad, shipped_pad};
-use gelpad::study::solid::{Bricks, Contact, CurrentModel, Elastic, Lines, Prescribed, Rubber};
-use gelpad::study::thickness::{Placement, conductor};
+use gelpad::study::solid::{
+    Bricks, Contact, CurrentModel, Elastic, Lines, Prescribed, Rubber, growing_lines,
+};
+use gelpad::study::thickness::{Placement, conductor, under_indenter};
 
 fn lattice() -> Pad {
     let shipped = shipped_pad("edinburgh-lattice").expect("shipped");
@@ -295,4 +297,73 @@ fn a_nearly_incompressible_beam_bends_as_theory_says() {
         (force_n / theory_n - 1.0).abs() < 0.05,
         "{force_n} {theory_n}"
     );
+}
+
+#[test]
+fn a_flat_punch_presses_as_theory_says() {
+    // A quarter of a block twenty radii wide and deep; a frictionless punch: F = 2 E a d / (1 - nu^2) (Sneddon 1965).
+    let (radius, depth, size) = (5.0, 0.1, 100.0);
+    let (young, poisson) = (60.0, 0.4999);
+    let half: Vec<f64> = growing_lines([-size, size], 0.0, 6.5, [0.5, 30.0], 1.4)
+        .into_iter()
+        .filter(|line| *line > 0.0)
+        .collect();
+    let across: Vec<f64> = std::iter::once(0.0).chain(half.clone()).collect();
+    let z: Vec<f64> = across.iter().rev().map(|line| -line).collect();
+    let bricks = Bricks::new(Lines([across.clone(), across, z]), |_| true);
+    // Half the radius is a quarter of the surface.
+    let held = under_indenter(&bricks, [0.0, 0.0], radius / 2.0);
+    let punch = held.iter().map(|node| Prescribed {
+        node: *node,
+        axis: 2,
+        by_mm: -depth,
+    });
+    let still = bricks
+        .nodes_mm
+        .iter()
+        .enumerate()
+        .flat_map(|(node, [x, y, z])| {
+            let floor = *z < 1e-9 - size;
+            let axes = [floor || *x < 1e-9, floor || *y < 1e-9, floor];
+            (0..3)
+                .filter(move |axis| axes[*axis])
+                .map(move |axis| Prescribed {
+                    node,
+                    axis,
+                    by_mm: 0.0,
+                })
+        });
+    let rubbers = vec![Rubber::from_young(young, poisson); bricks.corners.len()];
+    let mut body =
+        Elastic::new(bricks.clone(), rubbers, punch.chain(still).collect(), 1.0).expect("held");
+    body.load_to(1.0).expect("pressed");
+    let force_n = 4.0 * -body.holding_force_n(&held)[2];
+    let theory_n = 2.0 * young * radius * depth / (1.0 - poisson * poisson) * 1e-3;
+    println!("punch: {force_n:.5} N, theory {theory_n:.5} N");
+    assert!(
+        (force_n / theory_n - 1.0).abs() < 0.05,
+        "{force_n} {theory_n}"
+    );
+}
+
+#[test]
+fn many() {
+    use gelpad::study::thickness::*;
+    let shipped = shipped_pad("edinburgh-lattice").expect("shipped");
+    for quick in [true, false] {
+        let study = Thickness::new(Settings {
+            version: "x".into(),
+            pad: shipped.name.into(),
+            pad_toml: shipped.toml.into(),
+            quick,
+            parameters: Parameters::default(),
+        })
+        .expect("study");
+        println!("{:?}", study.sizes().expect("sizes"));
+        for case in &study.cases()[..4] {
+            let start = std::time::Instant::now();
+            println!("{case:?} {:?}", study.solve(case));
+            println!("{:?}", start.elapsed());
+        }
+    }
 }

@@ -216,3 +216,34 @@ pub(super) fn inverted(m: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
     let inverse = std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / determinant));
     (inverse, determinant)
 }
+
+/// Lines from one end to another, `step_mm` apart within `even_mm` of a place, and farther apart the farther from it: each
+/// `growth` times the one before, `most_mm` at most. The place lies in the middle of a cell.
+#[must_use]
+pub fn growing_lines(
+    [from, to]: [f64; 2],
+    place: f64,
+    even_mm: f64,
+    [step_mm, most_mm]: [f64; 2],
+    growth: f64,
+) -> Vec<f64> {
+    let half = |length: f64| -> Vec<f64> {
+        let mut lines = vec![step_mm / 2.0];
+        let mut step = step_mm;
+        loop {
+            let last = lines[lines.len() - 1];
+            if last >= even_mm {
+                step = (step * growth).min(most_mm);
+            }
+            // The last cell takes what is left, at most half as long again.
+            if last + 1.5 * step >= length {
+                lines.push(length);
+                return lines;
+            }
+            lines.push(last + step);
+        }
+    };
+    let below = half(place - from).into_iter().rev().map(|off| place - off);
+    let beyond = half(to - place).into_iter().map(|off| place + off);
+    below.chain(beyond).collect()
+}

@@ -10,7 +10,7 @@ mod order;
 mod rubber;
 mod system;
 
-pub use bricks::{Bricks, Lines};
+pub use bricks::{Bricks, Lines, growing_lines};
 pub use current::{Contact, CurrentModel, Transfer};
 pub use elastic::{Elastic, ElasticError, Prescribed};
 pub use rubber::Rubber;

@@ -2,6 +2,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -73,10 +74,12 @@ impl System {
         }
         let pattern =
             SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
+        // Unknowns come in their order already; faer takes lower triangles only with an order given.
+        let as_they_are: Vec<usize> = (0..unknowns).collect();
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
-            SymmetricOrdering::Identity,
+            SymmetricOrdering::Custom(PermRef::new_checked(&as_they_are, &as_they_are, unknowns)),
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| SystemError::TooLarge)?;

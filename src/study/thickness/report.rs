@@ -1,0 +1,1 @@
+//! What the thickness study tells.
