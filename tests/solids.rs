@@ -345,25 +345,3 @@ fn a_flat_punch_presses_as_theory_says() {
         "{force_n} {theory_n}"
     );
 }
-
-#[test]
-fn many() {
-    use gelpad::study::thickness::*;
-    let shipped = shipped_pad("edinburgh-lattice").expect("shipped");
-    for quick in [true, false] {
-        let study = Thickness::new(Settings {
-            version: "x".into(),
-            pad: shipped.name.into(),
-            pad_toml: shipped.toml.into(),
-            quick,
-            parameters: Parameters::default(),
-        })
-        .expect("study");
-        println!("{:?}", study.sizes().expect("sizes"));
-        for case in &study.cases()[..4] {
-            let start = std::time::Instant::now();
-            println!("{case:?} {:?}", study.solve(case));
-            println!("{:?}", start.elapsed());
-        }
-    }
-}

@@ -2,7 +2,7 @@
 //! round indenter to which its skin sticks.
 
 use super::super::solid::{
-    Bricks, Elastic, ElasticError, Lines, Prescribed, Rubber, bricks::Point, growing_lines,
+    Bricks, Elastic, ElasticError, Lines, Prescribed, Rubber, Size, bricks::Point, growing_lines,
 };
 use super::{Parameters, Touch, under_indenter};
 use crate::pad::Pad;
@@ -47,12 +47,9 @@ pub(super) struct Pressing {
     layer_mm: f64,
 }
 
-/// The body of a plan, not pressed yet.
-///
-/// # Errors
-/// Too little memory.
-pub(super) fn at_rest(plan: &Plan<'_>) -> Result<Elastic, ElasticError> {
-    Ok(Pressing::new(plan, FIRST_STEP_MM)?.body)
+/// What one iteration of a plan's mechanics takes.
+pub(super) fn size(plan: &Plan<'_>) -> Result<Size, ElasticError> {
+    Ok(Pressing::new(plan, FIRST_STEP_MM)?.body.size())
 }
 
 impl Pressing {

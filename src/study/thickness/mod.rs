@@ -16,6 +16,8 @@ pub use sensor::{Placement, conductor};
 use serde::{Deserialize, Serialize};
 
 use super::StudyError;
+use super::job::Study;
+use super::report::Report;
 use super::solid::{CurrentModel, ElasticError, Size};
 use crate::eit::MeshSize;
 use crate::pad::{Outline, Pad};
@@ -34,6 +36,9 @@ const PLACES: [(&str, PointMm); 5] = [
 const CURRENT_SCALE: (f64, f64) = (1.15, 3.0);
 /// Bricks over the height of the conducting layer, for the current.
 const CURRENT_LAYERS: (usize, usize) = (9, 3);
+/// Iterations that a case takes, and multiplications that a core does in a second: to foretell the time.
+const ITERATIONS: f64 = 40.0;
+const FLOPS_PER_S: f64 = 5e9;
 /// A rigid table leaves room for this share of the sensor's thickness.
 const MOST_ON_TABLE: f64 = 0.5;
 
@@ -176,6 +181,17 @@ pub struct Outcome {
     pub at_rest: f64,
 }
 
+/// What a study will take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foretold {
+    /// Unknowns of the largest system.
+    pub unknowns: usize,
+    /// Memory, bytes.
+    pub bytes: f64,
+    /// Time on an idle machine, s; as good as a guess of a machine's speed can be.
+    pub seconds: f64,
+}
+
 /// A depth to press to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Depth {
@@ -238,35 +254,41 @@ impl Thickness {
         &self.settings
     }
 
-    /// The jobs, in order.
-    #[must_use]
-    pub fn cases(&self) -> &[Case] {
-        &self.cases
-    }
-
-    /// The name under which a job's result is kept.
-    #[must_use]
-    pub fn id(case: &Case) -> String {
-        let touch = case.touch.name().replace(' ', "-");
-        format!("{}-mm-place-{}-{touch}", case.layer_mm, case.place + 1)
-    }
-
-    /// What the largest systems of the study take: one iteration of mechanics, one solve of the current.
+    /// What the study will take with so many cases at a time.
     ///
     /// # Errors
     /// A sensor that cannot be built.
-    pub fn sizes(&self) -> Result<[Size; 2], StudyError> {
+    pub fn foretell(&self, at_a_time: usize) -> Result<Foretold, StudyError> {
         let layer_mm = self
             .cases
             .iter()
             .fold(0.0_f64, |most, case| most.max(case.layer_mm));
-        let case = Case {
-            layer_mm,
-            place: 0,
-            touch: Touch::Foundation,
-        };
-        let body = body::at_rest(&self.body(&case)).map_err(|error| unsolvable(&case, &error))?;
-        Ok([body.size(), self.current(layer_mm)?.size()])
+        let mut largest = Size::default();
+        let mut work = 0.0;
+        let current = self.current(layer_mm)?.size();
+        for touch in Touch::ALL {
+            let case = Case {
+                layer_mm,
+                place: 0,
+                touch,
+            };
+            let count = self.cases.iter().filter(|case| case.touch == touch).count() as f64;
+            if touch == Touch::Rise {
+                work += count * 2.0 * current.flops;
+                continue;
+            }
+            let body = body::size(&self.body(&case)).map_err(|error| unsolvable(&case, &error))?;
+            let solves = 1.0 + self.depths(&case).0.len() as f64;
+            work += count * (ITERATIONS * body.flops + solves * current.flops);
+            if body.bytes > largest.bytes {
+                largest = body;
+            }
+        }
+        Ok(Foretold {
+            unknowns: largest.unknowns.max(current.unknowns),
+            bytes: at_a_time as f64 * (largest.bytes + current.bytes),
+            seconds: work / FLOPS_PER_S / at_a_time as f64,
+        })
     }
 
     fn centre_mm(&self, case: &Case) -> PointMm {
@@ -300,60 +322,6 @@ impl Thickness {
             layers,
             Placement::Underside,
         )?)
-    }
-
-    /// Solves one job.
-    ///
-    /// # Errors
-    /// A sensor that cannot be solved, or a press that does not converge.
-    pub fn solve(&self, case: &Case) -> Result<Outcome, StudyError> {
-        let current = self.current(case.layer_mm)?;
-        let background = self.pad.background_s_per_m;
-        let even = vec![background; current.bricks().corners.len()];
-        let places = &current.bricks().nodes_mm;
-        let rest = current.solve(places, &even)?.voltages(&self.pad.protocol);
-        let mut outcome = Outcome {
-            pressed: Vec::new(),
-            refused: Vec::new(),
-            nodes: [0, places.len()],
-            at_rest: rest.iter().map(|volt| volt.abs()).sum::<f64>() / rest.len() as f64,
-        };
-        if case.touch == Touch::Rise {
-            let touched = self.raised(&current, self.centre_mm(case));
-            let volts = current
-                .solve(places, &touched)?
-                .voltages(&self.pad.protocol);
-            let depth = Depth {
-                mm: 0.0,
-                share: None,
-            };
-            outcome
-                .pressed
-                .push(Pressed::between(&rest, &volts, depth, 0.0, 1.0));
-            return Ok(outcome);
-        }
-        let plan = self.body(case);
-        let (depths, refused) = self.depths(case);
-        outcome.refused = refused;
-        let Some(deepest) = depths.last() else {
-            return Ok(outcome);
-        };
-        let mut pressing =
-            body::Pressing::new(&plan, deepest.mm).map_err(|error| unsolvable(case, &error))?;
-        outcome.nodes[0] = pressing.nodes();
-        for depth in &depths {
-            pressing
-                .press_to(depth.mm)
-                .map_err(|error| unsolvable(case, &error))?;
-            let moved = pressing.moved_layer(current.bricks());
-            let volts = current.solve(&moved, &even)?.voltages(&self.pad.protocol);
-            let height = pressing.layer_height_mm() / case.layer_mm;
-            let force_n = pressing.force_n();
-            outcome
-                .pressed
-                .push(Pressed::between(&rest, &volts, *depth, force_n, height));
-        }
-        Ok(outcome)
     }
 
     /// Conductivities with the local rise, S/m.
@@ -415,6 +383,74 @@ impl Thickness {
         }
         depths.sort_by(|a, b| a.mm.total_cmp(&b.mm));
         (depths, refused)
+    }
+}
+
+impl Study for Thickness {
+    type Case = Case;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    fn id(case: &Case) -> String {
+        let touch = case.touch.name().replace(' ', "-");
+        format!("{}-mm-place-{}-{touch}", case.layer_mm, case.place + 1)
+    }
+
+    fn solve(&self, case: &Case) -> Result<Outcome, StudyError> {
+        let current = self.current(case.layer_mm)?;
+        let background = self.pad.background_s_per_m;
+        let even = vec![background; current.bricks().corners.len()];
+        let places = &current.bricks().nodes_mm;
+        let rest = current.solve(places, &even)?.voltages(&self.pad.protocol);
+        let mut outcome = Outcome {
+            pressed: Vec::new(),
+            refused: Vec::new(),
+            nodes: [0, places.len()],
+            at_rest: rest.iter().map(|volt| volt.abs()).sum::<f64>() / rest.len() as f64,
+        };
+        if case.touch == Touch::Rise {
+            let touched = self.raised(&current, self.centre_mm(case));
+            let volts = current
+                .solve(places, &touched)?
+                .voltages(&self.pad.protocol);
+            let depth = Depth {
+                mm: 0.0,
+                share: None,
+            };
+            outcome
+                .pressed
+                .push(Pressed::between(&rest, &volts, depth, 0.0, 1.0));
+            return Ok(outcome);
+        }
+        let plan = self.body(case);
+        let (depths, refused) = self.depths(case);
+        outcome.refused = refused;
+        let Some(deepest) = depths.last() else {
+            return Ok(outcome);
+        };
+        let mut pressing =
+            body::Pressing::new(&plan, deepest.mm).map_err(|error| unsolvable(case, &error))?;
+        outcome.nodes[0] = pressing.nodes();
+        for depth in &depths {
+            pressing
+                .press_to(depth.mm)
+                .map_err(|error| unsolvable(case, &error))?;
+            let moved = pressing.moved_layer(current.bricks());
+            let volts = current.solve(&moved, &even)?.voltages(&self.pad.protocol);
+            let height = pressing.layer_height_mm() / case.layer_mm;
+            let force_n = pressing.force_n();
+            outcome
+                .pressed
+                .push(Pressed::between(&rest, &volts, *depth, force_n, height));
+        }
+        Ok(outcome)
+    }
+
+    fn report(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
+        self.told(outcomes)
     }
 }
 
