@@ -6,26 +6,14 @@
 #   scripts/see-in-emulator.sh super-mario-mednafen mednafen -sound 0 -video.driver softfb -nes.xscale 2 -nes.yscale 2
 #   scripts/see-in-emulator.sh super-mario-retroarch retroarch -L /usr/lib/x86_64-linux-gnu/libretro/nestopia_libretro.so
 set -euo pipefail
-cd "$(dirname "$0")/.."
 profile=$1
 shift
-cargo build --quiet
-gelpad=$PWD/target/debug/gelpad
-folder=$(mktemp -d)
-started=()
-trap 'kill -9 "${started[@]}" 2>/dev/null || true; rm -rf "$folder"' EXIT
-ca65 tests/game/jump.s -o "$folder/jump.o"
-ld65 -C tests/game/nrom.cfg "$folder/jump.o" -o "$folder/jump.nes"
-
-Xvfb -displayfd 3 -nolisten tcp -screen 0 800x700x24 -fbdir "$folder" 3>"$folder/display" &
-started+=($!)
-until [ -s "$folder/display" ]; do sleep 0.1; done
-DISPLAY=:$(cat "$folder/display")
-export DISPLAY XDG_RUNTIME_DIR=$folder HOME=$folder SDL_AUDIODRIVER=dummy PATH=$PATH:/usr/games
-unset XDG_CONFIG_HOME XDG_DATA_HOME
+source "$(dirname "$0")/stage.sh"
+rom
+stage 800x700
 mkdir -p "$folder/.config/retroarch"
 "$@" "$folder/jump.nes" >"$folder/said" 2>&1 &
-started+=($!)
+keep $!
 sleep 8 # the game draws itself
 # Without a window manager some windows have the keyboard only when it is given to them; others have no name to find.
 xdotool search --onlyvisible --name . windowfocus 2>/dev/null || true
@@ -43,9 +31,9 @@ t:6700 up 2
 t:6800 up 1
 t:7500 end
 TOUCHES
-"$gelpad" play "$profile" --source "simulated:$folder/touches.txt" --output keyboard --headless --seed 1 &
+play "$profile" &
 player=$!
-started+=("$player")
+keep "$player"
 
 # What the picture differs in from its beginning: the figure where it was and where it is. The server keeps the screen in an
 # XWD file.

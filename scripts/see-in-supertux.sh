@@ -4,27 +4,9 @@
 #
 #   scripts/see-in-supertux.sh [PROFILE]
 set -euo pipefail
-cd "$(dirname "$0")/.."
-cargo build --quiet
-gelpad=$PWD/target/debug/gelpad
-profile=${1:-supertux}
-folder=$(mktemp -d)
-started=()
-trap 'kill "${started[@]}" 2>/dev/null || true; rm -rf "$folder"' EXIT
-
-Xvfb -displayfd 3 -nolisten tcp -screen 0 800x600x24 3>"$folder/display" &
-started+=($!)
-until [ -s "$folder/display" ]; do sleep 0.1; done
-export DISPLAY=:$(cat "$folder/display") XDG_RUNTIME_DIR=$folder HOME=$folder
-
-SDL_RENDER_DRIVER=software SDL_AUDIODRIVER=dummy PATH=$PATH:/usr/games supertux2 --userdir "$folder/user" --window \
-  --geometry 640x480 --disable-sound --disable-music --renderer sdl --record-demo "$folder/demo" \
-  /usr/share/games/supertux2/levels/world1/welcome_antarctica.stl >"$folder/said" 2>&1 &
-game=$!
-started+=("$game")
-xdotool search --sync --onlyvisible --class supertux2 windowfocus --sync
-sleep 20 # the level has begun, on a slow machine too
-
+source "$(dirname "$0")/stage.sh"
+stage 800x600
+supertux
 cat >"$folder/touches.txt" <<'TOUCHES'
 t:1000 down 1 80 50   # jump, short and long
 t:1150 up 1
@@ -39,18 +21,7 @@ t:7000 up 1
 t:7500 down 1 20 15   # down
 t:8000 up 1
 TOUCHES
-"$gelpad" play "$profile" --source "simulated:$folder/touches.txt" --output keyboard --headless --seed 1
+play "${1:-supertux}"
 sleep 2
-kill "$game" # the demo is written out at the end
-wait "$game" 2>/dev/null || true
-
-# A header of 23 bytes, then six a step.
-python3 - "$folder/demo" <<'PYTHON'
-import sys
-from itertools import groupby
-
-steps = open(sys.argv[1], "rb").read()[23:]
-for place, key in enumerate(["left", "right", "up", "down", "jump", "action"]):
-    runs = [len(list(run)) for down, run in groupby(steps[place::6]) if down]
-    print(f"{key:7} down for {runs} steps")
-PYTHON
+kill "$game"
+keys_seen

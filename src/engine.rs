@@ -9,13 +9,15 @@ use crate::gesture::Gestures;
 use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::touch::{Correction, Detector, FrameTouches, Sensing};
-use crate::types::{Event, Frame, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Nanos, Output, Touch};
 
 /// Everything that can change what the engine does next.
 #[derive(Clone, Debug)]
 pub enum Input {
     /// A reading of the pad, with one voltage for each of the pad's channels.
     Frame(Frame),
+    /// What gamepads and switches say: a source without image.
+    Control(Control),
     /// A time that [`Engine::next_due`] gave has come.
     Tick {
         /// That time, never the clock's.
@@ -90,12 +92,27 @@ impl Engine {
     /// # Panics
     /// If a frame or matrix has another number of channels than the pad: sources check that.
     pub fn input(&mut self, input: &Input, events: &mut Vec<Event>) {
+        self.input_watched(input, events, &mut || {});
+    }
+
+    /// The same, for who has a clock: calls `placed` once a frame's touches are known and before its events are made.
+    ///
+    /// # Panics
+    /// See [`Engine::input`].
+    pub fn input_watched(
+        &mut self,
+        input: &Input,
+        events: &mut Vec<Event>,
+        placed: &mut dyn FnMut(),
+    ) {
         self.changed.clear();
         match input {
             Input::Frame(frame) => {
                 self.detector.frame(frame, &mut self.changed);
+                placed();
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
+            Input::Control(control) => self.gestures.control(control, events),
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
             Input::Profile { t_ns, profile } => {
                 self.gestures.replace(Arc::clone(profile), *t_ns, events);
@@ -130,6 +147,12 @@ impl Engine {
     #[must_use]
     pub fn touches(&self) -> FrameTouches<'_> {
         self.detector.state()
+    }
+
+    /// What finds the touches, for views of its signals.
+    #[must_use]
+    pub fn detector(&self) -> &Detector {
+        &self.detector
     }
 
     /// The outputs that are down.

@@ -1,6 +1,8 @@
 //! Holds every `crate::` path of `src/` against the table of imports in ARCHITECTURE.md, and the core against IO,
 //! threads and clocks.
 
+mod support;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -17,14 +19,44 @@ const TABLE: &[(&str, &[&str])] = &[
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
     ("cache", &["types", "pad", "eit", "touch"]),
+    ("session", &["types"]),
+    (
+        "tape",
+        &[
+            "types", "pad", "eit", "touch", "profile", "engine", "session",
+        ],
+    ),
     ("source", &["types", "pad", "eit", "session"]),
     ("output", &["types"]),
-    ("calibrate", &["types", "pad", "eit", "touch"]),
+    (
+        "calibrate",
+        &["types", "pad", "eit", "touch", "profile", "gesture"],
+    ),
     ("study", &["types", "pad", "eit", "touch", "source"]),
     (
         "runtime",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "source", "output",
+            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session", "tape",
+            "source", "output",
+        ],
+    ),
+    ("doctor", &["types", "output"]),
+    (
+        "gui",
+        &[
+            "types",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "session",
+            "tape",
+            "source",
+            "output",
+            "runtime",
+            "calibrate",
         ],
     ),
     (
@@ -37,12 +69,16 @@ const TABLE: &[(&str, &[&str])] = &[
             "profile",
             "gesture",
             "engine",
+            "session",
+            "tape",
             "source",
             "output",
             "runtime",
             "cache",
             "calibrate",
             "study",
+            "gui",
+            "doctor",
         ],
     ),
 ];
@@ -63,27 +99,10 @@ const BANNED_IN_CORE: &[&str] = &[
     "eprintln!",
 ];
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
-        .expect("a folder")
-        .map(|entry| entry.expect("an entry").path())
-        .collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// Every source file with the part that it belongs to and its text without comments.
 fn parts() -> Vec<(String, PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
-    files
+    support::files(&root, "rs")
         .into_iter()
         .filter_map(|path| {
             let inside = path.strip_prefix(&root).expect("inside src").to_owned();

@@ -174,3 +174,90 @@ fn what_is_no_calibration_is_refused() {
     let output = gelpad(folder.path(), &["calibrate", "--evaluate", "x.csv"]);
     assert_eq!(output.status.code(), Some(2), "--evaluate needs --presses");
 }
+
+/// A script of a slow hand that does what it is asked for: presses of the regions of super-mario, short ones of half a second.
+fn slow_presses(count: usize) -> String {
+    let plain = [(75, 9), (13, 57), (37, 57), (25, 15), (67, 93), (32, 93)];
+    let (short_ms, long_ms, gap_ms) = (500, 1400, 600);
+    let lengths: [&[u64]; 5] = [
+        &[short_ms],
+        &[long_ms],
+        &[short_ms, short_ms],
+        &[short_ms],
+        &[long_ms],
+    ];
+    let (mut script, mut t_ms) = (String::new(), 1000);
+    for index in 0..count {
+        let (x, y) = if index % 2 == 0 {
+            (81, 52)
+        } else {
+            plain[index / 2 % plain.len()]
+        };
+        for held_ms in lengths[index / 2 % lengths.len()] {
+            let up_ms = t_ms + held_ms;
+            script.push_str(&format!("t:{t_ms} down 1 {x} {y}\nt:{up_ms} up 1\n"));
+            t_ms = up_ms + gap_ms;
+        }
+        t_ms += 2500;
+    }
+    script.push_str(&format!("t:{t_ms} end\n"));
+    script
+}
+
+#[test]
+fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("presses.txt"), slow_presses(20)).expect("written");
+    let arguments = [
+        "calibrate",
+        "--source",
+        "simulated:presses.txt",
+        "--recommend",
+        "anna",
+        "--points",
+        "20",
+    ];
+    let output = gelpad(folder.path(), &arguments);
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("20 of 20: down"), "{said}");
+    assert!(
+        said.contains("use it: gelpad play super-mario-classified --user anna"),
+        "{said}"
+    );
+    let text = std::fs::read_to_string(folder.path().join("users/anna.toml")).expect("settings");
+    assert!(text.contains("20 of them come out as meant"), "{text}");
+    assert!(text.contains("classify = \"decided\""), "{text}");
+    let shown = gelpad(
+        folder.path(),
+        &[
+            "profile",
+            "show",
+            "super-mario-classified",
+            "--user",
+            "anna",
+        ],
+    );
+    assert!(shown.status.success(), "{}", stderr(&shown));
+
+    let again = gelpad(folder.path(), &arguments);
+    assert_eq!(again.status.code(), Some(1));
+    assert!(stderr(&again).contains("users/anna.toml exists"));
+}
+
+#[test]
+fn too_few_presses_and_nobody_who_presses_are_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let few = gelpad(
+        folder.path(),
+        &["calibrate", "--source", "simulated", "--recommend", "anna"],
+    );
+    assert_eq!(few.status.code(), Some(1));
+    assert!(
+        stderr(&few).contains("nobody presses the simulated pad"),
+        "{}",
+        stderr(&few)
+    );
+    let without = gelpad(folder.path(), &["calibrate", "--recommend", "anna"]);
+    assert_eq!(without.status.code(), Some(2));
+}

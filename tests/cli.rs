@@ -155,10 +155,14 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
         ),
         (
             vec!["play".into(), "--output".into(), "keyboard".into()],
-            "DISPLAY names no X11 display",
+            "neither WAYLAND_DISPLAY nor DISPLAY is set",
         ),
     ];
     for (arguments, said) in &cases {
+        // Where the kernel's devices can be made they would play.
+        if said.starts_with("neither") && Path::new("/dev/uinput").exists() {
+            continue;
+        }
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let (code, stdout, stderr) = ended(&arguments);
         assert_eq!(code, 1, "{arguments:?}: {stderr}");

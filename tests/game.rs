@@ -15,11 +15,14 @@ mod log;
 mod process;
 #[path = "game/script.rs"]
 mod script;
+#[path = "game/server.rs"]
+mod server;
 #[path = "game/stage.rs"]
 mod stage;
 #[path = "game/tools.rs"]
 mod tools;
 
+use std::ops::Range;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -55,6 +58,13 @@ const CLASSIFIED_SHORT_FRAMES: usize = 5;
 const CLASSIFIED_LONG_FRAMES: usize = 32;
 const CLASSIFIED_TOLERANCE_FRAMES: usize = 1;
 
+/// Random presses without `GELPAD_PRESSES`, and how long each and the pause after it last.
+const PRESSES: usize = 60;
+const PRESS_MS: Range<u32> = 34..201;
+const PAUSE_MS: Range<u32> = 50..201;
+/// The longest press may be seen so many frames long: none sticks.
+const LONGEST_FRAMES: usize = 16;
+
 const WALK_MS: u32 = 600;
 const WALK_PERIOD_MS: u32 = 1200;
 /// B is down this long before and after the arrow key.
@@ -70,6 +80,9 @@ fn main() -> ExitCode {
         trial("direct", direct),
         trial("classified", classified),
         trial("walking", walking),
+        #[cfg(feature = "gui")]
+        trial("window", window),
+        trial("presses", presses),
     ];
     libtest_mimic::run(&arguments, trials).exit_code()
 }
@@ -148,6 +161,87 @@ fn walking(stage: &mut Stage) -> Result<()> {
         px_per_frame(run),
         px_per_frame(right)
     );
+    Ok(())
+}
+
+/// Two fingers press at random: the game sees each press once, and none that sticks.
+fn presses(stage: &mut Stage) -> Result<()> {
+    let count = std::env::var("GELPAD_PRESSES").ok();
+    let count = count.and_then(|text| text.parse().ok()).unwrap_or(PRESSES);
+    let mut random = Lcg(1);
+    let mut script = Script::default();
+    // Jump by one finger; right and left in turn by the other.
+    let mut wanted = [0; 3];
+    for places in [&[(0, JUMP)][..], &[(1, RIGHT), (2, LEFT)]] {
+        let mut start_ms = LEAD_MS;
+        for press in 0..count / 2 {
+            let (button, place) = places[press % places.len()];
+            let length_ms = random.within(PRESS_MS);
+            script.press(place, start_ms, length_ms);
+            start_ms += length_ms + random.within(PAUSE_MS);
+            wanted[button] += 1;
+        }
+    }
+    let log = stage.play("super-mario", &script)?;
+    let seen = [
+        log.presses(|frame| frame.a),
+        log.presses(|frame| frame.right),
+        log.presses(|frame| frame.left),
+    ];
+    let lengths = |presses: &[Press]| {
+        let frames = || presses.iter().map(|press| press.frames);
+        (frames().min().unwrap_or(0), frames().max().unwrap_or(0))
+    };
+    eprintln!("\n{:.2} frames a second", log.rate_hz()?);
+    for (name, (presses, wanted)) in ["A", "right", "left"].iter().zip(seen.iter().zip(wanted)) {
+        let (shortest, longest) = lengths(presses);
+        let seen = presses.len();
+        eprintln!("{name:5} pressed {wanted}, seen {seen}: {shortest} to {longest} frames");
+    }
+    for (presses, wanted) in seen.iter().zip(wanted) {
+        ensure!(
+            presses.len() == wanted,
+            "{wanted} presses, {} seen",
+            presses.len()
+        );
+        ensure!(lengths(presses).1 <= LONGEST_FRAMES, "a press stuck");
+    }
+    Ok(())
+}
+
+/// Numbers that look random and are the same in each run (an LCG of Knuth's).
+struct Lcg(u64);
+
+impl Lcg {
+    fn within(&mut self, range: Range<u32>) -> u32 {
+        let factor = 6_364_136_223_846_793_005;
+        self.0 = self
+            .0
+            .wrapping_mul(factor)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let span = u64::from(range.end - range.start);
+        range.start + ((self.0 >> 33) % span) as u32
+    }
+}
+
+/// The mouse on the window's own pad, while the emulator has the keyboard: that pad takes no focus.
+#[cfg(feature = "gui")]
+fn window(stage: &mut Stage) -> Result<()> {
+    let tools = Tools::find()?;
+    let log = stage.play_in_window(&tools, &[SHORT_MS, LONG_MS, SHORT_MS, LONG_MS])?;
+    let jumps = log.presses(|frame| frame.a);
+    print_jumps(&jumps, log.rate_hz()?);
+    let [short, long, short_again, long_again] = jumps.as_slice() else {
+        bail!("4 presses of the mouse became {} jumps", jumps.len());
+    };
+    for (short, long) in [(short, long), (short_again, long_again)] {
+        ensure!(
+            long.height_px > short.height_px,
+            "a long press rose {} px, a short one {} px",
+            long.height_px,
+            short.height_px
+        );
+    }
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use gelpad::profile::{Kind, Source, Table, find_shipped, keys, read, schema};
+use gelpad::types::Key;
 
 /// Profiles with one thing wrong each: what is put in, and then `line:column`, the words that are underlined, and a part
 /// of what is said.
@@ -98,9 +99,14 @@ const CASES: &[Case] = &[
     case("output = \"key:f\"", "turbo_hz = 8\noutput = \"key:f\"", "17:12", "8", "a press in mode direct has no `turbo_hz`"),
     case("output = \"key:f\"", "gesture = \"swipe\"\noutput = \"key:f\"", "15:1", "[[binding]]", "a swipe needs a `direction`"),
     case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up-left\"\nways = 4\noutput = \"key:f\"", "18:13", "\"up-left\"", "4 ways have no diagonals"),
-    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord has two regions or more"),
+    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord has two regions or more, or buttons"),
     case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-z\"", "18:10", "\"pad:left-z\"", "no axis is named `pad:left-z`"),
     case("output = \"key:f\"", "gesture = \"force\"\nforce = 0.3\nforce_release = 0.5\noutput = \"key:f\"", "19:17", "0.5", "`force_release` lies above `force`"),
+    case("output = \"key:f\"", "from = \"pad:strat\"\noutput = \"key:f\"", "17:8", "\"pad:strat\"", "no part of a gamepad is named `pad:strat` | did you mean `pad:start`"),
+    case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up\"\nfrom = \"pad:a\"\noutput = \"key:f\"", "19:8", "\"pad:a\"", "no part of a gamepad makes a swipe"),
+    case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-x\"\nfrom = \"pad:a\"", "19:8", "\"pad:a\"", "`pad:a` has no directions, as a stick wants"),
+    case("output = \"key:f\"", "gesture = \"force\"\nfrom = \"stick:left\"\noutput = \"key:f\"", "18:8", "\"stick:left\"", "`stick:left` is not pressed more or less, as a force wants"),
+    case("output = \"key:f\"", "gesture = \"stick\"\nstick = \"floating\"\naxis_x = \"pad:left-x\"\nfrom = \"stick:left\"", "18:9", "\"floating\"", "a gamepad's stick has its own middle"),
     case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"press key:a\"]", "18:9", "[\"press key:a\"]", "the macro ends with something pressed"),
     case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"wait soon\"]", "18:10", "\"wait soon\"", "`soon` is no time to wait"),
     case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"jump key:a\"]", "18:10", "\"jump key:a\"", "a macro does not `jump`"),
@@ -359,4 +365,30 @@ fn the_guide_lists_every_key() {
         guide == fresh,
         "the table of keys has drifted: run this test with GELPAD_BLESS=1"
     );
+}
+
+#[test]
+fn the_guide_names_every_key_and_no_other() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/profiles.md");
+    let guide = std::fs::read_to_string(path).expect("the guide");
+    let (_, section) = guide.split_once("## Names of keys").expect("a section");
+    let table: String = section
+        .lines()
+        .filter(|line| line.starts_with('|'))
+        .collect();
+    let is_range = |key: &str| {
+        let number = key.trim_start_matches(|c: char| !c.is_ascii_digit());
+        key.len() == 1
+            || key
+                .strip_suffix(number)
+                .is_some_and(|head| ["f", "keypad-"].contains(&head))
+    };
+    let unnamed: Vec<String> = Key::all()
+        .map(|key| key.to_string())
+        .filter(|key| !is_range(key) && !table.contains(&format!("`{key}`")))
+        .collect();
+    assert!(unnamed.is_empty(), "{unnamed:?}");
+    for name in table.split('`').skip(1).step_by(2) {
+        assert!(name.parse::<Key>().is_ok(), "`{name}` is no key");
+    }
 }

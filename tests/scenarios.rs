@@ -5,31 +5,39 @@
 //! --- user               (may be left out) a person's TOML, or `shipped: NAME`
 //! --- switch T           (may be left out) another profile's TOML, saved at T ms
 //! --- script             a touch script; times are exact, no frame rounds them
+//! --- gamepad            what a gamepad says, beside the script or without one (see scenario/gamepad.rs)
 //! --- events             what must come out, a line an event
 //! ```
 //! A finger's area is that of its radius (7 mm: 154 mm2), its force is its rise / 2.4 (1.2: 0.5). A trial a file, named
 //! after it. The examples of docs/profiles.md are trials too: each `toml` block must be sound, and a `scenario` block below it
 //! is played with it. To write a new one, leave the events empty, run, and copy what was got if it is right.
 
+#[path = "scenario/gamepad.rs"]
+mod gamepad;
+mod support;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use gelpad::gesture::Gestures;
 use gelpad::profile::{self, Profile, Source, shipped_profile, shipped_user};
-use gelpad::source::{Script, StepKind};
-use gelpad::types::{Contact, Event, Nanos, Phase, Touch, TouchId, nanos_from_ms};
+use gelpad::source::{Script, Step, StepKind};
+use gelpad::types::{
+    Contact, Control, Event, NANOS_PER_MS, Nanos, Phase, Touch, TouchId, nanos_from_ms,
+};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
+/// A source ends so long after the last that happens.
+const AFTER_NS: Nanos = 500 * NANOS_PER_MS;
 const GUIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/profiles.md");
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios");
-    let mut files = Vec::new();
-    texts(&root, &mut files);
+    let files = support::files(&root, "txt");
     assert!(!files.is_empty(), "no scenario under {}", root.display());
     let examples = examples(&fs::read_to_string(GUIDE).expect("the guide"));
     assert!(examples.len() > 10, "no examples in {GUIDE}");
@@ -96,21 +104,6 @@ fn whole(block: &str) -> String {
     format!("{head}{block}{regions}")
 }
 
-fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
-        .expect("a folder")
-        .map(|entry| entry.expect("an entry").path())
-        .collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            texts(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "txt") {
-            found.push(path);
-        }
-    }
-}
-
 fn run(text: &str) -> Result<(), String> {
     let section = |name: &str| -> Result<&str, String> {
         let head = format!("--- {name}\n");
@@ -133,13 +126,13 @@ fn run(text: &str) -> Result<(), String> {
         }
         None => None,
     };
-    let script = Script::parse("script", section("script")?).map_err(|error| error.to_string())?;
+    let timeline = Timeline::of(section("script").ok(), section("gamepad").ok())?;
     let expected: Vec<&str> = section("events")?
         .lines()
         .map(|line| line.split('#').next().unwrap_or_default().trim())
         .filter(|line| !line.is_empty())
         .collect();
-    let got: Vec<String> = play(profile, switch, &script)
+    let got: Vec<String> = play(profile, switch, timeline)
         .iter()
         .map(Event::to_string)
         .collect();
@@ -177,71 +170,115 @@ fn profile(profile: Source, user: Option<Source>) -> Result<Arc<Profile>, String
         .map_err(|error| error.to_string())
 }
 
-/// Touches exactly as the script says, with every tick at its time; the source ends with the script.
+/// What fingers and gamepads do, in the order of its times; the gamepad first where both do something at once.
+struct Timeline {
+    moments: Vec<(Nanos, Moment)>,
+    end_ns: Nanos,
+}
+
+enum Moment {
+    Finger(Step),
+    Gamepad(Control),
+}
+
+impl Timeline {
+    fn of(script: Option<&str>, gamepad: Option<&str>) -> Result<Self, String> {
+        let mut moments = Vec::new();
+        let mut end_ns = 0;
+        if let Some(gamepad) = gamepad {
+            let states = gamepad::states(gamepad)?;
+            end_ns = states.last().map_or(0, |state| state.t_ns + AFTER_NS);
+            moments.extend(states.into_iter().map(|at| (at.t_ns, Moment::Gamepad(at))));
+        }
+        if let Some(script) = script {
+            let script = Script::parse("script", script).map_err(|error| error.to_string())?;
+            end_ns = end_ns.max(script.end_ns());
+            let steps = script.steps().iter().cloned();
+            moments.extend(steps.map(|step| (step.t_ns, Moment::Finger(step))));
+        }
+        if moments.is_empty() {
+            return Err("neither a section `script` nor `gamepad`".to_owned());
+        }
+        moments.sort_by_key(|(t_ns, _)| *t_ns);
+        Ok(Self { moments, end_ns })
+    }
+}
+
+/// Exactly what happens when, with every tick at its time; the source ends with the timeline.
 fn play(
     profile: Arc<Profile>,
     mut switch: Option<(Nanos, Arc<Profile>)>,
-    script: &Script,
+    timeline: Timeline,
 ) -> Vec<Event> {
     let mut gestures = Gestures::new(profile, PAD_MM);
     let mut down: Vec<Touch> = Vec::new();
     let mut events = Vec::new();
-    for step in script.steps() {
-        if let Some((at, next)) = switch.take_if(|(at, _)| *at <= step.t_ns) {
+    for (t_ns, moment) in timeline.moments {
+        if let Some((at, next)) = switch.take_if(|(at, _)| *at <= t_ns) {
             gestures.replace(next, at, &mut events);
         }
-        let changed = match step.kind {
-            StepKind::Down(finger) => {
-                let touch = Touch {
-                    id: TouchId(finger.id),
-                    phase: Phase::Down,
-                    since_ns: step.t_ns,
-                    contact: Contact {
-                        centre_mm: finger.centre_mm,
-                        area_mm2: area_mm2(finger.radius_mm),
-                        force: force(finger.rise),
-                        confidence: 1.0,
-                    },
-                };
-                down.push(touch);
-                touch
+        match moment {
+            Moment::Finger(step) => {
+                let changed = touch(&mut down, &step);
+                gestures.touches(t_ns, &[changed], &mut events);
             }
-            StepKind::Move {
-                id,
-                centre_mm,
-                radius_mm,
-                rise,
-            } => {
-                let touch = down
-                    .iter_mut()
-                    .find(|touch| touch.id.0 == id)
-                    .expect("checked by the script");
-                touch.phase = Phase::Move;
-                let contact = &mut touch.contact;
-                contact.centre_mm = centre_mm;
-                contact.area_mm2 = radius_mm.map_or(contact.area_mm2, area_mm2);
-                contact.force = rise.map_or(contact.force, force);
-                *touch
-            }
-            StepKind::Up { id } => {
-                let index = down
-                    .iter()
-                    .position(|touch| touch.id.0 == id)
-                    .expect("checked by the script");
-                Touch {
-                    phase: Phase::Up,
-                    ..down.remove(index)
-                }
-            }
-        };
-        gestures.touches(step.t_ns, &[changed], &mut events);
+            Moment::Gamepad(control) => gestures.control(&control, &mut events),
+        }
     }
     if let Some((at, next)) = switch {
         gestures.replace(next, at, &mut events);
     }
-    gestures.tick(script.end_ns(), &mut events);
-    gestures.release_all(script.end_ns(), &mut events);
+    gestures.tick(timeline.end_ns, &mut events);
+    gestures.release_all(timeline.end_ns, &mut events);
     events
+}
+
+/// What a step of the script makes of the touches that are down.
+fn touch(down: &mut Vec<Touch>, step: &Step) -> Touch {
+    match step.kind {
+        StepKind::Down(finger) => {
+            let touch = Touch {
+                id: TouchId(finger.id),
+                phase: Phase::Down,
+                since_ns: step.t_ns,
+                contact: Contact {
+                    centre_mm: finger.centre_mm,
+                    area_mm2: area_mm2(finger.radius_mm),
+                    force: force(finger.rise),
+                    confidence: 1.0,
+                },
+            };
+            down.push(touch);
+            touch
+        }
+        StepKind::Move {
+            id,
+            centre_mm,
+            radius_mm,
+            rise,
+        } => {
+            let touch = down
+                .iter_mut()
+                .find(|touch| touch.id.0 == id)
+                .expect("checked by the script");
+            touch.phase = Phase::Move;
+            let contact = &mut touch.contact;
+            contact.centre_mm = centre_mm;
+            contact.area_mm2 = radius_mm.map_or(contact.area_mm2, area_mm2);
+            contact.force = rise.map_or(contact.force, force);
+            *touch
+        }
+        StepKind::Up { id } => {
+            let index = down
+                .iter()
+                .position(|touch| touch.id.0 == id)
+                .expect("checked by the script");
+            Touch {
+                phase: Phase::Up,
+                ..down.remove(index)
+            }
+        }
+    }
 }
 
 fn area_mm2(radius_mm: f64) -> f64 {

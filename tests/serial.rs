@@ -1,8 +1,9 @@
-//! A board on a pseudo-terminal: OpenEIT's text against the same frames from a CSV file, garbled lines, an unplugged
-//! port.
+//! A board on a pseudo-terminal: OpenEIT's text against the same frames from a CSV file, garbled lines, a port that is
+//! unplugged and comes back.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,9 +11,10 @@ use std::time::Duration;
 
 use gelpad::eit::Reconstruction;
 use gelpad::pad::{Pad, shipped_pad};
-use gelpad::source::serial::SerialSource;
+use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
+use gelpad::source::wire::FormatKind;
 use gelpad::source::wire::openeit;
-use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source, SourceError};
+use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Method};
 use rustix::process::{Pid, Signal, kill_process};
@@ -76,6 +78,16 @@ fn frames() -> Vec<Vec<f32>> {
         .collect()
 }
 
+fn open(path: &str) -> SerialSource {
+    SerialSource::open(path, DEFAULT_BAUD, &pad(), FormatKind::OpenEit.into()).expect("opened")
+}
+
+/// A link to a port that stays when the port is another: pseudo-terminals come back under other names.
+fn link(link: &Path, port: &str) {
+    let _ = std::fs::remove_file(link);
+    std::os::unix::fs::symlink(port, link).expect("linked");
+}
+
 fn read_frame(source: &mut dyn Source) -> Frame {
     for _ in 0..200 {
         match source.read().expect("the board is there") {
@@ -116,16 +128,21 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
         writeln!(csv, "{},{}", index * 10, values.join(",")).expect("written");
     }
     let (mut board, path) = pty();
-    let mut serial = SerialSource::open(&path, 192).expect("opened");
+    let mut serial = open(&path);
     let mut file = FramesCsv::open(csv.path(), 192).expect("opened");
     let matrix = Arc::new(Reconstruction::of_pad(&pad(), Method::default()).expect("a matrix"));
     let (mut by_wire, mut by_file) = (Detector::new(Arc::clone(&matrix)), Detector::new(matrix));
     let mut changed = Vec::new();
     let mut most = 0;
-    for volts in &frames {
-        board
-            .write_all(openeit::encode(volts).as_bytes())
-            .expect("sent");
+    // The first three tell the order: the board is that far ahead.
+    let mut ahead = frames.iter().map(|volts| openeit::encode(volts));
+    for line in ahead.by_ref().take(3) {
+        board.write_all(line.as_bytes()).expect("sent");
+    }
+    for _ in &frames {
+        if let Some(line) = ahead.next() {
+            board.write_all(line.as_bytes()).expect("sent");
+        }
         let from_wire = read_frame(&mut serial);
         let from_file = read_frame(&mut file);
         assert_eq!(from_wire.volts, from_file.volts, "bit for bit");
@@ -143,25 +160,44 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
 }
 
 #[test]
-fn an_unplugged_port_is_told_at_once() {
+fn an_unplugged_port_is_told_once_and_opened_again_when_it_is_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("port");
     let (board, path) = pty();
-    let mut serial = SerialSource::open(&path, 192).expect("opened");
+    link(&port, &path);
+    let mut serial = open(&port.display().to_string());
     drop(board);
-    let mut readings = 0;
-    let error = loop {
-        match serial.read() {
-            Ok(Reading::Idle) if readings < 10 => readings += 1,
-            Ok(other) => panic!("{other:?} from a port that is gone"),
-            Err(error) => break error,
-        }
-    };
-    assert!(matches!(error, SourceError::Gone { .. }), "{error}");
+    let gone = (0..10).find_map(|_| match serial.read().expect("it is waited for") {
+        Reading::Gone { reason } => Some(reason),
+        Reading::Idle => None,
+        other => panic!("{other:?} from a port that is gone"),
+    });
+    assert!(gone.expect("told").contains("the board is gone"));
+    std::fs::remove_file(&port).expect("the port is gone");
+    for _ in 0..20 {
+        assert_eq!(serial.read().expect("it is waited for"), Reading::Idle);
+    }
+    let (mut board, path) = pty();
+    link(&port, &path);
+    let frames = frames();
+    // Half a line first, as a board that was running sends.
+    let mut text = openeit::encode(&frames[0]).split_off(1000);
+    for volts in &frames[..3] {
+        text.push_str(&openeit::encode(volts));
+    }
+    board.write_all(text.as_bytes()).expect("sent");
+    for volts in &frames[..3] {
+        assert_eq!(&read_frame(&mut serial).volts, volts);
+    }
 }
 
 #[test]
-fn garbled_lines_are_counted_and_an_unplugged_port_ends_with_all_keys_up() {
+fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_up_meanwhile() {
     let frames = frames();
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("port");
     let (mut board, path) = pty();
+    link(&port, &path);
     let mut gelpad = Command::new(env!("CARGO_BIN_EXE_gelpad"))
         .args([
             "play",
@@ -172,7 +208,7 @@ fn garbled_lines_are_counted_and_an_unplugged_port_ends_with_all_keys_up() {
             PAD,
             "--source",
         ])
-        .arg(format!("serial:{path}"))
+        .arg(format!("serial:{}", port.display()))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -195,41 +231,54 @@ fn garbled_lines_are_counted_and_an_unplugged_port_ends_with_all_keys_up() {
         .expect("sent");
         std::thread::sleep(FRAME);
     }
-    let mut pressed = String::new();
-    for _ in 0..5 {
-        events.read_line(&mut pressed).expect("a line");
-    }
+    let mut lines = |count: usize| -> Vec<String> {
+        (0..count)
+            .map(|_| {
+                let mut line = String::new();
+                events.read_line(&mut line).expect("a line");
+                line.trim_end()
+                    .split_once(' ')
+                    .expect("a time first")
+                    .1
+                    .to_owned()
+            })
+            .collect()
+    };
+    let pressed = [
+        "press key:f",
+        "press key:left",
+        "release key:f",
+        "release key:left",
+        "press key:f",
+    ];
+    assert_eq!(lines(5), pressed);
     drop(board);
-    let mut rest = String::new();
-    events.read_to_string(&mut rest).expect("text");
+    assert_eq!(lines(1), ["release key:f"], "up while it is away");
+    let (mut board, path) = pty();
+    link(&port, &path);
+    // Whoever comes back under a finger begins untouched: the first finger after that is a press again.
+    std::thread::sleep(Duration::from_millis(600));
+    for volts in frames[..30].iter().chain(&frames[70..]) {
+        board
+            .write_all(openeit::encode(volts).as_bytes())
+            .expect("sent");
+        std::thread::sleep(FRAME);
+    }
+    assert_eq!(lines(1), ["press key:f"]);
+    kill_process(pid, Signal::TERM).expect("running");
+    assert_eq!(lines(1), ["release key:f"]);
     let output = gelpad.wait_with_output().expect("ended");
     done.store(true, Ordering::Relaxed);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    let words = |text: &str| -> Vec<String> {
-        text.lines()
-            .map(|line| line.split_once(' ').expect("a time first").1.to_owned())
-            .collect()
-    };
-    assert_eq!(
-        words(&(pressed + &rest)),
-        [
-            "press key:f",
-            "press key:left",
-            "release key:f",
-            "release key:left",
-            "press key:f",
-            "release key:f"
-        ],
-        "{stderr}"
-    );
-    assert!(
-        stderr.contains("skipped what is no frame (2 so far)"),
-        "{stderr}"
-    );
-    assert!(
-        stderr.contains("2 frames lost (2 of them garbled)"),
-        "{stderr}"
-    );
-    assert!(stderr.contains("the board is gone"), "{stderr}");
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    for told in [
+        "the board speaks OpenEIT Spectra's text (--format openeit), 192 values a frame",
+        "192 voltages a frame",
+        "skipped what is no frame (2 so far)",
+        "2 frames lost (2 of them garbled)",
+        "the board is gone",
+        "the board is back",
+    ] {
+        assert!(stderr.contains(told), "{told:?} is not in:\n{stderr}");
+    }
+    assert_eq!(output.status.code(), Some(143), "{stderr}");
 }

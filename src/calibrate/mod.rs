@@ -9,8 +9,10 @@ mod correct;
 mod curve;
 mod features;
 mod maps;
+pub mod orientation;
 mod presses;
 mod process;
+pub mod recommend;
 mod regression;
 
 pub use correct::{Fitted, correction};

@@ -15,7 +15,7 @@ use crate::runtime::{Command, Running};
 use crate::types::Faulty;
 
 /// Whether a device has what a profile drives; else what it lacks.
-pub(super) type Refuse = Box<dyn Fn(&Profile) -> Option<String>>;
+pub(super) type Refuse = Box<dyn Fn(&Profile) -> Option<String> + Send>;
 
 /// What may change, and what has been asked for.
 pub(super) struct Changes {

@@ -300,6 +300,13 @@ impl Screen<'_> {
         if !view.lost_electrodes.is_empty() {
             first.push_str(&format!("   WITHOUT ELECTRODE {:?}", view.lost_electrodes));
         }
+        if view.late_events > 0 {
+            first.push_str(&format!("   {} LATE", view.late_events));
+        }
+        if view.rumble != [0.0; 2] {
+            let [strong, weak] = view.rumble;
+            first.push_str(&format!("   RUMBLE {strong:.2} {weak:.2}"));
+        }
         if view.paused {
             first.push_str("   PAUSED");
         }

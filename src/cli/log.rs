@@ -13,9 +13,13 @@ pub(super) fn hold_back(held_back: bool) {
     HELD_BACK.store(held_back, Ordering::Relaxed);
 }
 
-/// Logs go to stderr: gelpad's own warnings always, more with `-v` or `RUST_LOG`.
+/// Logs go to stderr: gelpad's own warnings and what it found out always, more with `-v` or `RUST_LOG`.
 pub(super) fn start(verbose: u8) {
-    let default = ["off,gelpad=warn", "warn,gelpad=info", "debug"][usize::from(verbose.min(2))];
+    let default = [
+        "off,gelpad=warn,gelpad::told=info",
+        "warn,gelpad=info",
+        "debug",
+    ][usize::from(verbose.min(2))];
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
     tracing_subscriber::fmt()
         .with_env_filter(filter)

@@ -1,7 +1,6 @@
 //! `gelpad play`, and the level that plays without arguments.
 
 use std::io::IsTerminal as _;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -10,21 +9,25 @@ use anyhow::Context as _;
 use hdrhistogram::Histogram;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 
-use super::args::{OutputArg, PlayArgs, SourceArg};
+use super::args::{PlayArgs, SourceArg};
 use super::changes::Changes;
 use super::exit::{self, Ending};
+use super::gamepads::{self, Opened};
 use super::live::{LiveView, Title, Wish};
+use super::outputs::{self, Chosen, Takes};
 use super::pick::Picker;
+use super::played_with::{Asides, PlayedWith};
 use super::resolve;
 use crate::engine::Engine;
-use crate::output::{Device, Keyboard, OutputError, Trace};
+use crate::output::{Device, OutputError};
 use crate::pad::{DEFAULT_PAD, Pad};
-use crate::profile::{DEFAULT_PROFILE, Gesture, Profile};
-use crate::runtime::{self, Command, Running, Summary};
+use crate::profile::{DEFAULT_PROFILE, Profile};
+use crate::runtime::{self, Command, Running, Stages, Summary};
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError};
+use crate::source::{LEVEL_SCRIPT, Noise, Script, SimulatedSource, Source, SourceError, open_file};
+use crate::tape::Kit;
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::{Method, Output};
+use crate::types::Method;
 
 /// A press that lasts so many frames is seen, at any rate of frames (`tests/lattice_session.rs`).
 const SURE_FRAMES: f64 = 2.0;
@@ -41,18 +44,23 @@ pub(super) fn level() -> anyhow::Result<Ending> {
     let noise = Noise::new(LEVEL_NOISE.0, LEVEL_NOISE.1);
     let source = SimulatedSource::new(&pad, &script, noise)?;
     let live = can_show();
-    let device: Box<dyn Device> = if live {
-        Box::new(Trace::new(std::io::sink()))
-    } else {
-        Box::new(Trace::new(std::io::stdout()))
-    };
+    let device = outputs::trace(live);
     let title = Title {
         source: "simulated pad, the level".to_owned(),
         output: "nothing leaves this terminal".to_owned(),
     };
-    let made = engine(&pad, profile, Method::default(), None)?;
+    let (builder, kit) = kit(pad, String::new(), profile, Method::default(), None)?;
     let title = live.then_some(title);
-    run(&pad, made, Box::new(source), device, title, None)
+    let (made, asides) = ((kit.engine(), builder), Asides::default());
+    run(
+        &kit.pad,
+        made,
+        Box::new(source),
+        device,
+        title,
+        None,
+        asides,
+    )
 }
 
 /// Whether there is a terminal that can be drawn on.
@@ -62,43 +70,59 @@ fn can_show() -> bool {
 
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
-    let pad = resolve::pad(&args.pad)?;
-    let checked = resolve::checked(&args.profile, args.user.as_deref())?;
+    let PlayedWith {
+        pad,
+        pad_toml,
+        checked,
+        argument,
+        correction,
+    } = PlayedWith::of(args)?;
     checked.warnings.iter().for_each(exit::warn);
     let profile = Arc::new(checked.profile.clone());
-    let correction = resolve::correction(args.calibration.as_deref(), &pad)?;
+    if args.source == SourceArg::Gamepad && profile.parts.is_empty() {
+        anyhow::bail!(
+            "the profile {} is not played by a gamepad: none of its bindings has a `from`\n  help: write `from = \"pad:a\"` in a binding, or try the profile super-mario-gamepad",
+            profile.name
+        );
+    }
     let live = !args.headless && can_show();
     let source = source(args, &pad)?;
-    let device = device(args, live)?;
+    let Chosen { device, told } = outputs::open(args.output, &args.source, live)?;
+    if let Some(told) = told {
+        say(&told);
+    }
+    let source = source(device.is_gamepad());
     let takes = Takes::of(device.as_ref());
     if let Some(lacking) = takes.lacking(&profile) {
         anyhow::bail!("{lacking}");
     }
-    let picker = args.follow.then(|| Picker::new(&args.profile));
-    let changes = Changes::new(
-        &args.profile,
-        args.user.as_deref(),
-        &checked,
-        picker,
-        Box::new(move |profile| takes.lacking(profile)),
-    );
+    // A profile out of a recording lies nowhere where it could be saved anew.
+    let changes = argument.map(|argument| {
+        let picker = args.follow.then(|| Picker::new(&argument));
+        let refuse = Box::new(move |profile: &Profile| takes.lacking(profile));
+        Changes::new(&argument, args.user.as_deref(), &checked, picker, refuse)
+    });
     let title = Title {
         source: match &args.source {
             SourceArg::Simulated(None) => "simulated pad, the level".to_owned(),
             SourceArg::Simulated(Some(script)) => format!("simulated pad, {}", script.display()),
             SourceArg::Serial(port) => port.clone(),
             SourceArg::Replay(file) => file.display().to_string(),
+            SourceArg::Gamepad => "gamepad".to_owned(),
         },
         output: device.name().to_owned(),
     };
     let method = resolve::method(args.method, &profile, &pad);
     let title = live.then_some(title);
-    let made = engine(&pad, profile, method, correction)?;
-    run(&pad, made, source, device, title, Some(changes))
+    let (builder, kit) = kit(pad, pad_toml, profile, method, correction)?;
+    let asides = Asides::start(args, &kit)?;
+    let made = (kit.engine(), builder);
+    run(&kit.pad, made, source, device, title, changes, asides)
 }
 
-fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
-    Ok(match &args.source {
+pub(super) fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Opened> {
+    let source: Box<dyn Source> = match &args.source {
+        SourceArg::Gamepad => return gamepads::open(),
         SourceArg::Simulated(script_path) => {
             let script = match script_path {
                 Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
@@ -115,93 +139,37 @@ fn source(args: &PlayArgs, pad: &Pad) -> anyhow::Result<Box<dyn Source>> {
             }
             Box::new(source?)
         }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(Path::new(file), pad.channels())?),
-    })
-}
-
-fn device(args: &PlayArgs, live: bool) -> anyhow::Result<Box<dyn Device>> {
-    let trace = || -> Box<dyn Device> {
-        if live {
-            Box::new(Trace::new(std::io::sink()))
-        } else {
-            Box::new(Trace::new(std::io::stdout()))
-        }
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
     };
-    Ok(match (args.output, &args.source) {
-        (OutputArg::Keyboard, _) => Box::new(Keyboard::connect()?),
-        // A demonstration must not type into whatever has the focus.
-        (OutputArg::Trace, _) | (OutputArg::Auto, SourceArg::Simulated(_)) => trace(),
-        (OutputArg::Auto, _) => match Keyboard::connect() {
-            Ok(keyboard) => Box::new(keyboard),
-            Err(error) => {
-                say(&format!("output: trace ({error})"));
-                trace()
-            }
-        },
-    })
+    Ok(Box::new(|_| source))
 }
 
-/// What a device has, asked before it is handed over.
-struct Takes {
-    device: &'static str,
-    keys: bool,
-    pads: bool,
-    mice: bool,
-}
-
-impl Takes {
-    fn of(device: &dyn Device) -> Self {
-        let takes = |name: &str| name.parse().is_ok_and(|output| device.takes(output));
-        Self {
-            device: device.name(),
-            keys: takes("key:a"),
-            pads: takes("pad:a"),
-            mice: takes("mouse:left"),
-        }
-    }
-
-    /// What a profile drives and the device does not have, as a message.
-    fn lacking(&self, profile: &Profile) -> Option<String> {
-        let pressed = profile.outputs.iter().find(|output| !match output {
-            Output::Key(_) => self.keys,
-            Output::Button(_) => self.pads,
-            Output::Mouse(_) => self.mice,
-        });
-        let moved = || {
-            profile
-                .bindings
-                .iter()
-                .find_map(|binding| match binding.gesture {
-                    Gesture::Stick(_) | Gesture::Trigger(_) if !self.pads => {
-                        Some(profile.outputs_of(binding))
-                    }
-                    Gesture::Pointer(_) if !self.mice => Some(profile.outputs_of(binding)),
-                    _ => None,
-                })
-        };
-        let what = match pressed {
-            Some(output) => format!("presses {output}"),
-            None => format!("moves {}", moved()?),
-        };
-        Some(format!(
-            "the profile {} {what}, which the {} does not have\n  help: bind a key (key:NAME), or choose another --output",
-            profile.name, self.device
-        ))
-    }
-}
-
-/// An engine, and what remakes its matrices.
-fn engine(
-    pad: &Pad,
+/// What an engine is made of, and what remakes its matrices.
+pub(super) fn kit(
+    pad: Pad,
+    pad_toml: String,
     profile: Arc<Profile>,
     method: Method,
     correction: Option<Correction>,
-) -> anyhow::Result<(Engine, SensingBuilder)> {
-    let builder = resolve::sensing(pad, method)?;
+) -> anyhow::Result<(SensingBuilder, Kit)> {
+    let builder = resolve::sensing(&pad, method)?;
     let sensing = Arc::new(builder.first()?);
-    let engine = Engine::new(pad, sensing, profile).corrected(correction);
-    Ok((engine, builder))
+    let locating = sensing.locating.as_ref();
+    let kit = Kit {
+        table: locating.map(|locating| Arc::clone(locating.table())),
+        pad,
+        pad_toml,
+        profile,
+        correction,
+        sensing,
+    };
+    Ok((builder, kit))
 }
 
 /// Plays until the source ends or a signal comes; shows it if a title is given.
@@ -212,6 +180,7 @@ fn run(
     device: Box<dyn Device>,
     title: Option<Title>,
     changes: Option<Changes>,
+    asides: Asides,
 ) -> anyhow::Result<Ending> {
     let mut view = match title {
         Some(title) => Some(LiveView::open(title, pad)?),
@@ -219,13 +188,22 @@ fn run(
     };
     // Until here nothing is held: Ctrl-C may end the program as it likes.
     let signals = Signals::listen()?;
-    let mut running =
-        runtime::start(engine, builder, source, device).context("no thread to play on")?;
+    let Asides {
+        listeners,
+        recorder,
+    } = asides;
+    let mut running = runtime::start_with(engine, builder, source, device, listeners)
+        .context("no thread to play on")?;
     let watched = watch(&mut running, &signals, view.as_mut(), changes);
     running.stop();
     let summary = running.join();
     drop(view);
-    conclude(summary, watched?)
+    let ending = conclude(summary, watched?);
+    match recorder.map(|recorder| recorder.conclude()) {
+        // What was lost matters less than why it ended.
+        Some(Ending::LostData) if matches!(ending, Ok(Ending::Done)) => Ok(Ending::LostData),
+        _ => ending,
+    }
 }
 
 /// Draws and waits; returns the signal that ended it, if one did.
@@ -265,7 +243,7 @@ fn watch(
 }
 
 /// What a text for the terminal says first, without its colours.
-fn in_one_line(text: &str) -> String {
+pub(super) fn in_one_line(text: &str) -> String {
     let mut plain = String::new();
     let mut is_colour = false;
     for character in text.chars() {
@@ -304,7 +282,7 @@ fn conclude(summary: Summary, signal: Option<i32>) -> anyhow::Result<Ending> {
 }
 
 /// A line for the player; a closed stderr is no reason to stop.
-fn say(text: &str) {
+pub(super) fn say(text: &str) {
     use std::io::Write as _;
 
     let _ = writeln!(std::io::stderr(), "{text}");
@@ -345,8 +323,30 @@ fn told(summary: &Summary) -> String {
             "\nframe to device: {}",
             times(&summary.frame_to_device_ns)
         ));
+        text.push_str(&format!("\n{}", by_stage(&summary.stages)));
+    }
+    if summary.late_events > 0 {
+        text.push_str(&format!(
+            "\n{} of {} went out late, the latest by {:.0} ms: is the computer busy?",
+            summary.late_events,
+            counted(summary.events, "event"),
+            summary.latest.as_secs_f64() * 1e3
+        ));
     }
     text
+}
+
+/// Median and p99 of every stage, us.
+fn by_stage(stages: &Stages) -> String {
+    let parts = [
+        ("queue", stages.queue),
+        ("touches", stages.touches),
+        ("events", stages.events),
+        ("device", stages.device),
+    ];
+    let parts = parts
+        .map(|(name, spread)| format!("{name} {:.0} / {:.0} us", spread.median_us, spread.p99_us));
+    format!("by stage, median / p99: {}", parts.join(", "))
 }
 
 fn counted(count: u64, what: &str) -> String {
@@ -361,12 +361,12 @@ fn counted(count: u64, what: &str) -> String {
 const ENDINGS: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
 
 /// Signals as flags.
-struct Signals {
+pub(super) struct Signals {
     received: [Arc<AtomicBool>; ENDINGS.len()],
 }
 
 impl Signals {
-    fn listen() -> anyhow::Result<Self> {
+    pub(super) fn listen() -> anyhow::Result<Self> {
         let any = Arc::new(AtomicBool::new(false));
         let received = ENDINGS.map(|_| Arc::new(AtomicBool::new(false)));
         for (signal, flag) in ENDINGS.into_iter().zip(&received) {
@@ -382,7 +382,7 @@ impl Signals {
         Ok(Self { received })
     }
 
-    fn received(&self) -> Option<i32> {
+    pub(super) fn received(&self) -> Option<i32> {
         let index = self
             .received
             .iter()

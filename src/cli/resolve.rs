@@ -17,7 +17,7 @@ use crate::profile::{
     shipped_user,
 };
 use crate::touch::{Correction, SensingBuilder};
-use crate::types::{Method, nearest};
+use crate::types::{Faulty, Method, nearest};
 
 /// No pad, profile or script is larger, bytes.
 const LARGEST_TEXT: u64 = 1 << 20;
@@ -114,13 +114,38 @@ pub(super) fn profile(argument: &str, user: Option<&str>) -> anyhow::Result<Arc<
     Ok(Arc::new(checked.profile))
 }
 
+/// A profile that is there already, with another person's settings.
+pub(super) fn with_user(profile: &Profile, user: Option<&str>) -> anyhow::Result<Arc<Profile>> {
+    let mut texts = profile.texts.clone();
+    texts.user = user.map(self::user).transpose()?;
+    Ok(Arc::new(texts.read()?.profile))
+}
+
 /// A profile with one person's settings, and what is odd about it.
 pub(super) fn checked(argument: &str, user: Option<&str>) -> anyhow::Result<Checked> {
-    let folder = Path::new(argument)
+    let user = user.map(self::user).transpose()?;
+    Ok(checked_over(profile_text(argument)?.into(), user)?)
+}
+
+/// The same for a text that is not saved yet; its name is the file's.
+#[cfg(feature = "gui")]
+pub(super) fn checked_text(profile: Source, user: Option<&str>) -> Result<Checked, Faulty> {
+    // A person who is not found is told of when the game starts.
+    checked_over(profile, user.and_then(|user| self::user(user).ok()))
+}
+
+fn checked_over(profile: Source, user: Option<Source>) -> Result<Checked, Faulty> {
+    let find = bases_of(&profile.name);
+    profile::read(profile, user, &find)
+}
+
+/// Finds what a profile extends: shipped ones by name, files beside it.
+pub(super) fn bases_of(profile: &str) -> impl Fn(&str) -> Result<Source, String> + use<> {
+    let folder = Path::new(profile)
         .parent()
         .unwrap_or(Path::new(""))
         .to_owned();
-    let find = |name: &str| -> Result<Source, String> {
+    move |name: &str| {
         if !is_path(name) {
             return find_shipped(name);
         }
@@ -130,9 +155,7 @@ pub(super) fn checked(argument: &str, user: Option<&str>) -> anyhow::Result<Chec
             name: path.display().to_string(),
             toml,
         })
-    };
-    let user = user.map(self::user).transpose()?;
-    Ok(profile::read(profile_text(argument)?.into(), user, &find)?)
+    }
 }
 
 /// A person's text: a file, or a name that is looked for here, among one's own, and among the shipped.

@@ -9,6 +9,8 @@
 //! Invariant: an [`Order`] only moves and flips readings; [`Order::apply`] gives them in the order of
 //! [`Protocol::crossed`](crate::pad::Protocol::crossed), whatever the stream's was.
 
+use crate::pad::{Channel, Pair};
+
 /// A right order shows less than this: measured pads show 2 to 5 %, wrong orders about 80 %.
 const SURE_ERROR: f64 = 0.25;
 /// The second best order must be this many times worse, else the voltages do not tell.
@@ -93,6 +95,76 @@ impl Order {
     pub fn source(&self) -> &[usize] {
         &self.source
     }
+
+    /// The order that someone declares for frames of so many voltages.
+    ///
+    /// # Errors
+    /// [`OrderError::Count`].
+    pub fn declared(
+        count: usize,
+        electrodes: usize,
+        rotated: bool,
+        flipped: bool,
+    ) -> Result<Self, OrderError> {
+        let layout =
+            Layout::of(count, electrodes).ok_or(OrderError::Count { count, electrodes })?;
+        Ok(Self {
+            flipped,
+            error: None,
+            ..candidate(&vec![0.0; count], electrodes, layout, rotated)
+        })
+    }
+
+    /// What each reading in gelpad's order is a reading of.
+    #[must_use]
+    pub fn channels(&self, electrodes: usize) -> Vec<Channel> {
+        let mut pairs = listed(self.layout, electrodes, false);
+        if self.layout == Layout::Square {
+            pairs.retain(|(drive, measure)| !meets(electrodes, *drive, *measure, 1));
+        }
+        pairs
+            .into_iter()
+            .map(|(drive, measure)| channel(self.layout, electrodes, drive, measure))
+            .collect()
+    }
+}
+
+impl Layout {
+    /// The layout of frames of so many voltages.
+    #[must_use]
+    pub fn of(voltages: usize, electrodes: usize) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|layout| count(*layout, electrodes) == Some(voltages))
+    }
+
+    /// All layouts.
+    pub const ALL: [Self; 4] = [
+        Self::Adjacent,
+        Self::AdjacentHalf,
+        Self::Square,
+        Self::Opposite,
+    ];
+
+    /// What a stream of this layout lists, in its order; the driven pairs of a square too.
+    #[must_use]
+    pub fn stream(self, electrodes: usize, rotated: bool) -> Vec<Channel> {
+        listed(self, electrodes, rotated)
+            .into_iter()
+            .map(|(drive, measure)| channel(self, electrodes, drive, measure))
+            .collect()
+    }
+}
+
+fn channel(layout: Layout, n: usize, drive: usize, measure: usize) -> Channel {
+    let step = match layout {
+        Layout::Opposite => n / 2,
+        _ => 1,
+    };
+    Channel {
+        drive: Pair(drive, (drive + step) % n),
+        measure: Pair(measure, (measure + 1) % n),
+    }
 }
 
 /// Recognises the order of a frame of an untouched or little touched pad.
@@ -103,15 +175,10 @@ pub fn recognise(volts: &[f64], electrodes: usize) -> Result<Order, OrderError> 
     if let Some(index) = volts.iter().position(|volt| !volt.is_finite()) {
         return Err(OrderError::NotFinite(index));
     }
-    let layouts: Vec<Layout> = [
-        Layout::Adjacent,
-        Layout::AdjacentHalf,
-        Layout::Square,
-        Layout::Opposite,
-    ]
-    .into_iter()
-    .filter(|layout| count(*layout, electrodes) == Some(volts.len()))
-    .collect();
+    let layouts: Vec<Layout> = Layout::ALL
+        .into_iter()
+        .filter(|layout| count(*layout, electrodes) == Some(volts.len()))
+        .collect();
     let mut fits: Vec<Order> = layouts
         .iter()
         .flat_map(|layout| {

@@ -11,6 +11,7 @@
 //! A touch that never passes gives nothing. Each finger is judged for itself: none waits for another.
 
 use super::layout::Layout;
+use super::parts::Change;
 use crate::profile::{Activate, Assist, Settings};
 use crate::types::{NANOS_PER_MS, Nanos, Phase, PointMm, Touch, TouchId};
 
@@ -24,6 +25,9 @@ const MOST_TOUCHES: usize = 32;
 pub(super) struct Passed {
     pub phase: Phase,
     pub id: TouchId,
+    /// The one place that it is for, if it is no finger but a part of a gamepad.
+    pub part: Option<usize>,
+    /// Of a part: share of its way.
     pub at_mm: PointMm,
     /// 0 to 1 of this person's range.
     pub force: f64,
@@ -35,7 +39,7 @@ pub(super) struct Passed {
 pub(super) struct Accept {
     settings: Settings,
     watched: Vec<Watched>,
-    /// Last accepted release by region; the last entry is for places in none.
+    /// Last accepted release by region and part; the last entry is for fingers in no region.
     released: Vec<Option<Nanos>>,
     pub(super) passed: Vec<Passed>,
 }
@@ -45,7 +49,9 @@ struct Watched {
     /// The touch as the source names it now; a finger that came back has another one than it passed as.
     source: TouchId,
     finger: TouchId,
-    region: Option<usize>,
+    /// A region, or a part.
+    place: Option<usize>,
+    is_part: bool,
     since_ns: Nanos,
     /// Where it went down.
     first_mm: PointMm,
@@ -53,6 +59,8 @@ struct Watched {
     at_mm: PointMm,
     force: f64,
     radius_mm: f64,
+    /// When it came back the last time, and when it had lifted before.
+    back: Option<(Nanos, Nanos)>,
     state: State,
 }
 
@@ -60,6 +68,8 @@ struct Watched {
 enum State {
     /// Counts from then on, if it is still there.
     Waiting { due: Nanos },
+    /// Lifted while it waited; goes on waiting if it comes back until then.
+    Away { due: Nanos, until: Nanos },
     /// Counts when it lifts.
     UntilLift,
     /// Counts.
@@ -75,11 +85,11 @@ enum State {
 }
 
 impl Accept {
-    pub(super) fn new(settings: &Settings, regions: usize) -> Self {
+    pub(super) fn new(settings: &Settings, places: usize) -> Self {
         Self {
             settings: settings.clone(),
             watched: Vec::with_capacity(MOST_TOUCHES),
-            released: vec![None; regions + 1],
+            released: vec![None; places + 1],
             passed: Vec::with_capacity(2 * MOST_TOUCHES),
         }
     }
@@ -92,9 +102,10 @@ impl Accept {
 
     pub(super) fn next_due(&self) -> Option<Nanos> {
         let due = |watched: &Watched| match watched.state {
-            State::Waiting { due: at } | State::Lifting { at } | State::Rested { until: at } => {
-                Some(at)
-            }
+            State::Waiting { due: at }
+            | State::Away { until: at, .. }
+            | State::Lifting { at }
+            | State::Rested { until: at } => Some(at),
             State::UntilLift | State::Passed | State::Silent | State::Resting { .. } => None,
         };
         self.watched.iter().filter_map(due).min()
@@ -116,10 +127,10 @@ impl Accept {
             }
             State::Lifting { at } if at <= t_ns => {
                 passed.push(watched.passed(Phase::Up));
-                note_release(released, watched.region, at);
+                note_release(released, watched.place, at);
                 false
             }
-            State::Rested { until } => until > t_ns,
+            State::Rested { until } | State::Away { until, .. } => until > t_ns,
             _ => true,
         });
     }
@@ -130,7 +141,73 @@ impl Accept {
         match touch.phase {
             Phase::Down => self.down(t_ns, touch, at_mm, layout),
             Phase::Move => self.moved(t_ns, touch, at_mm),
-            Phase::Up => self.up(t_ns, touch.id, layout),
+            Phase::Up => self.up(t_ns, touch.id, Some(layout)),
+        }
+    }
+
+    /// Takes what became of a part of a gamepad: what is about times holds for it as for a finger, what is about
+    /// places does not.
+    pub(super) fn part(&mut self, t_ns: Nanos, change: &Change) {
+        match change.phase {
+            Phase::Down => self.part_down(t_ns, change),
+            Phase::Move => self.part_moved(change),
+            Phase::Up => self.up(t_ns, change.id, None),
+        }
+    }
+
+    fn part_down(&mut self, t_ns: Nanos, change: &Change) {
+        let settings = &self.settings;
+        let back = self.watched.iter_mut().find(|watched| {
+            watched.is_part
+                && watched.place == Some(change.place)
+                && matches!(watched.state, State::Lifting { .. })
+        });
+        if let Some(watched) = back {
+            watched.source = change.id;
+            watched.state = State::Passed;
+            return;
+        }
+        if self.watched.len() == MOST_TOUCHES {
+            return;
+        }
+        let mut watched = Watched {
+            source: change.id,
+            finger: change.id,
+            place: Some(change.place),
+            is_part: true,
+            since_ns: t_ns,
+            first_mm: change.at,
+            at_mm: change.at,
+            force: change.force,
+            radius_mm: 0.0,
+            back: None,
+            state: State::Passed,
+        };
+        if bounces(&self.released, settings, watched.place, t_ns) {
+            watched.state = State::Silent;
+        } else if settings.activate == Activate::Up {
+            watched.state = State::UntilLift;
+        } else if settings.slow_keys_ns > 0 {
+            watched.state = State::Waiting {
+                due: t_ns + settings.slow_keys_ns,
+            };
+        } else {
+            self.passed.push(watched.passed(Phase::Down));
+        }
+        self.watched.push(watched);
+    }
+
+    fn part_moved(&mut self, change: &Change) {
+        let moved = self
+            .watched
+            .iter_mut()
+            .find(|watched| watched.source == change.id);
+        if let Some(watched) = moved {
+            watched.at_mm = change.at;
+            watched.force = change.force;
+            if watched.state == State::Passed {
+                self.passed.push(watched.passed(Phase::Move));
+            }
         }
     }
 
@@ -139,20 +216,31 @@ impl Accept {
         let force = in_range(touch.contact.force, settings.force_range);
         let radius_mm = radius_mm(touch.contact.area_mm2);
         let back = self.watched.iter_mut().find(|watched| {
-            matches!(watched.state, State::Lifting { .. })
+            !watched.is_part
+                && matches!(watched.state, State::Lifting { .. } | State::Away { .. })
                 && distance_mm(watched.at_mm, at_mm) < settings.tremor_mm
         });
         if let Some(watched) = back {
             watched.source = touch.id;
-            watched.state = State::Passed;
+            match watched.state {
+                State::Away { due, .. } if due > t_ns => watched.state = State::Waiting { due },
+                State::Away { .. } => {
+                    watched.state = State::Passed;
+                    self.passed.push(watched.passed(Phase::Down));
+                }
+                State::Lifting { at } => {
+                    watched.back = Some((t_ns, at - settings.tremor_ns));
+                    watched.state = State::Passed;
+                }
+                _ => {}
+            }
             return;
         }
         if self.watched.len() == MOST_TOUCHES {
             return;
         }
         let region = layout.topmost(at_mm);
-        let since = self.released[region.unwrap_or(self.released.len() - 1)];
-        let bounces = since.is_some_and(|since| t_ns < since + settings.bounce_keys_ns);
+        let bounces = bounces(&self.released, settings, region, t_ns);
         let large = self.is_large(touch.contact.area_mm2);
         let rests = large || self.touches_rest(at_mm, radius_mm);
         let delay_ns = settings.slow_keys_ns.max(settings.dwell_ns);
@@ -160,12 +248,14 @@ impl Accept {
         let mut watched = Watched {
             source: touch.id,
             finger: touch.id,
-            region,
+            place: region,
+            is_part: false,
             since_ns: t_ns,
             first_mm: at_mm,
             at_mm,
             force,
             radius_mm,
+            back: None,
             state: State::Passed,
         };
         if rests {
@@ -199,7 +289,9 @@ impl Accept {
             .rest_area_mm2
             .is_some_and(|most| touch.contact.area_mm2 > most);
         match &mut watched.state {
-            State::Silent | State::Lifting { .. } | State::Rested { .. } => return,
+            State::Silent | State::Lifting { .. } | State::Away { .. } | State::Rested { .. } => {
+                return;
+            }
             State::Resting { large } => {
                 *large |= rests;
                 watched.at_mm = at_mm;
@@ -236,36 +328,50 @@ impl Accept {
         self.passed.push(watched.passed(Phase::Move));
     }
 
-    fn up(&mut self, t_ns: Nanos, id: TouchId, layout: &Layout) {
+    fn up(&mut self, t_ns: Nanos, id: TouchId, layout: Option<&Layout>) {
         let Some(index) = self.watched.iter().position(|watched| watched.source == id) else {
             return;
         };
         let watched = &mut self.watched[index];
         match watched.state {
             State::Passed if self.settings.tremor_ns > 0 => {
+                // A re-touch that SlowKeys would not count makes the press no longer.
+                let lifted_ns = match watched.back {
+                    Some((since_ns, before_ns)) if t_ns - since_ns < self.settings.slow_keys_ns => {
+                        before_ns
+                    }
+                    _ => t_ns,
+                };
                 watched.state = State::Lifting {
-                    at: t_ns + self.settings.tremor_ns,
+                    at: (lifted_ns + self.settings.tremor_ns).max(t_ns),
                 };
                 return;
             }
             State::Passed => {
                 self.passed.push(watched.passed(Phase::Up));
-                note_release(&mut self.released, watched.region, t_ns);
+                note_release(&mut self.released, watched.place, t_ns);
+            }
+            State::Waiting { due } if self.settings.tremor_ns > 0 => {
+                watched.state = State::Away {
+                    due,
+                    until: t_ns + self.settings.tremor_ns,
+                };
+                return;
             }
             State::UntilLift => {
                 let lasted = t_ns - watched.since_ns >= self.settings.slow_keys_ns;
-                let stayed = match self.settings.assist {
-                    Assist::Off => layout.topmost(watched.at_mm) == watched.region,
-                    Assist::First => {
+                let stayed = match (self.settings.assist, layout) {
+                    (Assist::Off, Some(layout)) => layout.topmost(watched.at_mm) == watched.place,
+                    (Assist::First, Some(_)) => {
                         watched.at_mm = watched.first_mm;
                         true
                     }
-                    Assist::Last => true,
+                    (Assist::Last, _) | (_, None) => true,
                 };
                 if lasted && stayed {
                     self.passed.push(watched.passed(Phase::Down));
                     self.passed.push(watched.passed(Phase::Up));
-                    note_release(&mut self.released, watched.region, t_ns);
+                    note_release(&mut self.released, watched.place, t_ns);
                 }
             }
             State::Resting { large: true } => {
@@ -278,6 +384,7 @@ impl Accept {
             | State::Silent
             | State::Resting { large: false }
             | State::Lifting { .. }
+            | State::Away { .. }
             | State::Rested { .. } => {}
         }
         self.watched.remove(index);
@@ -303,6 +410,7 @@ impl Watched {
         Passed {
             phase,
             id: self.finger,
+            part: self.place.filter(|_| self.is_part),
             at_mm: self.at_mm,
             force: self.force,
             radius_mm: self.radius_mm,
@@ -310,8 +418,19 @@ impl Watched {
     }
 }
 
-fn note_release(released: &mut [Option<Nanos>], region: Option<usize>, t_ns: Nanos) {
-    let slot = region.unwrap_or(released.len() - 1);
+/// Whether what goes down comes too soon after the last accepted release of its place.
+fn bounces(
+    released: &[Option<Nanos>],
+    settings: &Settings,
+    place: Option<usize>,
+    t_ns: Nanos,
+) -> bool {
+    let since = released[place.unwrap_or(released.len() - 1)];
+    since.is_some_and(|since| t_ns < since + settings.bounce_keys_ns)
+}
+
+fn note_release(released: &mut [Option<Nanos>], place: Option<usize>, t_ns: Nanos) {
+    let slot = place.unwrap_or(released.len() - 1);
     released[slot] = Some(t_ns);
 }
 

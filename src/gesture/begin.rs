@@ -16,11 +16,13 @@ use crate::profile::{Gesture, Profile, Target};
 /// Which bindings a touch may concern: found once, not at every step.
 #[derive(Clone, Debug)]
 pub(super) struct Index {
-    /// By region; several touches' gestures are not among them.
-    pub(super) of_region: Vec<Vec<usize>>,
-    pub(super) of_pad: Vec<usize>,
+    /// By place; several touches' gestures are not among them.
+    of_place: Vec<Vec<usize>>,
+    of_pad: Vec<usize>,
     /// Chords, contacts, swipes of several touches.
     pub(super) of_several: Vec<usize>,
+    /// The places of each binding: regions by their index, parts of gamepads counted on from these.
+    pub(super) places: Vec<Vec<usize>>,
 }
 
 impl Index {
@@ -30,20 +32,28 @@ impl Index {
             Gesture::Swipe(own) => own.fingers > 1,
             _ => false,
         };
+        let (regions, parts) = (profile.regions.len(), profile.parts.len());
+        let places: Vec<Vec<usize>> = profile
+            .bindings
+            .iter()
+            .map(|binding| {
+                let parts = binding.parts.iter().map(|part| regions + part);
+                binding.regions.iter().copied().chain(parts).collect()
+            })
+            .collect();
         let all = 0..profile.bindings.len();
         let of_one = || all.clone().filter(|index| !of_several(index));
         Self {
-            of_region: (0..profile.regions.len())
-                .map(|region| {
+            of_place: (0..regions + parts)
+                .map(|place| {
                     of_one()
-                        .filter(|index| profile.bindings[*index].regions.contains(&region))
+                        .filter(|index| places[*index].contains(&place))
                         .collect()
                 })
                 .collect(),
-            of_pad: of_one()
-                .filter(|index| profile.bindings[*index].regions.is_empty())
-                .collect(),
+            of_pad: of_one().filter(|index| places[*index].is_empty()).collect(),
             of_several: all.clone().filter(of_several).collect(),
+            places,
         }
     }
 }
@@ -60,19 +70,19 @@ impl Players {
         }
     }
 
-    /// A finger comes to count for a region.
-    pub(super) fn enter(&mut self, step: &mut Step<'_>, region: usize, finger: &Finger) {
+    /// A finger comes to count for a region, or a part of a gamepad for itself.
+    pub(super) fn enter(&mut self, step: &mut Step<'_>, place: usize, finger: &Finger) {
         let profile = step.profile;
-        for at in 0..self.index.of_region[region].len() {
-            let index = self.index.of_region[region][at];
-            if self.counts(profile, index, Some(region)) {
-                self.start(step, index, Some(region), finger);
+        for at in 0..self.index.of_place[place].len() {
+            let index = self.index.of_place[place][at];
+            if self.counts(profile, index, Some(place)) {
+                self.start(step, index, Some(place), finger);
             }
         }
     }
 
-    /// Whether a binding counts now: on the topmost layer that is on and binds the region, and not in a pause.
-    pub(super) fn counts(&self, profile: &Profile, index: usize, region: Option<usize>) -> bool {
+    /// Whether a binding counts now: on the topmost layer that is on and binds the place, and not in a pause.
+    pub(super) fn counts(&self, profile: &Profile, index: usize, place: Option<usize>) -> bool {
         let binding = &profile.bindings[index];
         if self.paused && !binding.targets.contains(&Target::Pause) {
             return false;
@@ -81,15 +91,13 @@ impl Players {
             return true;
         }
         let on = |layer: Option<usize>| layer.is_none_or(|layer| self.driver.is_on(layer));
-        let Some(region) = region else {
+        let Some(place) = place else {
             return on(binding.layer);
         };
-        let here = profile
-            .bindings
-            .iter()
-            .filter(|other| other.regions.contains(&region));
-        let top = here
-            .map(|other| other.layer)
+        let all = profile.bindings.iter().zip(&self.index.places);
+        let top = all
+            .filter(|(_, places)| places.contains(&place))
+            .map(|(other, _)| other.layer)
             .filter(|layer| on(*layer))
             .max();
         top == Some(binding.layer)

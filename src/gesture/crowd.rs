@@ -17,7 +17,7 @@ impl Players {
             let binding = &profile.bindings[index];
             let (is_there, state) = match &binding.gesture {
                 Gesture::Chord { window_ns } => {
-                    let spread = self.fingers.chord(&binding.regions);
+                    let spread = self.fingers.chord(&self.index.places[index]);
                     let plays = self.active.iter().any(|active| active.binding == index);
                     // What has become a chord stays one while every region is touched.
                     (
@@ -42,8 +42,8 @@ impl Players {
                 _ => continue,
             };
             let plays = self.active.iter().any(|active| active.binding == index);
-            let region = binding.regions.first().copied();
-            if is_there && !plays && self.counts(profile, index, region) {
+            let place = self.index.places[index].first().copied();
+            if is_there && !plays && self.counts(profile, index, place) {
                 self.active.push(Active {
                     touch: id,
                     binding: index,

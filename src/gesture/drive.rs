@@ -5,7 +5,7 @@ use super::outputs::Outputs;
 use super::sequence::{Due, Runner};
 use super::step::Step;
 use super::tap_hold::Side;
-use crate::profile::{Binding, Gesture, Mode, Profile, Target};
+use crate::profile::{Binding, Gesture, Latch, Mode, Profile, Target};
 use crate::types::{Action, Event, Nanos, TouchId};
 
 /// Touches that may drive one binding at once, for which there is room from the start.
@@ -41,6 +41,8 @@ enum State {
     Direct,
     /// Ends when the latch says.
     Classified(Latched),
+    /// Goes down when it is known to be short or long.
+    Undecided { lengths: Latch, long_at: Nanos },
     /// Ends at a time.
     Until { at: Nanos },
     /// Changes at a time.
@@ -97,7 +99,9 @@ impl Driver {
         let drives = self.drives.iter().filter_map(|drive| match drive.state {
             State::Direct => None,
             State::Classified(latch) => latch.next_due(),
-            State::Until { at } | State::Turbo { at, .. } => Some(at),
+            State::Until { at }
+            | State::Turbo { at, .. }
+            | State::Undecided { long_at: at, .. } => Some(at),
         });
         let runners = self.runners();
         drives
@@ -115,6 +119,19 @@ impl Driver {
         }
         let state = match &binding.mode {
             Mode::Direct => State::Direct,
+            Mode::Classified(lengths) if lengths.when_decided => {
+                let state = State::Undecided {
+                    lengths: *lengths,
+                    long_at: t_ns + lengths.long_after_ns,
+                };
+                self.drives.push(Drive {
+                    binding: index,
+                    touch,
+                    side,
+                    state,
+                });
+                return;
+            }
             Mode::Classified(lengths) => {
                 self.cut_short(step, index);
                 let pressed_ns = self.press_time(binding, t_ns);
@@ -171,9 +188,35 @@ impl Driver {
                     latch.lift(t_ns);
                     at += 1;
                 }
+                State::Undecided { lengths, .. } => {
+                    let length_ns = lengths.short_ns;
+                    self.decide(step, at, length_ns);
+                    at += 1;
+                }
                 State::Until { .. } => at += 1,
             }
         }
+    }
+
+    /// A press that waited for its length goes down for it.
+    fn decide(&mut self, step: &mut Step<'_>, at: usize, length_ns: Nanos) {
+        let Step { profile, t_ns, .. } = *step;
+        let mut drive = self.drives.remove(at);
+        let binding = &profile.bindings[drive.binding];
+        // What an earlier touch still holds ends; one that is not decided yet is a press of its own.
+        let held = |other: &Drive| {
+            other.binding == drive.binding && !matches!(other.state, State::Undecided { .. })
+        };
+        while let Some(other) = self.drives.iter().position(held) {
+            self.drop_drive(step, other);
+        }
+        drive.state = State::Until {
+            at: self.press_time(binding, t_ns) + length_ns,
+        };
+        for target in targets(binding, drive.side) {
+            self.hold(step, *target);
+        }
+        self.drives.insert(at.min(self.drives.len()), drive);
     }
 
     /// Makes the changes that fall due.
@@ -185,6 +228,13 @@ impl Driver {
                 State::Direct => false,
                 State::Classified(latch) => latch.tick(t_ns),
                 State::Until { at } => *at <= t_ns,
+                State::Undecided { lengths, long_at } => {
+                    if *long_at <= t_ns {
+                        let length_ns = lengths.long_ns;
+                        self.decide(step, at, length_ns);
+                    }
+                    false
+                }
                 State::Turbo { at: due, .. } => {
                     if *due <= t_ns {
                         self.turn(step, at);
@@ -266,7 +316,11 @@ impl Driver {
     fn drop_drive(&mut self, step: &mut Step<'_>, at: usize) {
         let profile = step.profile;
         let drive = self.drives.remove(at);
-        if !matches!(drive.state, State::Turbo { down: false, .. }) {
+        let is_up = matches!(
+            drive.state,
+            State::Turbo { down: false, .. } | State::Undecided { .. }
+        );
+        if !is_up {
             for target in targets(&profile.bindings[drive.binding], drive.side) {
                 self.let_go(step, *target);
             }

@@ -1,4 +1,4 @@
-//! The fingers that count, where they are and which regions they are for; and what several of them make together.
+//! The fingers and parts of gamepads that count, where they are and which places they are for; and what several of them make together.
 
 use super::accept::Passed;
 use super::layout::Covered;
@@ -11,6 +11,7 @@ const MOST_FINGERS: usize = 32;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Finger {
     pub id: TouchId,
+    pub is_part: bool,
     pub down_ns: Nanos,
     pub first_mm: PointMm,
     pub at_mm: PointMm,
@@ -34,6 +35,7 @@ impl Fingers {
     pub(super) fn add(&mut self, t_ns: Nanos, passed: &Passed, covered: Covered) -> Finger {
         let finger = Finger {
             id: passed.id,
+            is_part: passed.part.is_some(),
             down_ns: t_ns,
             first_mm: passed.at_mm,
             at_mm: passed.at_mm,
@@ -52,10 +54,10 @@ impl Fingers {
         self.0.retain(|finger| finger.id != id);
     }
 
-    /// Those in any of some regions; all of them where none is named.
+    /// Those in any of some regions; all on the pad where none is named.
     fn among<'a>(&'a self, regions: &'a [usize]) -> impl Iterator<Item = &'a Finger> {
         self.0.iter().filter(move |finger| {
-            regions.is_empty()
+            (regions.is_empty() && !finger.is_part)
                 || regions
                     .iter()
                     .any(|region| finger.covered.contains(*region))
@@ -76,14 +78,14 @@ impl Fingers {
         sum.map(|sum| sum / count)
     }
 
-    /// Whether each of some regions is touched; and between the first and the last of these touches, how long.
-    pub(super) fn chord(&self, regions: &[usize]) -> Option<Nanos> {
+    /// Whether each of some places is touched; and between the first and the last of these touches, how long.
+    pub(super) fn chord(&self, places: &[usize]) -> Option<Nanos> {
         let (mut first, mut last) = (Nanos::MAX, 0);
-        for region in regions {
+        for place in places {
             let finger = self
                 .0
                 .iter()
-                .find(|finger| finger.covered.contains(*region))?;
+                .find(|finger| finger.covered.contains(*place))?;
             first = first.min(finger.down_ns);
             last = last.max(finger.down_ns);
         }

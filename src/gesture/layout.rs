@@ -24,6 +24,13 @@ impl Covered {
         self.iter().any(|other| other == region)
     }
 
+    /// The one place that a part of a gamepad is.
+    pub(super) fn only(place: usize) -> Self {
+        let mut covered = Self::default();
+        covered.push(place);
+        covered
+    }
+
     fn push(&mut self, region: usize) {
         if self.count < MOST_COVERED && !self.contains(region) {
             self.regions[self.count] = region as u16;
@@ -124,13 +131,12 @@ impl Layout {
         self.spots[region].rest
     }
 
-    /// Middle and radius of a region, or of the pad, mm.
+    /// Middle and radius of a region, or of the pad, mm; of a part of a gamepad, in shares of its way.
     pub(super) fn middle(&self, region: Option<usize>) -> (PointMm, f64) {
         match region {
-            Some(region) => {
-                let placed = &self.spots[region].placed;
-                (placed.centre_mm(), placed.radius_mm())
-            }
+            Some(place) => self.spots.get(place).map_or(([0.0; 2], 1.0), |spot| {
+                (spot.placed.centre_mm(), spot.placed.radius_mm())
+            }),
             None => {
                 let [width, height] = self.settings.seen_size_mm(self.pad_mm);
                 ([width / 2.0, height / 2.0], width.min(height) / 2.0)

@@ -1,10 +1,10 @@
-//! Touches to events: each binding decides when it wants its output held, and the outputs see to it that no
+//! Touches, and the parts of gamepads, to events: each binding decides when it wants its output held, and the outputs see to it that no
 //! press and no gap is shorter than a game can see.
 //!
 //! ```text
 //! Touch ─▶ panic ─▶ accept ─▶ layout ─▶ one file a gesture ─▶ drive ─▶ outputs ─▶ Event
 //!          safety    who       which     what it is           how      ref-counted
-//!                    counts    regions
+//! Control ─▶ parts ──▶ counts    places
 //! ```
 //! Time is passed in. A decision that falls between two frames (the end of a minimum hold, of a latch, of a tapping
 //! term) is made at its due time, which [`Gestures::next_due`] tells; the event carries that time, however late the
@@ -24,6 +24,7 @@ mod hold;
 mod latch;
 mod layout;
 mod outputs;
+mod parts;
 mod play;
 mod pointer;
 mod safety;
@@ -37,9 +38,10 @@ mod tap_hold;
 use std::sync::Arc;
 
 use crate::profile::Profile;
-use crate::types::{Event, NANOS_PER_MS, Nanos, Output, Touch};
+use crate::types::{Control, Event, NANOS_PER_MS, Nanos, Output, Touch};
 use accept::Accept;
 use layout::Layout;
+use parts::Parts;
 use play::Players;
 use safety::Panic;
 use step::Step;
@@ -54,6 +56,7 @@ pub struct Gestures {
     pad_mm: [f64; 2],
     panic: Panic,
     layout: Layout,
+    parts: Parts,
     accept: Accept,
     players: Players,
     paused: bool,
@@ -70,7 +73,11 @@ impl Gestures {
         Self {
             panic: Panic::new(&profile.settings),
             layout: Layout::new(&profile, pad_mm),
-            accept: Accept::new(&profile.settings, profile.regions.len()),
+            accept: Accept::new(
+                &profile.settings,
+                profile.regions.len() + profile.parts.len(),
+            ),
+            parts: Parts::new(&profile),
             players: Players::new(&profile),
             profile,
             pad_mm,
@@ -153,11 +160,32 @@ impl Gestures {
         self.tick(t_ns, events);
     }
 
+    /// Takes what gamepads and switches say. When the last of them goes everything is released.
+    pub fn control(&mut self, control: &Control, events: &mut Vec<Event>) {
+        let t_ns = control.t_ns;
+        self.tick(t_ns, events);
+        if !control.present {
+            if self.parts.is_present() {
+                self.release_all(t_ns, events);
+            }
+            return;
+        }
+        self.parts.take(control);
+        for index in 0..self.parts.changes.len() {
+            let change = self.parts.changes[index];
+            self.accept.part(t_ns, &change);
+            self.play_passed(t_ns, events);
+            self.after(t_ns, events);
+            self.tick(t_ns, events);
+        }
+    }
+
     /// Releases everything now and forgets what was pending: the source is gone.
     pub fn release_all(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
         self.let_go(t_ns, events);
         self.players.forget_fingers();
         self.accept.clear();
+        self.parts.clear();
         self.panic.clear();
         self.after(t_ns, events);
     }
@@ -238,7 +266,9 @@ impl Gestures {
         };
         self.let_go(t_ns, events);
         let panic = self.panic.clone().under(&profile.settings);
+        let parts = self.parts.clone().under(&profile);
         let mut fresh = Self::new(profile, self.pad_mm);
+        fresh.parts = parts;
         fresh.panic = panic;
         fresh.paused = self.paused;
         fresh.players.paused = self.paused;

@@ -7,6 +7,7 @@ use super::double_tap::DoubleTap;
 use super::drive::Driver;
 use super::fingers::{Finger, Fingers};
 use super::force;
+use super::layout::Covered;
 use super::step::Step;
 use super::tap_hold::{Decision, Side, Undecided};
 use super::{dpad, stick};
@@ -91,13 +92,18 @@ impl Players {
 
     fn down(&mut self, step: &mut Step<'_>, passed: &Passed) {
         let Step { layout, t_ns, .. } = *step;
-        let covered = layout.covered(passed.at_mm, passed.radius_mm);
+        let covered = match passed.part {
+            Some(place) => Covered::only(place),
+            None => layout.covered(passed.at_mm, passed.radius_mm),
+        };
         let finger = self.fingers.add(t_ns, passed, covered);
         self.tell_others(step, passed.id, Undecided::other_down);
         for region in covered.iter() {
             self.enter(step, region, &finger);
         }
-        self.enter_pad(step, &finger);
+        if !finger.is_part {
+            self.enter_pad(step, &finger);
+        }
         self.gather(step, passed.id);
     }
 
@@ -107,7 +113,10 @@ impl Players {
             return;
         };
         let before = finger.covered;
-        let covered = layout.moved(before, passed.at_mm, passed.radius_mm);
+        let covered = match passed.part {
+            Some(_) => before,
+            None => layout.moved(before, passed.at_mm, passed.radius_mm),
+        };
         finger.at_mm = passed.at_mm;
         finger.force = passed.force;
         finger.covered = covered;

@@ -1,22 +1,44 @@
-//! Where events go: the keyboard of this desktop, or a trace.
+//! Where events go: devices of the kernel, the keyboard and mouse of this desktop, or a trace.
 //!
 //! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return leaves
 //! no key down.
 
-mod keyboard;
+#[cfg(any(windows, target_os = "macos"))]
+mod system;
 mod trace;
+mod tuio;
+#[cfg(target_os = "linux")]
+pub mod uinput;
+#[cfg(target_os = "linux")]
+pub mod watch;
+#[cfg(all(target_os = "linux", feature = "wayland"))]
+mod wayland;
+#[cfg(target_os = "linux")]
+mod x11;
 
-pub use keyboard::Keyboard;
+#[cfg(any(windows, target_os = "macos"))]
+pub use system::System;
 pub use trace::Trace;
+pub use tuio::{Tuio, TuioError};
+#[cfg(target_os = "linux")]
+pub use uinput::Uinput;
+#[cfg(target_os = "linux")]
+pub use watch::Watched;
+#[cfg(all(target_os = "linux", feature = "wayland"))]
+pub use wayland::Wayland;
+#[cfg(target_os = "linux")]
+pub use x11::X11;
 
 use crate::types::{Action, Event, Output};
 
 /// Why an output does not work.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The keyboard of this desktop cannot be reached.
-    #[error("no keyboard output: {reason}")]
-    NoKeyboard {
+    /// A device cannot be reached or made.
+    #[error("no output by {device}: {reason}")]
+    NoDevice {
+        /// Which.
+        device: &'static str,
         /// Why, and what to do.
         reason: String,
     },
@@ -35,24 +57,42 @@ pub enum OutputError {
 
 /// A device that takes events.
 pub trait Device: Send {
-    /// A word for it, for the player.
-    fn name(&self) -> &'static str;
+    /// What it is, for the player.
+    fn name(&self) -> &str;
 
     /// Whether it has such a key or button.
     fn takes(&self, output: Output) -> bool;
 
-    /// Carries out one event.
+    /// Whether other programs see it as a gamepad, gelpad's own source among them.
+    fn is_gamepad(&self) -> bool {
+        false
+    }
+
+    /// Takes one event. It shows at the next [`Device::flush`], or sooner.
     ///
     /// # Errors
     /// The device is gone or refuses.
     fn send(&mut self, event: &Event) -> Result<(), OutputError>;
 
-    /// What was sent is complete for now: shows it, if the device buffers.
+    /// What was sent is one whole state: shows it, all at once.
     ///
     /// # Errors
     /// The device is gone.
     fn flush(&mut self) -> Result<(), OutputError> {
         Ok(())
+    }
+
+    /// Called between events, many times a second.
+    ///
+    /// # Errors
+    /// The device is gone.
+    fn idle(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    /// How hard a game shakes it: the strong motor and the weak one, 0..1.
+    fn rumble(&self) -> [f32; 2] {
+        [0.0; 2]
     }
 }
 
@@ -102,6 +142,20 @@ impl Held {
     pub fn flush(&mut self) -> Result<(), OutputError> {
         self.device.flush()
     }
+
+    /// See [`Device::idle`].
+    ///
+    /// # Errors
+    /// The device is gone.
+    pub fn idle(&mut self) -> Result<(), OutputError> {
+        self.device.idle()
+    }
+
+    /// See [`Device::rumble`].
+    #[must_use]
+    pub fn rumble(&self) -> [f32; 2] {
+        self.device.rumble()
+    }
 }
 
 impl Drop for Held {
@@ -132,7 +186,7 @@ mod tests {
     struct Notes(Arc<Mutex<Vec<String>>>);
 
     impl Device for Notes {
-        fn name(&self) -> &'static str {
+        fn name(&self) -> &str {
             "notes"
         }
 

@@ -18,7 +18,7 @@ impl<W: Write> Trace<W> {
 }
 
 impl<W: Write + Send> Device for Trace<W> {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "trace"
     }
 

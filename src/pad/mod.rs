@@ -4,11 +4,12 @@
 //! refuses what cannot be built or measured, pointing at the wrong word; past that point nothing is
 //! optional and every number is in range.
 //!
-//! Lengths are millimetres; the origin is the bottom-left of the outline's box, y up; electrodes are
-//! numbered counter-clockwise from 0.
+//! Lengths are millimetres; the origin is the bottom-left of the outline's box, y up; places of electrodes are
+//! counted counter-clockwise from 0, and electrodes are numbered so too unless the text says otherwise.
 
 mod conductor;
 mod electrodes;
+mod numbering;
 mod outline;
 mod protocol;
 mod shipped;
@@ -16,6 +17,7 @@ mod spec;
 
 pub use conductor::{Conductor, Lattice};
 pub use electrodes::Electrode;
+pub use numbering::{Direction, Numbering, Renumbered};
 pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
@@ -57,8 +59,10 @@ pub struct Pad {
     pub thickness_mm: f64,
     /// Conductivity of the untouched layer, S/m.
     pub background_s_per_m: f64,
-    /// Electrodes on the outline, counter-clockwise.
+    /// Electrodes on the outline, as the board numbers them.
     pub electrodes: Vec<Electrode>,
+    /// How that is: which place has electrode 0, and which way the others follow.
+    pub numbering: Numbering,
     /// Contact impedance of an electrode, ohm m2.
     pub contact_impedance_ohm_m2: f64,
     /// Which electrodes are driven and read, in measurement order.

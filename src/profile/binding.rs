@@ -5,8 +5,10 @@ use crate::types::{Axis, Nanos};
 /// What a touch in a region does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
-    /// Indices into [`super::Profile::regions`]; empty for the whole pad.
+    /// Indices into [`super::Profile::regions`]; empty for the whole pad, unless there are parts.
     pub regions: Vec<usize>,
+    /// Indices into [`super::Profile::parts`]: parts of a gamepad that play it as a touch does.
+    pub parts: Vec<usize>,
     /// Index into [`super::Profile::layers`]; none is the ground that is always there.
     pub layer: Option<usize>,
     /// What the touch must be.
@@ -79,6 +81,8 @@ pub struct Latch {
     pub short_ns: Nanos,
     /// Length of a long press, whenever the touch lifts.
     pub long_ns: Nanos,
+    /// Goes down when it is known to be short or long, not with the touch.
+    pub when_decided: bool,
 }
 
 /// What a touch must be. Times and distances are half-open: at the threshold it is reached.

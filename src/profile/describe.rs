@@ -4,13 +4,14 @@ use super::{Binding, Gesture, Mode, Profile, Target};
 use crate::types::ms_from_nanos;
 
 impl Profile {
-    /// Where a binding is played: its regions, or the pad.
+    /// Where a binding is played: its regions and parts of a gamepad, or the pad.
     #[must_use]
     pub fn place_of(&self, binding: &Binding) -> String {
-        let names: Vec<&str> = binding
-            .regions
-            .iter()
-            .map(|region| self.regions[*region].name.as_str())
+        let regions = binding.regions.iter();
+        let parts = binding.parts.iter().map(|part| self.parts[*part]);
+        let names: Vec<String> = regions
+            .map(|region| self.regions[*region].name.clone())
+            .chain(parts.map(|part| part.to_string()))
             .collect();
         if names.is_empty() {
             "the pad".to_owned()
@@ -101,10 +102,15 @@ impl Profile {
         let mode = match &binding.mode {
             Mode::Direct => String::new(),
             Mode::Classified(latch) => format!(
-                ": {} ms, or {} ms if it lasts {} ms",
+                ": {} ms, or {} ms if it lasts {} ms{}",
                 ms(latch.short_ns),
                 ms(latch.long_ns),
-                ms(latch.long_after_ns)
+                ms(latch.long_after_ns),
+                if latch.when_decided {
+                    ", when that is known"
+                } else {
+                    ""
+                }
             ),
             Mode::Latch(length_ns) => format!(": for {} ms", ms(*length_ns)),
             Mode::Toggle => ": on, and off with the next".to_owned(),

@@ -145,6 +145,7 @@ const KEYS: &[Key] = &[
     key("min_gap_ms", Setting, MS, "0", "shortest release before the same output is pressed again"),
     key("max_hold_ms", Setting, MS, "off", "a longer press is released by force"),
     key("long_ms", Setting, MS, "200", "parts a short press from a long one (mode classified)"),
+    key("classify", Setting, Kind::Word(&["down", "decided"]), "down", "decided: mode classified presses when the length is known, a short press at the lift, a long one after long_ms; for whom a short press takes long"),
     key("short_frames", Setting, FRAMES, "5", "length of a short press, in frames of the NES"),
     key("long_frames", Setting, FRAMES, "32", "length of a long press, in frames of the NES"),
     key("tapping_term_ms", Setting, MS, "200", "a touch that lifts sooner is a tap"),
@@ -206,6 +207,7 @@ const KEYS: &[Key] = &[
     key("off", Region, Kind::Flag, "false", "takes a base's region out"),
 
     key("region", Binding, Kind::Texts, "the pad", "the region, or several"),
+    key("from", Binding, Kind::Texts, "", "a gamepad's or switch's pad:a, pad:left-trigger, stick:left, ..., or several: beside the region, or instead of one"),
     key("layer", Binding, Kind::Text, "always", "counts only while this layer is on"),
     key("gesture", Binding, Kind::Word(GESTURES), "press", "what the touch must be"),
     key("mode", Binding, Kind::Word(MODES), "direct", "how the output is driven"),
@@ -266,6 +268,7 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("flavor", "flavour"),
     ("height", "h"),
     ("inherits", "extends"),
+    ("input", "from"),
     ("key", "output"),
     ("keys", "output"),
     ("long_press_ms", "hold_ms"),

@@ -13,6 +13,15 @@ use crate::types::{Fault, Faulty};
 /// A profile stands on so many others at most.
 pub const MOST_BASES: usize = 8;
 
+/// The texts that a profile was read from: what makes it anew, wherever they are by then.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Texts {
+    /// The bases that it extends, the lowest first, and last its own.
+    pub chain: Vec<Source>,
+    /// One person's settings over it.
+    pub user: Option<Source>,
+}
+
 /// A text and the name that messages give it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
@@ -148,19 +157,18 @@ fn region_key(entries: &Entries) -> String {
     words(entries.values.get("name"))
 }
 
-/// What a binding binds: region, gesture, direction and layer.
+/// What a binding binds: region (or what it is played from, where it has none), gesture, direction and layer.
 fn binding_key(entries: &Entries) -> String {
     let gesture = match words(entries.values.get("gesture")) {
         none if none.is_empty() => "press".to_owned(),
         gesture => gesture,
     };
     let word = |key| words(entries.values.get(key));
-    format!(
-        "{}/{gesture}/{}/{}",
-        word("region"),
-        word("direction"),
-        word("layer")
-    )
+    let place = match word("region") {
+        none if none.is_empty() => word("from"),
+        region => region,
+    };
+    format!("{place}/{gesture}/{}/{}", word("direction"), word("layer"))
 }
 
 fn words(value: Option<&Value>) -> String {

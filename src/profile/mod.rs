@@ -26,7 +26,7 @@ pub use binding::{
     Pointer, Stick, Swipe, TapHold, Target, Trigger,
 };
 pub use keys::{Key, Kind, Table, keys};
-pub use layers::{MOST_BASES, Source};
+pub use layers::{MOST_BASES, Source, Texts};
 pub use region::{Placed, Region, Shape, Slide};
 pub use schema::schema;
 pub use settings::{Activate, Area, Assist, Mirror, Rotation, Settings};
@@ -34,7 +34,7 @@ pub use shipped::{
     DEFAULT_PROFILE, SHIPPED_PROFILES, SHIPPED_USERS, ShippedProfile, shipped_profile, shipped_user,
 };
 
-use crate::types::{Faulty, Method, Output, PointMm};
+use crate::types::{Faulty, Method, Output, Part, PointMm};
 
 /// A checked profile.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,8 @@ pub struct Profile {
     pub settings: Settings,
     /// Regions, topmost first: where they overlap, the first in the list takes the touch.
     pub regions: Vec<Region>,
+    /// Every part of a gamepad or switch that some binding is played by, once.
+    pub parts: Vec<Part>,
     /// Every output that some binding drives, once.
     pub outputs: Vec<Output>,
     /// Names of the layers that bindings lie on.
@@ -59,6 +61,8 @@ pub struct Profile {
     pub processes: Vec<String>,
     /// Where each setting that is not the default comes from.
     pub origins: Vec<Origin>,
+    /// What it was read from.
+    pub texts: Texts,
 }
 
 /// Where a value comes from.
@@ -92,6 +96,29 @@ pub type FindBase<'a> = &'a dyn Fn(&str) -> Result<Source, String>;
 /// Everything that is wrong, each at its place, in the topmost text that has mistakes.
 pub fn read(profile: Source, user: Option<Source>, find: FindBase<'_>) -> Result<Checked, Faulty> {
     check::read(profile, user, find)
+}
+
+impl Texts {
+    /// Reads them again.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn read(&self) -> Result<Checked, Faulty> {
+        let (own, bases) = match self.chain.split_last() {
+            Some((own, bases)) => (own.clone(), bases),
+            None => return Err(Faulty::new("profile", "", vec![])),
+        };
+        // Each text extends the one below it, by whatever name it had then.
+        let left = std::cell::Cell::new(bases);
+        let find = |name: &str| match left.get().split_last() {
+            Some((base, below)) => {
+                left.set(below);
+                Ok(base.clone())
+            }
+            None => Err(format!("the text of `{name}` is missing")),
+        };
+        read(own, self.user.clone(), &find)
+    }
 }
 
 impl Profile {

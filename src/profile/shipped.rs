@@ -29,6 +29,7 @@ pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles":
     "super-mario-nestopia",
     "super-mario-mednafen",
     "super-mario-retroarch",
+    "super-mario-gamepad",
     "supertux",
     "falling-blocks",
     "racing",

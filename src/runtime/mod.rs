@@ -4,6 +4,7 @@
 //! source thread ─frames─▶ engine thread ─events─▶ output thread
 //!                               └─views─▶ whoever shows them
 //! ```
+//! Events carry the time at which they are due; the output's thread sends them then (`schedule.rs`).
 //! Queues are bounded. The engine takes every frame; one that finds the queue full is counted and told as lost.
 //! Shut-down runs from the source on: its thread ends, the engine releases all, the output is flushed. A thread that
 //! panics drops its ends of the queues, and the next in line shuts down as if the source had ended; whatever is still
@@ -11,8 +12,14 @@
 
 mod emit;
 mod feed;
+mod latency;
+mod listen;
 mod rebuild;
+mod record;
+mod schedule;
 mod steps;
+mod touches;
+mod wake;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -28,11 +35,18 @@ use crate::output::{Device, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Event, Frame, Image, Nanos, Output, Touch};
+use crate::types::{Control, Event, Frame, Image, Nanos, Output, Touch};
 use emit::output_thread;
 use feed::source_thread;
+use latency::EngineTimes;
+pub use latency::{Emitted, Spread, Stages};
 use rebuild::Rebuilder;
 use steps::EngineThread;
+use wake::Wake;
+
+pub use listen::{Listener, Step};
+pub use record::{RecordError, RecordReport, Recorder, record};
+pub use touches::send_touches;
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
@@ -73,6 +87,10 @@ pub struct View {
     pub held: Vec<Output>,
     /// The last events, oldest first.
     pub events: VecDeque<Event>,
+    /// Events so far: tells which of the last ones are new.
+    pub events_so_far: u64,
+    /// What the newest frame measured, for those who build pads.
+    pub signals: Signals,
     /// Frames so far.
     pub frames: u64,
     /// Frames that were lost or garbled.
@@ -83,6 +101,27 @@ pub struct View {
     pub frames_per_s: f64,
     /// From a frame's arrival to its events, median so far, us.
     pub latency_us: u64,
+    /// How long each stage takes, so far.
+    pub stages: Stages,
+    /// Events that went out late, so far.
+    pub late_events: u64,
+    /// How hard a game shakes the pad: the strong motor and the weak one, 0..1.
+    pub rumble: [f32; 2],
+}
+
+/// What a frame measured, channel by channel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// The voltages as they came.
+    pub volts: Vec<f32>,
+    /// Their relative change against the untouched pad; empty before there is one.
+    pub changes: Vec<f32>,
+    /// How much of that the touches explain; the rest is the fit's residual.
+    pub explained: Vec<f32>,
+    /// The untouched pad's voltages, as of the last half second.
+    pub reference: Vec<f32>,
+    /// Deviation of each reading from frame to frame, relative; infinite for a channel that is left out.
+    pub noise: Vec<f32>,
 }
 
 /// What was played, when it is over.
@@ -98,6 +137,14 @@ pub struct Summary {
     pub skipped: u64,
     /// Presses sent.
     pub presses: u64,
+    /// Events sent.
+    pub events: u64,
+    /// Those of them that went out late: more than a quarter of a game's frame after they were due.
+    pub late_events: u64,
+    /// The latest of them, after it was due.
+    pub latest: Duration,
+    /// How long each stage took.
+    pub stages: Stages,
     /// From a frame's arrival to its events, ns.
     pub frame_to_events_ns: Histogram<u64>,
     /// From a frame's arrival to the moment at which the device has taken its events, ns.
@@ -115,6 +162,7 @@ pub struct Running {
     stop: Arc<AtomicBool>,
     commands: Producer<Command>,
     views: triple_buffer::Output<View>,
+    wake: Arc<Wake>,
     threads: Option<Threads>,
 }
 
@@ -125,14 +173,32 @@ struct Threads {
 }
 
 struct Arrived {
-    frame: Frame,
+    what: Arrival,
     at: Instant,
 }
 
-struct Due {
-    event: Event,
-    /// Arrival of the frame that caused it; none for a tick.
-    frame_at: Option<Instant>,
+/// What a source gives.
+enum Arrival {
+    Frame(Frame),
+    Control(Control),
+}
+
+impl Arrival {
+    fn t_ns(&self) -> Nanos {
+        match self {
+            Self::Frame(frame) => frame.t_ns,
+            Self::Control(control) => control.t_ns,
+        }
+    }
+}
+
+/// What the source tells the engine beside frames.
+#[derive(Default)]
+struct Losses {
+    /// Frames that were lost since the engine last looked.
+    frames: AtomicU64,
+    /// The board went away behind the frames that are queued.
+    gone: AtomicBool,
 }
 
 #[derive(Default)]
@@ -145,13 +211,31 @@ struct EngineReport {
     frames: u64,
     frames_per_s: f64,
     lost_frames: u64,
-    latency: Histogram<u64>,
+    times: EngineTimes,
 }
 
 struct OutputReport {
     presses: u64,
-    latency: Histogram<u64>,
+    events: u64,
+    late: u64,
+    latest: Duration,
+    device_ns: Histogram<u64>,
+    frame_to_device_ns: Histogram<u64>,
     error: Option<OutputError>,
+}
+
+impl Default for OutputReport {
+    fn default() -> Self {
+        Self {
+            presses: 0,
+            events: 0,
+            late: 0,
+            latest: Duration::ZERO,
+            device_ns: new_histogram(),
+            frame_to_device_ns: new_histogram(),
+            error: None,
+        }
+    }
 }
 
 /// Starts to play. The builder makes another matrix when an electrode is lost.
@@ -164,8 +248,22 @@ pub fn start(
     source: Box<dyn Source>,
     device: Box<dyn Device>,
 ) -> std::io::Result<Running> {
+    start_with(engine, builder, source, device, Vec::new())
+}
+
+/// The same, and listeners are told of every step of the engine.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_with(
+    engine: Engine,
+    builder: SensingBuilder,
+    source: Box<dyn Source>,
+    device: Box<dyn Device>,
+    listeners: Vec<Box<dyn Listener>>,
+) -> std::io::Result<Running> {
     let stop = Arc::new(AtomicBool::new(false));
-    let lost = Arc::new(AtomicU64::new(0));
+    let losses = Arc::new(Losses::default());
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
@@ -177,19 +275,27 @@ pub fn start(
         touches: Vec::new(),
         held: Vec::new(),
         events: VecDeque::new(),
+        events_so_far: 0,
+        signals: Signals::default(),
         frames: 0,
         lost_frames: 0,
         lost_electrodes: Vec::new(),
         frames_per_s: 0.0,
         latency_us: 0,
+        stages: Stages::default(),
+        late_events: 0,
+        rumble: [0.0; 2],
     };
     let pace = source.pace();
+    let wake = Arc::new(Wake::default());
+    let waking = Arc::clone(&wake);
     let (views_in, views) = triple_buffer::triple_buffer(&blank);
+    let (told, emitted) = triple_buffer::triple_buffer(&Emitted::default());
     let output = Builder::new()
         .name("output".to_owned())
-        .spawn(move || output_thread(device, events_out))?;
+        .spawn(move || output_thread(device, events_out, told))?;
     let to_output = output.thread().clone();
-    let lost_frames = Arc::clone(&lost);
+    let engine_losses = Arc::clone(&losses);
     let engine = Builder::new().name("engine".to_owned()).spawn(move || {
         // Without a thread to build on, play goes on as it is.
         let rebuilder = Rebuilder::start(builder, std::thread::current());
@@ -198,13 +304,16 @@ pub fn start(
             rebuilder: rebuilder.ok(),
             frames: frames_out,
             commands: commands_out,
-            lost: lost_frames,
+            losses: engine_losses,
             events: events_in,
             output: to_output,
             views: views_in,
+            wake: waking,
             view: blank,
+            listeners,
             fresh: Vec::new(),
-            latency: new_histogram(),
+            times: EngineTimes::new(),
+            emitted,
             pace,
             silent: false,
             retaken_told: 0,
@@ -218,11 +327,12 @@ pub fn start(
     let stopping = Arc::clone(&stop);
     let source = Builder::new()
         .name("source".to_owned())
-        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &lost))?;
+        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &losses))?;
     Ok(Running {
         stop,
         commands: commands_in,
         views,
+        wake,
         threads: Some(Threads {
             source,
             engine,
@@ -257,6 +367,11 @@ impl Running {
         taken
     }
 
+    /// Wakes a thread whenever there is a newer view: it need not ask again and again. The first thread stays the one.
+    pub fn wake(&self, thread: std::thread::Thread) {
+        self.wake.who(thread);
+    }
+
     /// The newest view.
     pub fn view(&mut self) -> &View {
         self.views.read()
@@ -277,25 +392,30 @@ impl Running {
                 frames: 0,
                 frames_per_s: 0.0,
                 lost_frames: 0,
-                latency: new_histogram(),
+                times: EngineTimes::new(),
             }
         });
         let output = threads.output.join().unwrap_or_else(|_| {
             panicked = Some("output");
-            OutputReport {
-                presses: 0,
-                latency: new_histogram(),
-                error: None,
-            }
+            OutputReport::default()
         });
+        let emitted = Emitted {
+            device: Spread::of(&output.device_ns),
+            frame_to_device: Spread::of(&output.frame_to_device_ns),
+            ..Emitted::default()
+        };
         Summary {
             frames: engine.frames,
             frames_per_s: engine.frames_per_s,
             lost_frames: engine.lost_frames,
             skipped: source.skipped,
             presses: output.presses,
-            frame_to_events_ns: engine.latency,
-            frame_to_device_ns: output.latency,
+            events: output.events,
+            late_events: output.late,
+            latest: output.latest,
+            stages: engine.times.stages(&emitted),
+            frame_to_events_ns: engine.times.frame_to_events_ns,
+            frame_to_device_ns: output.frame_to_device_ns,
             source_error: source.error,
             output_error: output.error,
             panicked,
@@ -314,9 +434,9 @@ impl Drop for Running {
     }
 }
 
-/// Nanoseconds up to an hour, three digits.
+/// Nanoseconds up to an hour, two digits: small enough to be looked through while events wait.
 fn new_histogram() -> Histogram<u64> {
-    Histogram::new_with_bounds(1, 3_600_000_000_000, 3).expect("constant bounds")
+    Histogram::new_with_bounds(1, 3_600_000_000_000, 2).expect("constant bounds")
 }
 
 #[allow(clippy::disallowed_methods, reason = "the one clock of play")]

@@ -1,37 +1,45 @@
 //! The engine's thread: every input in the order in which it comes, events to the output, what there is to see to the views.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
-use hdrhistogram::Histogram;
 use rtrb::{Consumer, Producer, PushError};
 
+use super::latency::{Emitted, EngineTimes};
+use super::listen::{Listener, Step};
 use super::rebuild::Rebuilder;
-use super::{Arrived, Command, Due, EngineReport, NAP, View, nanos};
+use super::schedule::Due;
+use super::{Arrival, Arrived, Command, EngineReport, Losses, NAP, View, Wake, nanos, now};
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::source::Pace;
-use crate::types::{Event, Nanos};
+use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
 const SILENCE: Duration = Duration::from_millis(500);
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
+/// What changes slowly of the signals is looked at once in so many frames.
+const SLOW_SIGNALS: u64 = 50;
 
 pub(super) struct EngineThread {
     pub(super) engine: Engine,
     pub(super) rebuilder: Option<Rebuilder>,
     pub(super) frames: Consumer<Arrived>,
     pub(super) commands: Consumer<Command>,
-    pub(super) lost: Arc<AtomicU64>,
+    pub(super) losses: Arc<Losses>,
     pub(super) events: Producer<Due>,
     pub(super) output: Thread,
     pub(super) views: triple_buffer::Input<View>,
+    pub(super) wake: Arc<Wake>,
     pub(super) view: View,
+    pub(super) listeners: Vec<Box<dyn Listener>>,
     pub(super) fresh: Vec<Event>,
-    pub(super) latency: Histogram<u64>,
+    pub(super) times: EngineTimes,
+    /// What the output's thread tells.
+    pub(super) emitted: triple_buffer::Output<Emitted>,
     pub(super) pace: Pace,
     /// Whether the board is silent, and its keys up.
     pub(super) silent: bool,
@@ -51,7 +59,11 @@ impl EngineThread {
             self.take_losses();
             self.take_controls();
             if let Ok(arrived) = self.frames.pop() {
-                self.frame(arrived);
+                let Arrived { what, at } = arrived;
+                match what {
+                    Arrival::Frame(frame) => self.frame(frame, at),
+                    Arrival::Control(control) => self.control(&control, at),
+                }
             } else if self.frames.is_abandoned() && self.frames.is_empty() {
                 break;
             } else {
@@ -73,12 +85,12 @@ impl EngineThread {
             frames: self.view.frames,
             frames_per_s: self.frames_per_s(),
             lost_frames: self.engine.lost_frames(),
-            latency: self.latency,
+            times: self.times,
         }
     }
 
     fn take_losses(&mut self) {
-        let lost = self.lost.swap(0, Ordering::Relaxed);
+        let lost = self.losses.frames.swap(0, Ordering::Relaxed);
         if lost > 0 {
             self.input(&Input::Lost { frames: lost }, None);
             self.view.lost_frames += lost;
@@ -98,8 +110,20 @@ impl EngineThread {
         }
     }
 
-    fn frame(&mut self, arrived: Arrived) {
-        let Arrived { frame, at } = arrived;
+    /// A gamepad's state: it has no image, and is no frame to be counted.
+    fn control(&mut self, control: &Control, at: Instant) {
+        self.silent = false;
+        self.first_ns.get_or_insert(control.t_ns);
+        self.last_frame = Some((control.t_ns, at));
+        self.view.t_ns = control.t_ns;
+        let taken = now();
+        self.input(&Input::Control(*control), Some(at));
+        // There is nothing to place.
+        self.times.note(at, taken, taken);
+        self.publish();
+    }
+
+    fn frame(&mut self, frame: Frame, at: Instant) {
         if self.silent {
             self.silent = false;
             tracing::warn!("the board sends again");
@@ -108,9 +132,11 @@ impl EngineThread {
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;
-        self.input(&Input::Frame(frame), Some(at));
-        let took = nanos(at.elapsed());
-        self.latency.saturating_record(took);
+        self.view.signals.volts.clone_from(&frame.volts);
+        let taken = now();
+        let mut placed = taken;
+        self.input_watched(&Input::Frame(frame), Some(at), &mut || placed = now());
+        self.times.note(at, taken, placed);
         self.rate(at);
         self.publish();
         let retaken = self.engine.references_retaken();
@@ -183,8 +209,14 @@ impl EngineThread {
         if !nap.is_zero() {
             std::thread::park_timeout(nap);
         }
+        // What came before the board went is played first.
+        let gone = self.losses.gone.load(Ordering::Acquire);
         if self.frames.is_empty() {
             self.tick_until(self.now_ns());
+            if gone {
+                self.losses.gone.store(false, Ordering::Relaxed);
+                self.fall_silent();
+            }
             self.watch();
         }
     }
@@ -195,14 +227,20 @@ impl EngineThread {
             .last_frame
             .is_some_and(|(_, at)| at.elapsed() > SILENCE);
         if self.pace == Pace::ByDevice && quiet && !self.silent {
-            self.silent = true;
-            let t_ns = self.now_ns();
-            self.input(&Input::End { t_ns }, None);
-            self.publish();
+            self.fall_silent();
             tracing::warn!(
                 "the board has been silent for {} ms: all keys are up",
                 SILENCE.as_millis()
             );
+        }
+    }
+
+    fn fall_silent(&mut self) {
+        if !self.silent {
+            self.silent = true;
+            let t_ns = self.now_ns();
+            self.input(&Input::End { t_ns }, None);
+            self.publish();
         }
     }
 
@@ -213,13 +251,47 @@ impl EngineThread {
     }
 
     fn input(&mut self, input: &Input, frame_at: Option<Instant>) {
-        self.engine.input(input, &mut self.fresh);
-        for event in self.fresh.drain(..) {
+        self.input_watched(input, frame_at, &mut || {});
+    }
+
+    /// Feeds an input; what is given is called when its touches are known.
+    fn input_watched(
+        &mut self,
+        input: &Input,
+        frame_at: Option<Instant>,
+        placed: &mut dyn FnMut(),
+    ) {
+        self.engine.input_watched(input, &mut self.fresh, placed);
+        let made = now();
+        // A frame's events are due as it comes; a tick's at its time, by the clock since the last frame.
+        let due_at = match (input, self.last_frame) {
+            (Input::Tick { due_ns }, Some((t_ns, at))) => {
+                at + Duration::from_nanos(due_ns.saturating_sub(t_ns))
+            }
+            _ => frame_at.unwrap_or(made),
+        };
+        let step = Step {
+            input,
+            touches: self.engine.touches().down,
+            events: &self.fresh,
+        };
+        for listener in &mut self.listeners {
+            listener.step(&step);
+        }
+        let count = self.fresh.len();
+        for (index, event) in self.fresh.drain(..).enumerate() {
             if self.view.events.len() == VIEW_EVENTS {
                 self.view.events.pop_front();
             }
             self.view.events.push_back(event);
-            let mut due = Due { event, frame_at };
+            self.view.events_so_far += 1;
+            let mut due = Due {
+                event,
+                at: due_at,
+                made,
+                frame_at,
+                ends_batch: index + 1 == count,
+            };
             // Events are never dropped: a device that falls 1024 events behind makes the engine wait.
             while let Err(PushError::Full(back)) = self.events.push(due) {
                 if self.events.is_abandoned() {
@@ -248,14 +320,36 @@ impl EngineThread {
         let elapsed = at.duration_since(start);
         if elapsed >= Duration::from_secs(1) {
             self.view.frames_per_s = (self.view.frames - frames) as f64 / elapsed.as_secs_f64();
-            self.view.latency_us = self.latency.value_at_quantile(0.5) / 1000;
+            let emitted = *self.emitted.read();
+            self.view.stages = self.times.stages(&emitted);
+            self.view.latency_us = self.times.frame_to_events_ns.value_at_quantile(0.5) / 1000;
             self.second = Some((at, self.view.frames));
         }
     }
 
     fn publish(&mut self) {
+        let emitted = *self.emitted.read();
         let state = self.engine.touches();
+        let detector = self.engine.detector();
+        if self.view.frames.is_multiple_of(SLOW_SIGNALS) && detector.is_ready() {
+            let [reference, noise] = detector.at_rest();
+            self.view.signals.reference = reference;
+            self.view.signals.noise = noise;
+        }
         let slot = self.views.input_buffer_mut();
+        slot.signals.volts.clone_from(&self.view.signals.volts);
+        slot.signals
+            .reference
+            .clone_from(&self.view.signals.reference);
+        slot.signals.noise.clone_from(&self.view.signals.noise);
+        if detector.is_ready() {
+            let (changes, explained) = detector.changes();
+            slot.signals.changes.clear();
+            slot.signals.changes.extend_from_slice(changes);
+            slot.signals.explained.clear();
+            slot.signals.explained.extend_from_slice(explained);
+        }
+        slot.events_so_far = self.view.events_so_far;
         slot.t_ns = self.view.t_ns;
         slot.profile = Arc::clone(self.engine.profile());
         slot.paused = self.engine.is_paused();
@@ -270,6 +364,10 @@ impl EngineThread {
         slot.lost_electrodes.clone_from(&self.view.lost_electrodes);
         slot.frames_per_s = self.view.frames_per_s;
         slot.latency_us = self.view.latency_us;
+        slot.stages = self.view.stages;
+        slot.late_events = emitted.late;
+        slot.rumble = emitted.rumble;
         self.views.publish();
+        self.wake.wake();
     }
 }

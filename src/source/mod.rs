@@ -1,36 +1,63 @@
-//! Where frames come from: the simulated pad, frames from a file, a board on a serial port.
+//! Where frames come from: the simulated pad, frames from a file, a board on a serial port; and gamepads, which have no frames.
 //!
 //! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
 //! run backwards. What it had to skip it says, so that nothing is lost in silence.
 
+mod arrangement;
+pub mod board;
+mod clock;
+mod eit_folder;
 pub mod eit_text;
+mod files;
 mod frames_csv;
+#[cfg(feature = "gilrs")]
+mod gamepad;
+mod live;
 mod noise;
+mod recorded;
 mod robot;
 mod script;
 pub mod serial;
 mod simulated;
+mod table;
 pub mod wire;
 
+pub use arrangement::{Arrangement, ArrangementError, plausible_counts, told as order_told};
+pub use eit_folder::EitFolder;
+pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;
+#[cfg(feature = "gilrs")]
+pub use gamepad::GamepadSource;
+pub use live::{Hand, LiveSource};
 pub use noise::Noise;
+pub use recorded::RecordedFrames;
 pub use robot::Robot;
 pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
 pub use simulated::{SimulatedPad, SimulatedSource};
+pub use table::FramesTable;
 
 use std::path::PathBuf;
 
 use crate::eit::ForwardError;
-use crate::types::Frame;
+use crate::types::{Control, Frame};
 
 /// What a source has to say when asked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
     /// A frame.
     Frame(Frame),
+    /// What gamepads and switches say: from a source without image.
+    Control(Control),
     /// Something came that is no frame; it was skipped.
     Skipped {
         /// What was wrong with it, for the player.
+        reason: String,
+        /// Frames that were lost with it; 0 where the next frame's number will tell.
+        frames: u64,
+    },
+    /// The board went away; the source looks for it and goes on when it is back.
+    Gone {
+        /// What happened, for the player.
         reason: String,
     },
     /// Nothing yet; ask again.
@@ -69,6 +96,14 @@ pub enum SourceError {
         /// What is wrong there.
         problem: String,
     },
+    /// A recording cannot be read, or not further.
+    #[error("{}: {error}", path.display())]
+    Recording {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        error: crate::session::ReadError,
+    },
     /// A finger of a script misses the pad.
     #[error("finger {id} at ({x}, {y}) mm is off the pad, which is {width} x {height} mm")]
     OffPad {
@@ -96,12 +131,21 @@ pub enum SourceError {
         /// Why.
         error: serialport::Error,
     },
-    /// A serial port went away.
-    #[error("{port}: the board is gone (unplugged or reset); all keys are up")]
+    /// Gamepads cannot be watched.
+    #[error("gamepads cannot be watched: {reason}")]
+    Gamepads {
+        /// Why.
+        reason: String,
+    },
+    /// A port that is listened to went away.
+    #[error("{port}: the board is gone (unplugged or reset)")]
     Gone {
         /// Its path.
         port: String,
     },
+    /// A board's frames do not fit the pad.
+    #[error(transparent)]
+    Arrangement(ArrangementError),
 }
 
 /// Something that gives frames.

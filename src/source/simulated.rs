@@ -125,6 +125,20 @@ impl SimulatedSource {
     }
 }
 
+impl SimulatedSource {
+    /// The voltages at a time, V/A, without noise.
+    pub(super) fn volts_at(&self, t_ns: Nanos) -> &[f64] {
+        let since = self.changes.partition_point(|(from, _)| *from <= t_ns);
+        let (_, state) = self.changes[since - 1];
+        &self.states[state]
+    }
+
+    /// When the script is over.
+    pub(super) fn end_ns(&self) -> Nanos {
+        self.end_ns
+    }
+}
+
 impl Source for SimulatedSource {
     fn pace(&self) -> Pace {
         Pace::ByStamp
@@ -138,10 +152,8 @@ impl Source for SimulatedSource {
         self.next_ns += FRAME_NS;
         let since = self.changes.partition_point(|(from, _)| *from <= t_ns);
         let (_, state) = self.changes[since - 1];
-        Ok(Reading::Frame(Frame {
-            t_ns,
-            volts: self.noise.read(&self.states[state]),
-        }))
+        let volts = self.noise.read(&self.states[state]);
+        Ok(Reading::Frame(Frame { t_ns, volts }))
     }
 }
 

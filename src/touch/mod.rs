@@ -6,6 +6,7 @@ mod detect;
 mod locate;
 mod segment;
 mod sensing;
+mod sensing_bytes;
 mod track;
 
 pub use correction::{Correction, CorrectionData, CorrectionError};
@@ -13,4 +14,5 @@ pub use detect::{Detector, FrameTouches};
 pub use locate::{Explained, Locating, Locator};
 pub use segment::{Blob, Segmenter, Threshold};
 pub use sensing::{Sensing, SensingBuilder};
+pub use sensing_bytes::SensingError;
 pub use track::Tracker;

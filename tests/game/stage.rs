@@ -15,20 +15,26 @@ use tempfile::TempDir;
 use crate::log::Log;
 use crate::process::Process;
 use crate::script::Script;
+use crate::server::{PATIENCE, start_server};
 use crate::tools::Tools;
 
 const GAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/jump.s");
 const LINKER_CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/nrom.cfg");
 const LOG_SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/log.lua");
 
-/// For each step of the start, and for gelpad beyond its script: a busy machine
-/// may need long, and a step that hangs shall still be told apart.
-const PATIENCE: Duration = Duration::from_mins(1);
-/// The X server ends by itself with its last client, and then leaves no socket
-/// and no lock file behind.
-const SERVER_GRACE: Duration = Duration::from_secs(2);
 /// The game goes on after gelpad: the last jump comes down.
 const ENCORE: Duration = Duration::from_secs(1);
+/// The window solves its pad's touches when it is new to the machine.
+#[cfg(feature = "gui")]
+const WINDOW_STARTS: Duration = Duration::from_secs(6);
+/// In the window of 1280 x 800 points: the button that sends to the game, and the one that opens the pad's own window.
+#[cfg(feature = "gui")]
+const SEND: (&str, &str) = ("853", "33");
+#[cfg(feature = "gui")]
+const PAD_WINDOW: (&str, &str) = ("1150", "145");
+/// On the screen: the jump of the pad's own window, which opens at (40, 40).
+#[cfg(feature = "gui")]
+const PAD_JUMP: (&str, &str) = ("282", "208");
 /// Frames the game has run for before anybody plays: it draws itself in three.
 const WARM_UP_FRAMES: usize = 60;
 
@@ -47,7 +53,7 @@ impl Stage {
     pub fn start(tools: &Tools) -> Result<Self> {
         let folder = tempfile::tempdir().context("cannot create a folder for the test")?;
         let game = assemble(tools, folder.path())?;
-        let (server, display) = start_server(tools, folder.path())?;
+        let (server, display) = start_server(&tools.xvfb, folder.path())?;
         let log = folder.path().join("log.csv");
         let emulator = start_emulator(tools, folder.path(), &display, &game, &log)?;
         let mut stage = Self {
@@ -82,6 +88,47 @@ impl Stage {
 
         thread::sleep(ENCORE);
         Ok(read_log(&self.log)?.skip(seen))
+    }
+
+    /// Presses the jump of the window's small pad with the mouse while the emulator has the keyboard; the log tells what the
+    /// game saw meanwhile.
+    #[cfg(feature = "gui")]
+    pub fn play_in_window(&mut self, tools: &Tools, presses_ms: &[u32]) -> Result<Log> {
+        let mut gelpad = Process::start(
+            "gelpad",
+            command(gelpad(), self.folder.path(), &self.display)
+                .env("XDG_CONFIG_HOME", self.folder.path())
+                .env("LIBGL_ALWAYS_SOFTWARE", "1")
+                .env_remove("WAYLAND_DISPLAY"),
+            self.folder.path(),
+        )?;
+        let search = ["search", "--sync", "--onlyvisible", "--name"];
+        let window = ["^gelpad$", "windowmove", "0", "0"];
+        self.xdotool(tools, &[&search[..], &window].concat())?;
+        thread::sleep(WINDOW_STARTS);
+        for (x, y) in [SEND, PAD_WINDOW] {
+            self.xdotool(tools, &["mousemove", x, y, "click", "1"])?;
+            thread::sleep(WINDOW_STARTS);
+        }
+        self.focus(tools)?;
+        thread::sleep(ENCORE);
+        let seen = read_log(&self.log)?.frames().len();
+        self.xdotool(tools, &["mousemove", PAD_JUMP.0, PAD_JUMP.1])?;
+        for press_ms in presses_ms {
+            self.xdotool(tools, &["mousedown", "1"])?;
+            thread::sleep(Duration::from_millis((*press_ms).into()));
+            self.xdotool(tools, &["mouseup", "1"])?;
+            thread::sleep(ENCORE);
+        }
+        thread::sleep(ENCORE);
+        gelpad.wait_for("the end of the presses", PATIENCE, || Ok(Some(())))?;
+        Ok(read_log(&self.log)?.skip(seen))
+    }
+
+    #[cfg(feature = "gui")]
+    fn xdotool(&self, tools: &Tools, words: &[&str]) -> Result<()> {
+        let mut xdotool = command(&tools.xdotool, self.folder.path(), &self.display);
+        Process::start("xdotool", xdotool.args(words), self.folder.path())?.succeed(PATIENCE)
     }
 
     /// The last lines that the emulator said.
@@ -125,22 +172,6 @@ fn assemble(tools: &Tools, folder: &Path) -> Result<PathBuf> {
         .arg(&game);
     Process::start("ld65", &mut ld65, folder)?.succeed(PATIENCE)?;
     Ok(game)
-}
-
-/// Starts an X server on a display that it chooses itself, and so on none that
-/// anybody else uses.
-fn start_server(tools: &Tools, folder: &Path) -> Result<(Process, OsString)> {
-    let answer = folder.join("display");
-    let mut xvfb = Command::new(&tools.xvfb);
-    xvfb.args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
-        .args(["-screen", "0", "640x480x24"]);
-    let mut server =
-        Process::start_answering("Xvfb", &mut xvfb, folder, &answer)?.with_grace(SERVER_GRACE);
-    let number = server.wait_for("display number", PATIENCE, || {
-        let text = fs::read_to_string(&answer).context("cannot read the X server's answer")?;
-        Ok(text.strip_suffix('\n').map(str::to_owned))
-    })?;
-    Ok((server, format!(":{number}").into()))
 }
 
 fn start_emulator(

@@ -46,7 +46,7 @@ pub fn all_required() -> bool {
 }
 
 /// Looks through PATH, and where Debian puts games: root's PATH leaves that out.
-fn program(name: &str) -> Option<PathBuf> {
+pub fn program(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH").unwrap_or_default();
     env::split_paths(&path)
         .chain([PathBuf::from("/usr/games")])

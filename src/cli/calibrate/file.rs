@@ -73,7 +73,7 @@ pub(in crate::cli) fn correction(path: &Path, pad: &Pad) -> anyhow::Result<Corre
 }
 
 /// Saves a calibration.
-pub(super) fn save(
+pub(in crate::cli) fn save(
     path: &Path,
     pad: &Pad,
     correction: &Correction,

@@ -1,6 +1,7 @@
 //! `gelpad calibrate`: records presses at shown places, learns from them, says what to expect.
 
 mod file;
+mod recommend;
 mod record;
 
 use std::io::Write as _;
@@ -19,17 +20,25 @@ use crate::calibrate::{
 };
 use crate::pad::Pad;
 use crate::source::serial::SerialSource;
-use crate::source::{FramesCsv, Noise, Robot, Script, SimulatedSource, Source};
+use crate::source::{Noise, Robot, Script, SimulatedSource, Source, open_file};
 use crate::touch::Detector;
+use crate::types::PointMm;
 
 use record::Presser;
 
 pub(super) use file::correction as read_correction;
+#[cfg(feature = "gui")]
+pub(super) use file::save;
+#[cfg(feature = "gui")]
+pub(super) use record::places;
 
 /// Twice the presses are worth the trouble if they take off at least this share of the error.
 const WORTH: f64 = 0.1;
 
 pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
+    if let (Some(name), Some(source)) = (&args.recommend, &args.source) {
+        return recommend::run(args, name, source);
+    }
     match (&args.source, &args.presses, &args.evaluate) {
         (Some(source), _, _) => record(args, source),
         (None, Some(presses), Some(test)) => evaluate(presses, test),
@@ -110,22 +119,7 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
     let sensing = resolve::sensing(&pad, method)?.first()?;
     let detector = Detector::of_pad(Arc::new(sensing), &pad.protocol);
     let places = record::places(&pad, args.points);
-    let mut source: Box<dyn Source> = match source {
-        SourceArg::Simulated(None) => {
-            let noise = Noise::new(args.snr, args.seed);
-            Box::new(Robot::new(&pad, places.clone(), noise, args.seed)?)
-        }
-        SourceArg::Simulated(Some(script)) => {
-            let script = Script::parse(&script.display().to_string(), &resolve::read(script)?)?;
-            Box::new(SimulatedSource::new(
-                &pad,
-                &script,
-                Noise::new(args.snr, args.seed),
-            )?)
-        }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(port, pad.channels())?),
-        SourceArg::Replay(file) => Box::new(FramesCsv::open(file, pad.channels())?),
-    };
+    let mut source = open(args, &pad, source, &places)?;
     let presser = match args.source {
         Some(SourceArg::Serial(_)) => Presser::Listens,
         _ => Presser::GoesOn,
@@ -145,6 +139,40 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
     }
     let ending = learn(args, &presses)?;
     Ok(if complete { ending } else { Ending::LostData })
+}
+
+/// Opens a source; on the simulated pad without a script, a robot presses places.
+fn open(
+    args: &CalibrateArgs,
+    pad: &Pad,
+    source: &SourceArg,
+    places: &[PointMm],
+) -> anyhow::Result<Box<dyn Source>> {
+    Ok(match source {
+        SourceArg::Simulated(None) if places.is_empty() => {
+            bail!("nobody presses the simulated pad: give a script, as in simulated:presses.txt")
+        }
+        SourceArg::Simulated(None) => {
+            let noise = Noise::new(args.snr, args.seed);
+            Box::new(Robot::new(pad, places.to_vec(), noise, args.seed)?)
+        }
+        SourceArg::Simulated(Some(script)) => {
+            let script = Script::parse(&script.display().to_string(), &resolve::read(script)?)?;
+            Box::new(SimulatedSource::new(
+                pad,
+                &script,
+                Noise::new(args.snr, args.seed),
+            )?)
+        }
+        SourceArg::Serial(port) => Box::new(SerialSource::open(
+            port,
+            args.board.baud,
+            pad,
+            args.board.format,
+        )?),
+        SourceArg::Replay(file) => open_file(file, pad)?,
+        SourceArg::Gamepad => bail!("a gamepad has no places that could be learned"),
+    })
 }
 
 /// Learns from presses, says what to expect, and saves what can be applied.

@@ -27,7 +27,7 @@ const EDGE_SHARE: f64 = 0.08;
 const MAP_COLUMNS: usize = 40;
 
 /// Places spread evenly over a pad, in an order that jumps about.
-pub(super) fn places(pad: &Pad, count: usize) -> Vec<PointMm> {
+pub(in crate::cli) fn places(pad: &Pad, count: usize) -> Vec<PointMm> {
     // The R2 sequence (Roberts 2018): powers of the inverse of the plastic number.
     const STEP: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
     let size = pad.outline.size_mm();
@@ -95,8 +95,9 @@ pub(super) fn record(
                     index += 1;
                 }
             },
-            Reading::Skipped { reason } => tracing::warn!("skipped what is no frame: {reason}"),
-            Reading::Idle => {}
+            Reading::Skipped { reason, .. } => tracing::warn!("skipped what is no frame: {reason}"),
+            Reading::Gone { reason } => tracing::warn!("{reason}"),
+            Reading::Control(_) | Reading::Idle => {}
             Reading::End if presser == Presser::GoesOn => bail!(
                 "{index} presses were seen for {} places: one that was missed cannot be told from its neighbours\n  help: press harder or longer, or give the file's own number with --points",
                 places.len()

@@ -6,6 +6,8 @@
 
 use faer::Mat;
 
+use crate::types::ByteReader;
+
 /// Running sums of a dot product.
 const LANES: usize = 16;
 
@@ -54,6 +56,33 @@ impl RowMatrix {
             chunks_a_row,
             chunks,
         }
+    }
+
+    /// Appends the number of columns (u32) and row after row (f32), without padding.
+    pub(super) fn to_bytes(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&(self.columns as u32).to_le_bytes());
+        for row in self.chunks.chunks_exact(self.chunks_a_row.max(1)) {
+            for value in &row.as_flattened()[..self.columns] {
+                bytes.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+    }
+
+    /// So many rows, from what [`Self::to_bytes`] gave.
+    pub(super) fn from_bytes(bytes: &mut ByteReader<'_>, rows: usize) -> Option<Self> {
+        let columns = bytes.count()?;
+        let chunks_a_row = columns.div_ceil(LANES);
+        let mut chunks = Vec::new();
+        let mut padded = Padded::default();
+        for _ in 0..rows {
+            padded.set(&bytes.f32s(columns)?);
+            chunks.extend_from_slice(&padded.chunks);
+        }
+        (columns > 0).then_some(Self {
+            columns,
+            chunks_a_row,
+            chunks,
+        })
     }
 
     pub(super) fn columns(&self) -> usize {

@@ -14,6 +14,7 @@
 use faer::Mat;
 
 use crate::eit::cholesky::{dot, solve_in_place};
+use crate::types::ByteReader;
 
 /// The paper's budget of iterations: here sweeps over the working set.
 pub const ITERATIONS: usize = 200;
@@ -100,6 +101,38 @@ impl L1Model {
             lambda,
             nonnegative,
         }
+    }
+
+    /// Appends channels (u32), whether answers are kept at or above zero (a byte), lambda, columns, Gram matrix and norms (f64).
+    pub(super) fn to_bytes(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&(self.channels as u32).to_le_bytes());
+        bytes.push(u8::from(self.nonnegative));
+        let lambda = std::iter::once(&self.lambda);
+        for value in lambda
+            .chain(&self.columns)
+            .chain(&self.gram)
+            .chain(&self.norms)
+        {
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+
+    /// A model of so many pixels, from what [`Self::to_bytes`] gave.
+    pub(super) fn from_bytes(bytes: &mut ByteReader<'_>, pixels: usize) -> Option<Self> {
+        let channels = bytes.count()?;
+        let nonnegative = bytes.u8()? == 1;
+        let lambda = bytes.f64()?;
+        let columns = bytes.f64s(channels.checked_mul(pixels)?)?;
+        let gram = bytes.f64s(pixels.checked_mul(pixels)?)?;
+        let norms = bytes.f64s(pixels)?;
+        (channels > 0).then_some(Self {
+            channels,
+            columns,
+            gram,
+            norms,
+            lambda,
+            nonnegative,
+        })
     }
 
     /// Number of channels.

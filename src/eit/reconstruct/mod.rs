@@ -5,6 +5,7 @@
 //! The scaling of the hyperparameter is the project's (see `quadratic`): it does not move with the size of a pixel or
 //! the units of a voltage.
 
+mod bytes;
 mod kernel;
 pub mod l1;
 mod quadratic;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::{ElectrodesSpec, LatticeSpec, OutlineSpec, ShapeSpec, positive};
-use crate::pad::{Conductor, Electrode, Lattice, Outline};
+use super::{DirectionSpec, ElectrodesSpec, LatticeSpec, OutlineSpec, ShapeSpec, positive};
+use crate::pad::{Conductor, Direction, Electrode, Lattice, Numbering, Outline};
 use crate::types::Fault;
 
 /// Fewer electrodes than this give no measurement.
@@ -244,6 +244,34 @@ pub(super) fn electrodes(
         }
     }
     Ok(electrodes)
+}
+
+/// How the board numbers so many places.
+pub(super) fn numbering(spec: &ElectrodesSpec, places: usize) -> Result<Numbering, Fault> {
+    let first = match &spec.first_electrode {
+        None => 0,
+        Some(first) => usize::try_from(*first.get_ref())
+            .ok()
+            .filter(|place| *place < places)
+            .ok_or_else(|| {
+                Fault::new(
+                    first.span(),
+                    format!(
+                        "`first_electrode` is a place, 0 to {}, not {}",
+                        places - 1,
+                        first.get_ref()
+                    ),
+                    "no such place",
+                )
+            })?,
+    };
+    Ok(Numbering {
+        first,
+        direction: match spec.direction {
+            DirectionSpec::CounterClockwise => Direction::CounterClockwise,
+            DirectionSpec::Clockwise => Direction::Clockwise,
+        },
+    })
 }
 
 /// Centres along the edge, each with the words of the text that placed it.

@@ -79,7 +79,18 @@ struct ElectrodesSpec {
     first_mm: Option<Spanned<f64>>,
     first_deg: Option<Spanned<f64>>,
     at_mm: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
+    first_electrode: Option<Spanned<i64>>,
+    #[serde(default)]
+    direction: DirectionSpec,
     contact_impedance_ohm_m2: Spanned<f64>,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum DirectionSpec {
+    #[default]
+    CounterClockwise,
+    Clockwise,
 }
 
 #[derive(Deserialize)]
@@ -119,7 +130,11 @@ fn build(spec: &PadSpec) -> Result<Pad, Fault> {
     }
     let outline = geometry::outline(&spec.outline)?;
     let conductor = geometry::conductor(spec.lattice.as_ref(), &outline)?;
-    let electrodes = geometry::electrodes(&spec.electrodes, &outline, &conductor)?;
+    let places = geometry::electrodes(&spec.electrodes, &outline, &conductor)?;
+    let numbering = geometry::numbering(&spec.electrodes, places.len())?;
+    let electrodes: Vec<_> = (0..places.len())
+        .map(|electrode| places[numbering.place(electrode, places.len())])
+        .collect();
     let protocol = protocol::protocol(&spec.protocol, electrodes.len())?;
     Ok(Pad {
         name: spec.name.clone(),
@@ -129,6 +144,7 @@ fn build(spec: &PadSpec) -> Result<Pad, Fault> {
         thickness_mm: positive(&spec.layer.thickness_mm, "the layer's thickness")?,
         background_s_per_m: positive(&spec.layer.background_s_per_m, "the conductivity")?,
         electrodes,
+        numbering,
         contact_impedance_ohm_m2: positive(
             &spec.electrodes.contact_impedance_ohm_m2,
             "the contact impedance",
@@ -192,6 +208,19 @@ mod tests {
     }
 
     #[test]
+    fn a_board_numbers_the_places_its_own_way() {
+        let pad = edited(
+            "width_mm = 3.0",
+            "width_mm = 3.0\nfirst_electrode = 4\ndirection = \"clockwise\"",
+        )
+        .expect("sound");
+        let centre = |electrode: usize| pad.electrodes[electrode].centre_mm(&pad.outline);
+        assert_eq!(centre(0), [100.0, 12.5]);
+        assert_eq!(centre(1), [87.5, 0.0]);
+        assert_eq!(centre(15), [100.0, 37.5]);
+    }
+
+    #[test]
     fn impossible_pads_are_refused_at_the_word() {
         let cases: &[(&str, &str, &str, &str)] = &[
             (
@@ -217,6 +246,12 @@ mod tests {
                 "count = 3",
                 "a pad has 4 to 64 electrodes, not 3",
                 "3",
+            ),
+            (
+                "width_mm = 3.0",
+                "width_mm = 3.0\nfirst_electrode = 16",
+                "`first_electrode` is a place, 0 to 15, not 16",
+                "16",
             ),
             (
                 "width_mm = 3.0",

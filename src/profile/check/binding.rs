@@ -137,14 +137,18 @@ impl Check {
                 format!("write `{key} = \"key:space\"` in it"),
             );
         }
-        if matches!(word, "dpad" | "stick") && !entries.values.contains_key("region") {
+        let placed = ["region", "from"].map(|key| entries.values.contains_key(key));
+        if matches!(word, "dpad" | "stick") && placed == [false, false] {
             self.faults.push(
                 &entries.place,
-                format!("a {word} needs a `region`: its middle is the region's"),
+                format!(
+                    "a {word} needs a `region`: its middle is the region's (or `from` a stick)"
+                ),
                 "this binding",
             );
         }
-        let gesture = self.gesture(word, top, entries, &regions, profile);
+        let parts = self.parts(entries, word, profile);
+        let gesture = self.gesture(word, top, entries, regions.len() + parts.len(), profile);
         let mode = self.mode(way, top, entries, profile);
         let layer = self
             .text(entries, "layer")
@@ -156,6 +160,7 @@ impl Check {
                 .all(|target| is_modifier(*target, &profile.outputs));
         Some(Binding {
             regions,
+            parts,
             layer,
             gesture: gesture?,
             mode: match mode? {
@@ -205,6 +210,7 @@ impl Check {
                     short_ns: frames(self.own_number(top, entries, "short_frames", 5.0)),
                     long_ns: frames(self.own_number(top, entries, "long_frames", 32.0)),
                     long_after_ns: self.own_ms(top, entries, "long_ms", 200.0),
+                    when_decided: self.choice(top, "classify", Table::User) == Some("decided"),
                 })
             }
             "latch" => Mode::Latch(self.own_ms(top, entries, "length_ms", 100.0)),

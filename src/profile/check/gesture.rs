@@ -15,7 +15,7 @@ impl Check {
         word: &str,
         top: &Entries,
         entries: &Entries,
-        regions: &[usize],
+        places: usize,
         profile: &mut Profile,
     ) -> Option<Gesture> {
         let term_ns = self.own_ms(top, entries, "tapping_term_ms", 200.0);
@@ -35,14 +35,14 @@ impl Check {
             },
             "swipe" => Gesture::Swipe(self.swipe(top, entries)?),
             "chord" => {
-                if regions.len() < 2 {
+                if places < 2 {
                     let place = entries
                         .values
                         .get("region")
                         .map_or(&entries.place, |value| &value.place);
                     self.faults.help(
                         place,
-                        "a chord has two regions or more",
+                        "a chord has two regions or more, or buttons",
                         "too few",
                         "write `region = [\"a\", \"b\"]`",
                     );

@@ -3,12 +3,13 @@
 mod binding;
 mod gesture;
 mod macros;
+mod part;
 mod region;
 mod settings;
 mod target;
 mod value;
 
-use super::layers::{self, Layers, Source};
+use super::layers::{self, Layers, Source, Texts};
 use super::text::{Data, Entries, Place, Value};
 use super::{Checked, FindBase, Origin, Profile, warn};
 use crate::types::{Fault, Faulty, Method};
@@ -18,6 +19,7 @@ pub(super) fn read(
     user: Option<Source>,
     find: FindBase<'_>,
 ) -> Result<Checked, Faulty> {
+    let has_user = user.is_some();
     let Layers {
         sources,
         mut merged,
@@ -25,16 +27,21 @@ pub(super) fn read(
     let mut check = Check::new(sources.len());
     let vars = std::mem::take(&mut merged.vars);
     check.substitute(&vars, &mut merged);
-    let profile = check.profile(&merged, &sources);
+    let mut profile = check.profile(&merged, &sources);
     if let Some(faulty) = check.faults.worst(&sources) {
         return Err(faulty);
     }
     let mut warnings = check.warnings;
     warn::profile(&profile, &merged, &check.binding_places, &mut warnings);
+    let warnings = warnings.each(&sources);
+    let texts = sources.iter().map(|source| source.name.clone()).collect();
+    let mut chain = sources;
+    let user = if has_user { chain.pop() } else { None };
+    profile.texts = Texts { chain, user };
     Ok(Checked {
         profile,
-        warnings: warnings.each(&sources),
-        texts: sources.into_iter().map(|source| source.name).collect(),
+        warnings,
+        texts,
     })
 }
 
@@ -139,6 +146,7 @@ impl Check {
             method: self.word::<Method>(top, "method", super::Table::Profile),
             settings,
             regions,
+            parts: Vec::new(),
             outputs: Vec::new(),
             layers: self.layers(&text.bindings),
             bindings: Vec::new(),
@@ -147,6 +155,7 @@ impl Check {
                 .as_ref()
                 .map_or(Vec::new(), |matches| self.texts(matches, "process")),
             origins: origins(text, sources),
+            texts: Texts::default(),
         };
         self.bindings(text, &mut profile);
         if profile.bindings.is_empty() && text.bindings.is_empty() {
@@ -173,7 +182,8 @@ fn origins(text: &super::text::Text, sources: &[Source]) -> Vec<Origin> {
         let name = entries
             .values
             .get("name")
-            .or_else(|| entries.values.get("region"));
+            .or_else(|| entries.values.get("region"))
+            .or_else(|| entries.values.get("from"));
         Origin {
             key: format!("{kind} {}", name.map_or(String::new(), written)),
             value: String::new(),

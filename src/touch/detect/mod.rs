@@ -396,6 +396,28 @@ impl Detector {
         self.retaken
     }
 
+    /// Whether the reference is there: from then on changes mean something.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.reference.is_ready()
+    }
+
+    /// The last frame's relative change in each channel, and how much of it its touches explain.
+    #[must_use]
+    pub fn changes(&self) -> (&[f32], &[f32]) {
+        (&self.changes, &self.explained)
+    }
+
+    /// What each channel reads of the untouched pad, and the relative deviation of a reading; infinite where it is left out.
+    #[must_use]
+    pub fn at_rest(&self) -> [Vec<f32>; 2] {
+        let single = |values: &[f64]| values.iter().map(|value| *value as f32).collect();
+        [
+            single(self.reference.volts()),
+            single(&self.reference.deviations()),
+        ]
+    }
+
     /// Lifts every touch: the source is gone.
     pub fn lift_all(&mut self, changed: &mut Vec<Touch>) {
         self.tracker.lift_all(changed);

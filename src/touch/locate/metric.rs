@@ -9,6 +9,7 @@ use faer::{Mat, Side};
 
 use crate::eit::ResponseTable;
 use crate::eit::response::Response;
+use crate::types::ByteReader;
 
 /// Channels whose deviations stay within this factor of the median count as equal: then a weight costs nothing.
 const EVEN_WITHIN: f64 = 1.5;
@@ -134,6 +135,44 @@ impl Metric {
             .map(|(row, column)| lower[(column, row)] as f32)
             .collect();
         self.responses = Whitener::Triangle(triangle);
+    }
+
+    /// Appends the number that count (u32), whitening and inverse deviations (f32), and the responses' whitening: a 0 and a factor, or a 1 and
+    /// the triangle (f32). Which factors stand in it depends on the solver's processor, so a recording keeps them.
+    pub(super) fn to_bytes(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&(self.counted as u32).to_le_bytes());
+        let (kind, factors) = match &self.responses {
+            Whitener::Even(factor) => (0, std::slice::from_ref(factor)),
+            Whitener::Triangle(triangle) => (1, triangle.as_slice()),
+        };
+        for value in self.whitening.iter().chain(&self.inverse_deviation) {
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+        bytes.push(kind);
+        for value in factors {
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+
+    /// Weights for a table, from what [`Self::to_bytes`] gave.
+    pub(super) fn from_bytes(bytes: &mut ByteReader<'_>, table: &ResponseTable) -> Option<Self> {
+        let (rank, channels) = (table.rank(), table.channels());
+        let counted = bytes.u32()? as usize;
+        let whitening = bytes.f32s(rank.checked_mul(channels)?)?;
+        let inverse_deviation = bytes.f32s(channels)?;
+        let responses = match bytes.u8()? {
+            0 => Whitener::Even(bytes.f32()?),
+            1 => Whitener::Triangle(bytes.f32s(rank.checked_mul(rank)?)?),
+            _ => return None,
+        };
+        (counted <= channels).then_some(Self {
+            rank,
+            channels,
+            whitening,
+            inverse_deviation,
+            counted,
+            responses,
+        })
     }
 
     /// Number of channels that count.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use crate::eit::ResponseTable;
 use crate::eit::response::{Bump, Response};
 use crate::pad::Outline;
-use crate::types::Contact;
+use crate::types::{ByteReader, Contact};
 use fit::{Bounds, Fit};
 use metric::{Metric, Whitened, energy};
 use recent::Recent;
@@ -60,13 +60,39 @@ impl Locating {
     /// If there is not one deviation a channel.
     #[must_use]
     pub fn new(table: Arc<ResponseTable>, outline: &Outline, deviations: &[f64]) -> Self {
+        let metric = Metric::new(&table, deviations);
+        Self::with_metric(table, outline, metric)
+    }
+
+    /// Appends the weights: with the table and the outline they make all of it.
+    pub fn to_bytes(&self, bytes: &mut Vec<u8>) {
+        self.metric.to_bytes(bytes);
+    }
+
+    /// One of a table and an outline, from what [`Self::to_bytes`] gave; none if the bytes are of something else.
+    #[must_use]
+    pub fn from_bytes(
+        bytes: &mut ByteReader<'_>,
+        table: Arc<ResponseTable>,
+        outline: &Outline,
+    ) -> Option<Self> {
+        let metric = Metric::from_bytes(bytes, &table)?;
+        Some(Self::with_metric(table, outline, metric))
+    }
+
+    /// The table that it explains frames with.
+    #[must_use]
+    pub fn table(&self) -> &Arc<ResponseTable> {
+        &self.table
+    }
+
+    fn with_metric(table: Arc<ResponseTable>, outline: &Outline, metric: Metric) -> Self {
         let [least, most] = table.radii_mm();
         let bounds = Bounds {
             size_mm: outline.size_mm(),
             log_radius: [libm::log(least), libm::log(most)],
             usual_weight: 1.0,
         };
-        let metric = Metric::new(&table, deviations);
         Self {
             templates: Templates::new(&table, &metric, &bounds, outline),
             table,

@@ -1,0 +1,52 @@
+//! Any bytes are frames, garbled or nothing to every dialect, in bounded memory; what is a frame has finite values and no
+//! impossible number of them. The first byte chooses the format and the pieces in which the rest comes:
+//! `cargo fuzz run -s none wire -- -max_len=600 -dict=fuzz/wire.dict`
+//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler).
+
+#![no_main]
+
+use gelpad::source::wire::{
+    Auto, Decoded, Dialect, FormatKind, MOST_HELD_BYTES, MOST_VALUES, SHOWN_BYTES, Wiring,
+};
+use libfuzzer_sys::fuzz_target;
+
+const STEP_NS: u64 = 300_000_000;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((choice, bytes)) = bytes.split_first() else {
+        return;
+    };
+    let wiring = Wiring::adjacent(if choice & 8 == 0 { 16 } else { 32 });
+    let mut dialect: Box<dyn Dialect> = match FormatKind::ALL.get(usize::from(choice & 7)) {
+        Some(kind) => kind.dialect(&wiring, choice & 16 != 0),
+        None => Box::new(Auto::new(wiring)),
+    };
+    let size = 1 + usize::from(choice >> 5) * 37;
+    let mut decoded = Vec::new();
+    let mut now_ns = 0;
+    for piece in bytes.chunks(size) {
+        dialect.feed(now_ns, piece, &mut decoded);
+        assert!(dialect.held_bytes() <= MOST_HELD_BYTES);
+        if let Some(words) = dialect.say(now_ns) {
+            assert!(!words.is_empty() && words.len() < 64);
+        }
+        now_ns += STEP_NS;
+    }
+    for one in &decoded {
+        match one {
+            Decoded::Frame(frame) => {
+                assert!((1..=MOST_VALUES).contains(&frame.values.len()));
+                assert!(frame.values.iter().all(|value| value.is_finite()));
+                if let Some(listing) = &frame.listing {
+                    assert_eq!(listing.len(), frame.values.len());
+                }
+            }
+            Decoded::Garbled { reason, bytes } => {
+                assert!(!reason.is_empty() && bytes.len() <= SHOWN_BYTES);
+            }
+            Decoded::Note(text) => assert!(!text.is_empty()),
+        }
+    }
+    dialect.reopened();
+    assert!(dialect.held_bytes() <= MOST_HELD_BYTES);
+});

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Pictures of every view of the window: at 1280 x 800 and 800 x 500, dark and light, on a display of its own.
+#
+#   scripts/see-window.sh FOLDER [GELPAD]
+#
+# Needs Xvfb, xdotool, ImageMagick's `import`, libgl1-mesa-dri and libxkbcommon-x11-0.
+set -euo pipefail
+
+folder=$(realpath -m "${1:?a folder for the pictures}")
+gelpad=$(realpath "${2:-target/release/gelpad}")
+views=(play practice edit set-up record signals comfort)
+mkdir -p "$folder"
+work=$(mktemp -d)
+export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
+mkdir -p "$work/gelpad"
+
+Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
+xvfb=$!
+player=
+trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
+for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+
+for theme in dark light; do
+  printf 'theme = "%s"\n' "$theme" >"$work/gelpad/window.toml"
+  "$gelpad" 2>"$work/log" &
+  player=$!
+  window=
+  for _ in $(seq 200); do
+    window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ] && break
+    sleep 0.05
+  done
+  [ -n "$window" ] || { cat "$work/log" >&2; echo "no window came" >&2; exit 1; }
+  xdotool windowmove "$window" 0 0 windowfocus "$window"
+  sleep 3
+  for size in 1280x800 800x500; do
+    xdotool windowsize "$window" "${size%x*}" "${size#*x}"
+    sleep 1
+    xdotool key F1
+    sleep 0.7
+    # Two presses, and a third that lasts while the pictures are taken.
+    if [ "$size" = 1280x800 ]; then jump=(580 330); run=(560 540); left=(260 300); else jump=(360 190); run=(345 300); left=(190 190); fi
+    xdotool mousemove "${left[@]}" mousedown 1; sleep 0.5; xdotool mouseup 1; sleep 0.3
+    xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.2; xdotool mouseup 1; sleep 0.3
+    xdotool mousemove "${run[@]}" mousedown 1; sleep 0.4
+    xdotool key space; xdotool mouseup 1; sleep 0.1
+    xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.4
+    key=1
+    for view in "${views[@]}"; do
+      xdotool key "F$key"
+      sleep 0.7
+      import -silent -window "$window" "$folder/$view-$size-$theme.png"
+      key=$((key + 1))
+    done
+    xdotool key F1; xdotool mouseup 1; sleep 0.3
+    xdotool key Escape
+  done
+  kill "$player"
+  wait "$player" 2>/dev/null || true
+done
+ls "$folder"

@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# What the window costs: how soon it opens, repaints a second while 100 frames a second arrive, the engine's CPU time a frame
+# with the window and without, and the whole program's share of a core while the pad rests.
+#
+#   scripts/window-cost.sh [GELPAD] [SECONDS]
+#
+# Times are CPU time (/proc/PID/task/TID/schedstat), so that another program on the machine does not count; the repaints and
+# the opening are by the clock. Needs what see-window.sh needs.
+set -euo pipefail
+
+gelpad=$(realpath "${1:-target/release/gelpad}")
+seconds=${2:-20}
+work=$(mktemp -d)
+export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
+Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
+xvfb=$!
+player=
+trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
+for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+
+# CPU time of the thread `engine` of a process, ns.
+engine_ns() {
+  for task in /proc/"$1"/task/*; do
+    if [ "$(cat "$task/comm")" = engine ]; then cut -d' ' -f1 "$task/schedstat"; fi
+  done
+}
+# CPU time of a process, in ticks of 10 ms.
+process_ticks() { awk '{print $14 + $15}' "/proc/$1/stat"; }
+
+# The level by turns: the simulated pad, 100 frames a second, two fingers coming and going.
+{
+  for s in $(seq 1 2 $((seconds + 20))); do
+    printf 't:%d down 1 80 50\nt:%d up 1\n' $((s * 1000)) $((s * 1000 + 700))
+  done
+} >"$work/script.txt"
+"$gelpad" play --source "simulated:$work/script.txt" --output trace --headless >"$work/events" 2>"$work/headless" &
+player=$!
+sleep 6
+before=$(engine_ns "$player"); sleep "$seconds"; after=$(engine_ns "$player")
+headless=$(((after - before) / (seconds * 100)))
+kill -INT "$player"; wait "$player" 2>/dev/null || true
+echo "engine without the window: $headless ns CPU a frame"
+grep 'frame to' "$work/headless" || true
+
+start=$(date +%s%N)
+RUST_LOG=gelpad::gui=debug "$gelpad" 2>"$work/log" &
+player=$!
+until window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ]; do sleep 0.01; done
+until grep -q 'plays' "$work/log"; do sleep 0.01; done
+echo "opens: $((($(date +%s%N) - start) / 1000000)) ms until the pad plays"
+xdotool windowmove "$window" 0 0 windowfocus "$window" windowsize "$window" 1280 800
+sleep 6
+before=$(engine_ns "$player"); whole=$(process_ticks "$player")
+for _ in $(seq 1 2 "$seconds"); do
+  xdotool mousemove 580 330 mousedown 1; sleep 0.7; xdotool mouseup 1; sleep 1.3
+done
+after=$(engine_ns "$player"); whole=$(($(process_ticks "$player") - whole))
+span=$((($(seq 1 2 "$seconds" | wc -l)) * 2))
+shown=$(((after - before) / (span * 100)))
+echo "engine with the window: $shown ns CPU a frame, $(awk "BEGIN{printf \"%.2f\", $shown / $headless}") times"
+grep -o 'repaints: .*' "$work/log" | tail -5
+echo "whole program: $((whole / span)) % of a core"
+
+# The pad rests while it is paused: the button is in the upper right.
+xdotool mousemove 975 146 click 1
+sleep 4
+before=$(process_ticks "$player"); sleep "$seconds"; after=$(process_ticks "$player")
+echo "paused: $(awk "BEGIN{printf \"%.1f\", ($after - $before) / $seconds}") % of a core"

@@ -1,0 +1,91 @@
+//! The outputs that this system may have, and in which order they come in question.
+
+use crate::output::{Device, OutputError};
+
+/// An output that may or may not open.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    /// What it is called where it does not.
+    pub name: &'static str,
+    pub open: fn() -> Result<Box<dyn Device>, OutputError>,
+}
+
+pub(super) use system::{KERNEL, KERNEL_KEYBOARD, desktop};
+
+#[cfg(target_os = "linux")]
+mod system {
+    use super::Candidate;
+    #[cfg(not(feature = "wayland"))]
+    use crate::output::OutputError;
+    use crate::output::{Uinput, Watched, X11};
+
+    /// This very program, even if its file was replaced meanwhile.
+    const OWN_BINARY: &str = "/proc/self/exe";
+
+    pub(crate) const KERNEL: Candidate = Candidate {
+        name: "the kernel's pad and keyboard",
+        open: || Ok(Box::new(Uinput::create()?)),
+    };
+    pub(crate) const KERNEL_KEYBOARD: Candidate = Candidate {
+        name: "the kernel's keyboard",
+        open: || Ok(Box::new(Uinput::without_pad()?)),
+    };
+    const X11_DISPLAY: Candidate = Candidate {
+        name: "X11",
+        open: || Ok(Box::new(Watched::new(X11::connect()?, OWN_BINARY.into()))),
+    };
+    #[cfg(feature = "wayland")]
+    const WAYLAND: Candidate = Candidate {
+        name: "Wayland",
+        open: || {
+            let device = crate::output::Wayland::connect()?;
+            Ok(Box::new(Watched::new(device, OWN_BINARY.into())))
+        },
+    };
+    #[cfg(not(feature = "wayland"))]
+    const WAYLAND: Candidate = Candidate {
+        name: "Wayland",
+        open: || {
+            Err(OutputError::NoDevice {
+                device: "Wayland",
+                reason: "this gelpad was built without the feature wayland".to_owned(),
+            })
+        },
+    };
+
+    /// What types into the desktop that we are in, best first. On a Wayland desktop an X11 display reaches X11 windows only;
+    /// without a desktop there is the kernel's console.
+    pub(crate) fn desktop(has_wayland: bool, has_x11: bool) -> Vec<Candidate> {
+        match (has_wayland, has_x11) {
+            (true, true) => vec![WAYLAND, KERNEL_KEYBOARD, X11_DISPLAY],
+            (true, false) => vec![WAYLAND, KERNEL_KEYBOARD],
+            (false, true) => vec![X11_DISPLAY],
+            (false, false) => vec![KERNEL_KEYBOARD],
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod system {
+    use super::Candidate;
+    use crate::output::{OutputError, System};
+
+    pub(crate) const KERNEL: Candidate = Candidate {
+        name: "a pad",
+        open: || {
+            Err(OutputError::NoDevice {
+                device: "gamepad",
+                reason: "pads can be made on Linux only".to_owned(),
+            })
+        },
+    };
+    pub(crate) const KERNEL_KEYBOARD: Candidate = KERNEL;
+
+    /// There is one desktop.
+    pub(crate) fn desktop(_: bool, _: bool) -> Vec<Candidate> {
+        vec![Candidate {
+            name: "the keyboard",
+            open: || Ok(Box::new(System::connect()?)),
+        }]
+    }
+}

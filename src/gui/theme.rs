@@ -1,0 +1,251 @@
+//! How the window looks: colours of the dark and of the light theme, sizes of text, room around things.
+//!
+//! Colours are never the only sign: whatever is lit also has a mark, a word or a thicker edge. Touch colours are told apart
+//! without colour vision (Okabe and Ito 2008).
+
+use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Visuals};
+
+/// What a theme paints with.
+#[derive(Clone, Copy, Debug)]
+pub struct Palette {
+    /// Behind everything.
+    pub ground: Color32,
+    /// Cards and panels.
+    pub card: Color32,
+    /// Thin lines between things.
+    pub line: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Text of less weight.
+    pub weak: Color32,
+    /// What is chosen, held or to be looked at.
+    pub accent: Color32,
+    /// Text on the accent.
+    pub on_accent: Color32,
+    /// All is well.
+    pub good: Color32,
+    /// Worth knowing.
+    pub warn: Color32,
+    /// Wrong.
+    pub bad: Color32,
+}
+
+const DARK: Palette = Palette {
+    ground: Color32::from_rgb(0x12, 0x12, 0x1a),
+    card: Color32::from_rgb(0x1c, 0x1c, 0x27),
+    line: Color32::from_rgb(0x3a, 0x3a, 0x4c),
+    text: Color32::from_rgb(0xee, 0xec, 0xf2),
+    weak: Color32::from_rgb(0xa9, 0xa6, 0xb8),
+    accent: Color32::from_rgb(0xf9, 0xa0, 0x2c),
+    on_accent: Color32::from_rgb(0x1a, 0x12, 0x08),
+    good: Color32::from_rgb(0x4f, 0xd0, 0x9b),
+    warn: Color32::from_rgb(0xf3, 0xc9, 0x4b),
+    bad: Color32::from_rgb(0xff, 0x7a, 0x70),
+};
+
+const LIGHT: Palette = Palette {
+    ground: Color32::from_rgb(0xf5, 0xf3, 0xef),
+    card: Color32::from_rgb(0xff, 0xff, 0xff),
+    line: Color32::from_rgb(0xcd, 0xc8, 0xc0),
+    text: Color32::from_rgb(0x22, 0x1f, 0x2b),
+    weak: Color32::from_rgb(0x66, 0x61, 0x70),
+    accent: Color32::from_rgb(0xb4, 0x52, 0x09),
+    on_accent: Color32::from_rgb(0xff, 0xff, 0xff),
+    good: Color32::from_rgb(0x0a, 0x74, 0x50),
+    warn: Color32::from_rgb(0x8a, 0x5b, 0x00),
+    bad: Color32::from_rgb(0xb3, 0x26, 0x1e),
+};
+
+/// Touches: one after the other, lighter ones first, as the pad's picture is dark in both themes.
+const TOUCHES: [Color32; 6] = [
+    Color32::from_rgb(0x56, 0xb4, 0xe9),
+    Color32::from_rgb(0x8d, 0xe0, 0xa6),
+    Color32::from_rgb(0xf0, 0xe4, 0x42),
+    Color32::from_rgb(0xff, 0xa8, 0xd6),
+    Color32::from_rgb(0xb8, 0xa6, 0xff),
+    Color32::from_rgb(0xff, 0xff, 0xff),
+];
+
+/// Corners of cards and buttons, points.
+pub const ROUND: u8 = 7;
+
+/// The palette of what a `Ui` is painted in.
+#[must_use]
+pub fn of(ui: &egui::Ui) -> Palette {
+    palette(ui.visuals().dark_mode)
+}
+
+/// The palette of a theme.
+#[must_use]
+pub fn palette(dark: bool) -> Palette {
+    if dark { DARK } else { LIGHT }
+}
+
+/// The colour of a touch, on the pad's picture.
+#[must_use]
+pub fn touch(id: u64) -> Color32 {
+    TOUCHES[(id % TOUCHES.len() as u64) as usize]
+}
+
+/// Gives texts the signs that the text's own font lacks: arrows, dots, triangles. Before the first pass.
+pub fn fonts(ctx: &egui::Context) {
+    let mut fonts = egui::FontDefinitions::default();
+    if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
+        family.push("Hack".to_owned());
+    }
+    ctx.set_fonts(fonts);
+}
+
+/// Dresses both themes of a context.
+pub fn dress(ctx: &egui::Context) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| {
+            style.visuals = visuals(theme == Theme::Dark);
+            let font = |size| FontId::new(size, FontFamily::Proportional);
+            style.text_styles = [
+                (TextStyle::Small, font(12.0)),
+                (TextStyle::Body, font(14.5)),
+                (TextStyle::Button, font(14.5)),
+                (TextStyle::Heading, font(21.0)),
+                (
+                    TextStyle::Monospace,
+                    FontId::new(13.0, FontFamily::Monospace),
+                ),
+            ]
+            .into();
+            style.spacing.item_spacing = egui::vec2(8.0, 7.0);
+            style.spacing.button_padding = egui::vec2(11.0, 6.0);
+            style.spacing.interact_size.y = 28.0;
+            style.spacing.slider_width = 150.0;
+        });
+    }
+}
+
+/// A card: a rounded ground of its own.
+pub fn card(ui: &egui::Ui) -> egui::Frame {
+    let palette = of(ui);
+    egui::Frame::new()
+        .fill(palette.card)
+        .stroke(Stroke::new(1.0, palette.line.gamma_multiply(0.6)))
+        .corner_radius(CornerRadius::same(ROUND + 2))
+        .inner_margin(Margin::symmetric(12, 10))
+}
+
+/// The button that matters most here.
+pub fn primary(ui: &mut egui::Ui, text: &str) -> egui::Response {
+    let palette = of(ui);
+    let words = egui::RichText::new(text).color(palette.on_accent);
+    ui.add(egui::Button::new(words).fill(palette.accent))
+}
+
+/// A title of a card or of a part of a view.
+pub fn title(ui: &mut egui::Ui, text: &str) -> egui::Response {
+    let palette = of(ui);
+    ui.label(
+        egui::RichText::new(text)
+            .size(12.5)
+            .color(palette.weak)
+            .strong(),
+    )
+}
+
+fn visuals(dark: bool) -> Visuals {
+    let palette = palette(dark);
+    let mut visuals = if dark {
+        Visuals::dark()
+    } else {
+        Visuals::light()
+    };
+    visuals.panel_fill = palette.ground;
+    visuals.window_fill = palette.card;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
+    visuals.extreme_bg_color = if dark {
+        Color32::from_rgb(0x0d, 0x0d, 0x13)
+    } else {
+        Color32::from_rgb(0xfb, 0xfa, 0xf8)
+    };
+    visuals.faint_bg_color = palette.card;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.warn;
+    visuals.error_fg_color = palette.bad;
+    visuals.selection.bg_fill = palette
+        .accent
+        .gamma_multiply(if dark { 0.35 } else { 0.25 });
+    visuals.selection.stroke = Stroke::new(1.5, palette.accent);
+    visuals.slider_trailing_fill = true;
+    let corner = CornerRadius::same(ROUND);
+    let lift = |colour: Color32, by: i16| {
+        let [r, g, b, _] = colour.to_array().map(i16::from);
+        let shift = |c: i16| (c + by).clamp(0, 255) as u8;
+        Color32::from_rgb(shift(r), shift(g), shift(b))
+    };
+    let step = if dark { 14 } else { -12 };
+    let widgets = &mut visuals.widgets;
+    for (widget, fill, edge) in [
+        (&mut widgets.noninteractive, palette.card, palette.line),
+        (
+            &mut widgets.inactive,
+            lift(palette.card, step),
+            palette.line,
+        ),
+        (
+            &mut widgets.hovered,
+            lift(palette.card, 2 * step),
+            palette.weak,
+        ),
+        (
+            &mut widgets.active,
+            lift(palette.card, 3 * step),
+            palette.accent,
+        ),
+        (&mut widgets.open, lift(palette.card, step), palette.weak),
+    ] {
+        widget.bg_fill = fill;
+        widget.weak_bg_fill = fill;
+        widget.bg_stroke = Stroke::new(1.0, edge);
+        widget.fg_stroke = Stroke::new(1.2, palette.text);
+        widget.corner_radius = corner;
+        widget.expansion = 0.0;
+    }
+    visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contrast of two colours (WCAG 2.2).
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let luminance = |colour: Color32| {
+            let linear = |c: u8| {
+                let c = f64::from(c) / 255.0;
+                if c <= 0.04045 {
+                    c / 12.92
+                } else {
+                    ((c + 0.055) / 1.055).powf(2.4)
+                }
+            };
+            0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
+        };
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn every_text_can_be_read_on_every_ground() {
+        for dark in [true, false] {
+            let p = palette(dark);
+            for ground in [p.ground, p.card] {
+                for text in [p.text, p.weak, p.accent, p.good, p.warn, p.bad] {
+                    let seen = contrast(text, ground);
+                    assert!(
+                        seen >= 4.5,
+                        "dark {dark}: {text:?} on {ground:?}: {seen:.2}"
+                    );
+                }
+            }
+            assert!(contrast(p.on_accent, p.accent) >= 4.5);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The port itself: opening it, knowing it again when it comes back under another name.
+
+use std::path::Path;
+use std::time::Duration;
+
+use serialport::{SerialPort, SerialPortType};
+
+/// Longest wait in one call of `read`.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Which board it is, where the system says so: what stays when it is plugged in elsewhere.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Identity {
+    vendor: u16,
+    product: u16,
+    serial: String,
+}
+
+/// Opens a port.
+pub(super) fn open(path: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
+    serialport::new(path, baud).timeout(PATIENCE).open()
+}
+
+/// Which board is at a path; none for boards without a serial number, pseudo-terminals and the like.
+pub(super) fn identity(path: &str) -> Option<Identity> {
+    let real = std::fs::canonicalize(path).ok()?;
+    ports()
+        .into_iter()
+        .find(|(port, _)| Path::new(port) == real)
+        .map(|(_, identity)| identity)
+}
+
+/// Where a board is now: by its serial number if it has one, else at its path.
+pub(super) fn find(path: &str, identity: Option<&Identity>) -> Option<String> {
+    find_among(path, identity, &ports())
+}
+
+fn find_among(
+    path: &str,
+    identity: Option<&Identity>,
+    ports: &[(String, Identity)],
+) -> Option<String> {
+    match identity {
+        Some(identity) => ports
+            .iter()
+            .find(|(_, there)| there == identity)
+            .map(|(port, _)| port.clone()),
+        None => Path::new(path).exists().then(|| path.to_owned()),
+    }
+}
+
+/// Ports of boards that have a serial number.
+fn ports() -> Vec<(String, Identity)> {
+    // The library takes this folder for granted; in a container it may be missing.
+    if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
+        return Vec::new();
+    }
+    let Ok(ports) = serialport::available_ports() else {
+        return Vec::new();
+    };
+    ports
+        .into_iter()
+        .filter_map(|port| match port.port_type {
+            SerialPortType::UsbPort(usb) => Some((
+                port.port_name,
+                Identity {
+                    vendor: usb.vid,
+                    product: usb.pid,
+                    serial: usb.serial_number.filter(|serial| !serial.is_empty())?,
+                },
+            )),
+            _ => None,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_is_known_by_its_number_and_not_by_its_name() {
+        let board = |serial: &str| Identity {
+            vendor: 0x16c0,
+            product: 0x0483,
+            serial: serial.to_owned(),
+        };
+        let ports = [
+            ("/dev/ttyACM0".to_owned(), board("another")),
+            ("/dev/ttyACM1".to_owned(), board("ours")),
+        ];
+        let find = |identity: &Identity| find_among("/dev/ttyACM0", Some(identity), &ports);
+        assert_eq!(find(&board("ours")).as_deref(), Some("/dev/ttyACM1"));
+        assert_eq!(find(&board("unplugged")), None, "another took its name");
+        assert_eq!(find_among("/no/such/port", None, &ports), None);
+        assert_eq!(
+            find_among("/dev/null", None, &ports).as_deref(),
+            Some("/dev/null")
+        );
+    }
+}

@@ -1,0 +1,284 @@
+//! gelpad's own packets: COBS between zero bytes, with a check sum, a sequence number and the board's time. The format is
+//! documented to the byte in docs/wire.md; `wire/gelpad_wire.h` writes it in C.
+//!
+//! ```text
+//! 0  u8   version, 1
+//! 1  u8   kind of the values: 1 f32, 2 i32
+//! 2  u16  number n of values
+//! 4  u32  sequence number, one more with each frame, runs over
+//! 8  u32  time of the frame, us by the board's clock, runs over
+//! 12      n values of 4 bytes
+//! ..  u32 CRC-32 (ISO-HDLC, as of zlib) of all before
+//! ```
+//! All little-endian. A packet whose sum is wrong is never a frame; the zero byte behind it starts afresh.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+use super::{Decoded, Dialect, FEWEST_VALUES, FormatKind, MOST_VALUES, Stamp, WireFrame};
+use crate::types::Nanos;
+
+/// Version of the format.
+const VERSION: u8 = 1;
+const HEAD_BYTES: usize = 12;
+const SUM_BYTES: usize = 4;
+/// The longest packet, as encoded: one byte more each 254.
+const MOST_BYTES: usize = cobs::max_encoding_length(HEAD_BYTES + 4 * MOST_VALUES + SUM_BYTES);
+/// The board's clock counts microseconds.
+const TICK_NS: u32 = 1000;
+const SUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// What values are sent as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Values {
+    /// Single-precision numbers.
+    F32,
+    /// Counts of a converter. Beyond 24 bits they are rounded to the nearest f32.
+    I32,
+}
+
+/// Reads the format from bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Gelpad {
+    packet: Vec<u8>,
+    overlong: bool,
+}
+
+impl Gelpad {
+    fn end_packet(&mut self) -> Option<Decoded> {
+        if self.overlong {
+            let reason = "no end of a packet: is this gelpad's format, and the baud rate right?";
+            return Some(Decoded::garbled(reason, &self.packet));
+        }
+        // Zeros between packets are idle.
+        if self.packet.is_empty() {
+            return None;
+        }
+        // Kept to be shown: decoding works in place.
+        let mut start = [0; super::SHOWN_BYTES];
+        let shown = self.packet.len().min(start.len());
+        start[..shown].copy_from_slice(&self.packet[..shown]);
+        let decoded = cobs::decode_in_place(&mut self.packet)
+            .map_err(|_| "a packet whose stuffing is wrong: bytes were lost".to_owned())
+            .and_then(|length| frame_of(&self.packet[..length]));
+        Some(match decoded {
+            Ok(frame) => Decoded::Frame(frame),
+            Err(reason) => Decoded::garbled(reason, &start[..shown]),
+        })
+    }
+}
+
+impl Dialect for Gelpad {
+    fn feed(&mut self, _: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
+        for piece in bytes.split_inclusive(|byte| *byte == 0) {
+            let (body, ends) = match piece.split_last() {
+                Some((0, body)) => (body, true),
+                _ => (piece, false),
+            };
+            let room = MOST_BYTES - self.packet.len();
+            self.overlong |= body.len() > room;
+            self.packet.extend_from_slice(&body[..body.len().min(room)]);
+            if ends {
+                decoded.extend(self.end_packet());
+                self.packet.clear();
+                self.overlong = false;
+            }
+        }
+    }
+
+    fn reopened(&mut self) {
+        self.packet.clear();
+        self.overlong = false;
+    }
+
+    fn held_bytes(&self) -> usize {
+        self.packet.len()
+    }
+
+    fn kind(&self) -> Option<FormatKind> {
+        Some(FormatKind::Gelpad)
+    }
+}
+
+/// What a packet holds, or why it is no frame.
+fn frame_of(packet: &[u8]) -> Result<WireFrame, String> {
+    let Some((body, sum)) = packet.split_last_chunk::<SUM_BYTES>() else {
+        return Err(format!("a packet of {} bytes", packet.len()));
+    };
+    if SUM.checksum(body) != u32::from_le_bytes(*sum) {
+        return Err(format!(
+            "a packet of {} bytes whose check sum is wrong",
+            packet.len()
+        ));
+    }
+    let Some((head, values)) = body.split_first_chunk::<HEAD_BYTES>() else {
+        return Err(format!("a packet of {} bytes", packet.len()));
+    };
+    let [version, kind, c0, c1, s0, s1, s2, s3, t0, t1, t2, t3] = *head;
+    if version != VERSION {
+        return Err(format!(
+            "version {version} of the format, where {VERSION} is known: update gelpad"
+        ));
+    }
+    let count = usize::from(u16::from_le_bytes([c0, c1]));
+    if values.len() != 4 * count || !(FEWEST_VALUES..=MOST_VALUES).contains(&count) {
+        return Err(format!(
+            "a packet that says {count} values and has {} bytes of them",
+            values.len()
+        ));
+    }
+    let words = values.as_chunks::<4>().0.iter();
+    let values: Vec<f32> = match kind {
+        1 => words.map(|word| f32::from_le_bytes(*word)).collect(),
+        2 => words.map(|word| i32::from_le_bytes(*word) as f32).collect(),
+        _ => {
+            return Err(format!(
+                "values of kind {kind}, where 1 is f32 and 2 is i32"
+            ));
+        }
+    };
+    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        return Err(format!("value {index} is {}", values[index]));
+    }
+    Ok(WireFrame {
+        values,
+        sequence: Some(u32::from_le_bytes([s0, s1, s2, s3])),
+        stamp: Some(Stamp {
+            ticks: u32::from_le_bytes([t0, t1, t2, t3]),
+            tick_ns: TICK_NS,
+        }),
+        listing: None,
+    })
+}
+
+/// A packet as a board sends it, its closing zero included. I32 rounds each value to a whole number.
+#[must_use]
+pub fn encode(kind: Values, sequence: u32, time_us: u32, values: &[f32]) -> Vec<u8> {
+    let mut packet = Vec::with_capacity(HEAD_BYTES + 4 * values.len() + SUM_BYTES);
+    let count = values.len().min(MOST_VALUES);
+    packet.push(VERSION);
+    packet.push(match kind {
+        Values::F32 => 1,
+        Values::I32 => 2,
+    });
+    packet.extend_from_slice(&(count as u16).to_le_bytes());
+    packet.extend_from_slice(&sequence.to_le_bytes());
+    packet.extend_from_slice(&time_us.to_le_bytes());
+    for value in &values[..count] {
+        packet.extend_from_slice(&match kind {
+            Values::F32 => value.to_le_bytes(),
+            Values::I32 => (libm::roundf(*value) as i32).to_le_bytes(),
+        });
+    }
+    packet.extend_from_slice(&SUM.checksum(&packet).to_le_bytes());
+    let mut encoded = cobs::encode_vec(&packet);
+    encoded.push(0);
+    encoded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests_support::{frames, reasons};
+    use super::*;
+    use proptest::prelude::*;
+
+    fn fed(bytes: &[u8]) -> Vec<Decoded> {
+        let mut decoded = Vec::new();
+        Gelpad::default().feed(0, bytes, &mut decoded);
+        decoded
+    }
+
+    /// docs/wire.md shows this packet.
+    #[test]
+    fn the_documented_packet_is_what_is_sent() {
+        let packet = encode(Values::F32, 7, 1_000_000, &[1.0, 0.5, 0.25, -2.0, 0.0]);
+        let hex: Vec<String> = packet.iter().map(|byte| format!("{byte:02x}")).collect();
+        let documented = include_str!("../../../docs/wire.md");
+        assert!(
+            documented.contains(&hex.join(" ")),
+            "docs/wire.md does not show {}",
+            hex.join(" ")
+        );
+    }
+
+    #[test]
+    fn packets_of_another_make_are_told() {
+        let said = |change: &dyn Fn(&mut Vec<u8>)| {
+            let mut body = encode(Values::F32, 1, 2, &[1.0; 5]);
+            body.pop();
+            let mut packet = cobs::decode_vec(&body).expect("sound");
+            packet.truncate(packet.len() - SUM_BYTES);
+            change(&mut packet);
+            packet.extend_from_slice(&SUM.checksum(&packet).to_le_bytes());
+            let mut encoded = cobs::encode_vec(&packet);
+            encoded.push(0);
+            let decoded = fed(&encoded);
+            assert!(frames(&decoded).is_empty());
+            reasons(&decoded)[0].to_owned()
+        };
+        assert!(said(&|p| p[0] = 2).starts_with("version 2"));
+        assert!(said(&|p| p[1] = 3).starts_with("values of kind 3"));
+        assert!(said(&|p| p[2] = 6).starts_with("a packet that says 6 values"));
+        assert!(said(&|p| p[14..16].copy_from_slice(&[0xc0, 0x7f])).contains("value 0 is NaN"));
+        assert!(said(&|p| p.truncate(3)).starts_with("a packet of 7 bytes"));
+    }
+
+    #[test]
+    fn what_never_ends_takes_bounded_memory() {
+        let mut board = Gelpad::default();
+        let mut decoded = Vec::new();
+        for _ in 0..100 {
+            board.feed(0, &[1; 4096], &mut decoded);
+            assert!(board.held_bytes() <= MOST_BYTES);
+        }
+        board.feed(0, &[0], &mut decoded);
+        board.feed(0, &encode(Values::I32, 1, 2, &[5.0; 5]), &mut decoded);
+        assert_eq!(reasons(&decoded).len(), 1);
+        assert_eq!(frames(&decoded), [vec![5.0; 5]]);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_encoded_is_decoded_bit_for_bit(
+            values in proptest::collection::vec(proptest::num::f32::NORMAL | proptest::num::f32::ZERO, 5..300),
+            sequence: u32,
+            time_us: u32,
+            cut in 1usize..40,
+        ) {
+            let packet = encode(Values::F32, sequence, time_us, &values);
+            let mut decoded = Vec::new();
+            let mut board = Gelpad::default();
+            for piece in packet.chunks(cut) {
+                board.feed(0, piece, &mut decoded);
+            }
+            prop_assert_eq!(decoded.len(), 1);
+            let Decoded::Frame(frame) = &decoded[0] else { panic!("{decoded:?}") };
+            let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
+            prop_assert_eq!(bits(&frame.values), bits(&values));
+            prop_assert_eq!(frame.sequence, Some(sequence));
+            prop_assert_eq!(frame.stamp, Some(Stamp { ticks: time_us, tick_ns: 1000 }));
+        }
+
+        #[test]
+        fn a_damaged_packet_is_no_frame_and_the_next_is_one(
+            flips in proptest::collection::vec((0usize..850, 0u8..8), 1..6),
+            lost in proptest::collection::vec(0usize..850, 0..4),
+        ) {
+            let sound = encode(Values::F32, 9, 9, &[0.125; 208]);
+            let mut damaged = sound.clone();
+            for (byte, bit) in &flips {
+                damaged[*byte] ^= 1 << bit;
+            }
+            for byte in lost {
+                damaged.remove(byte.min(damaged.len() - 2));
+            }
+            prop_assume!(damaged != sound);
+            let mut stream = damaged;
+            stream.extend_from_slice(&sound);
+            // The closing zero may be lost with the damage: then the next packet goes with it, and the one behind is whole.
+            stream.extend_from_slice(&sound);
+            let found = frames(&fed(&stream));
+            prop_assert!((1..=2).contains(&found.len()), "{} frames", found.len());
+            prop_assert!(found.iter().all(|values| *values == vec![0.125; 208]));
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Lines of text from bytes: what all text formats share.
+
+use super::MOST_VALUES;
+
+/// A line longer than this is noise at the wrong baud rate, not text: the largest frame's values take 14 bytes each.
+const LONGEST_LINE: usize = 64 * 1024;
+
+/// Why a line is no text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoText {
+    Overlong,
+    NotUtf8,
+}
+
+impl NoText {
+    pub(super) fn reason(self) -> &'static str {
+        match self {
+            Self::Overlong => "a line that does not end: is the baud rate right?",
+            Self::NotUtf8 => "a line that is no text: is the baud rate right?",
+        }
+    }
+}
+
+/// The line that has not ended yet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LineBuffer {
+    line: Vec<u8>,
+    overlong: bool,
+}
+
+impl LineBuffer {
+    /// Takes bytes and hands every line that ends in them over: its text without the end of line, and its bytes.
+    pub(super) fn feed(&mut self, bytes: &[u8], mut take: impl FnMut(Result<&str, NoText>, &[u8])) {
+        for piece in bytes.split_inclusive(|byte| *byte == b'\n') {
+            let (body, ends) = match piece.split_last() {
+                Some((b'\n', body)) => (body, true),
+                _ => (piece, false),
+            };
+            let room = LONGEST_LINE - self.line.len();
+            self.overlong |= body.len() > room;
+            self.line.extend_from_slice(&body[..body.len().min(room)]);
+            if ends {
+                let text = match std::str::from_utf8(&self.line) {
+                    _ if self.overlong => Err(NoText::Overlong),
+                    Ok(text) => Ok(text.trim_end_matches('\r')),
+                    Err(_) => Err(NoText::NotUtf8),
+                };
+                take(text, &self.line);
+                self.clear();
+            }
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.line.clear();
+        self.overlong = false;
+    }
+
+    pub(super) fn held_bytes(&self) -> usize {
+        self.line.len()
+    }
+}
+
+/// A finite number, or what the word is instead.
+pub(super) fn number(word: &str) -> Result<f32, String> {
+    let word = word.trim();
+    // `inf`, `nan` and the like are numbers to the parser, but no board measures them.
+    word.parse::<f32>()
+        .ok()
+        .filter(|value| value.is_finite() && !word.contains(['n', 'N', 'f', 'F']))
+        .ok_or_else(|| {
+            let short: String = word.chars().take(20).collect();
+            format!("{short:?} is no value")
+        })
+}
+
+/// Numbers of words; too many are no frame.
+pub(super) fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
+    let values: Vec<f32> = words
+        .take(MOST_VALUES + 1)
+        .map(number)
+        .collect::<Result<_, _>>()?;
+    if values.len() > MOST_VALUES {
+        return Err(format!("more than {MOST_VALUES} values"));
+    }
+    Ok(values)
+}
+
+/// Digits behind the point. Firmware prints all values with the same number: where they differ, digits were lost.
+pub(super) fn decimals(word: &str) -> usize {
+    word.trim()
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len())
+}
+
+/// Complains where words have different numbers of decimals.
+pub(super) fn same_decimals<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+    let Some(first) = words.next().map(decimals) else {
+        return Ok(());
+    };
+    match words.map(decimals).find(|count| *count != first) {
+        Some(other) => Err(format!(
+            "values with {first} and with {other} decimals: digits were lost"
+        )),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_in_any_pieces() {
+        let bytes = b"one\r\ntwo\n\xff\n\nlast";
+        for size in 1..bytes.len() {
+            let mut buffer = LineBuffer::default();
+            let mut lines = Vec::new();
+            for piece in bytes.chunks(size) {
+                buffer.feed(piece, |line, _| lines.push(line.map(str::to_owned)));
+            }
+            let whole = |text: &str| Ok(text.to_owned());
+            assert_eq!(
+                lines,
+                [whole("one"), whole("two"), Err(NoText::NotUtf8), whole("")]
+            );
+            assert_eq!(buffer.held_bytes(), 4);
+        }
+    }
+
+    #[test]
+    fn an_endless_line_takes_bounded_memory() {
+        let mut buffer = LineBuffer::default();
+        for _ in 0..100 {
+            buffer.feed(&[b'7'; 4096], |_, _| panic!("no line ends"));
+        }
+        assert!(buffer.held_bytes() <= LONGEST_LINE);
+        let mut lines = Vec::new();
+        buffer.feed(b"\n8\n", |line, _| lines.push(line.map(str::to_owned)));
+        assert_eq!(lines, [Err(NoText::Overlong), Ok("8".to_owned())]);
+    }
+
+    #[test]
+    fn what_no_board_measures_is_no_value() {
+        for word in ["inf", "NaN", "infinity", "1.2.3", "", "0x10", "1e99"] {
+            assert!(number(word).is_err(), "{word}");
+        }
+        assert_eq!(number(" -1.5e-3 "), Ok(-1.5e-3));
+    }
+}

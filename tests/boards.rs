@@ -1,0 +1,434 @@
+//! The simulated board against the decoders: every format over a pseudo-terminal, and everything that goes wrong.
+
+use std::collections::BTreeSet;
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use gelpad::eit::order::Layout;
+use gelpad::pad::{Pad, shipped_pad};
+use gelpad::source::board::{Board, BoardSettings, Cable, Faults, Plan, Signal, serve};
+use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
+use gelpad::source::wire::{Decoded, Format, FormatKind, MOST_HELD_BYTES, Wiring};
+use gelpad::source::{Reading, Script, Source, plausible_counts};
+use rustix::process::{Pid, Signal as Interrupt, kill_process};
+
+const SCRIPT: &str = "t:100 down 1 80 50\nt:180 up 1\nt:200 end";
+
+fn pad(name: &str) -> Pad {
+    Pad::from_toml(name, shipped_pad(name).expect("shipped").toml).expect("sound")
+}
+
+fn signal(pad: &Pad) -> Signal {
+    let script = Script::parse("s", SCRIPT).expect("sound");
+    Signal::new(pad, &script, (60.0, 9), 0.0, None).expect("solvable")
+}
+
+/// Frames of a signal at the times that a board without a rate gives them.
+fn truth(pad: &Pad, frames: usize) -> Vec<Vec<f32>> {
+    let mut signal = signal(pad);
+    (0..frames)
+        .map(|n| signal.read(n as u64 * 10_000_000))
+        .collect()
+}
+
+/// Serves a board on a pseudo-terminal until as many frames were read from it, and gives them.
+fn over_pty(pad: &Pad, settings: &BoardSettings, format: Format, frames: usize) -> Vec<Vec<f32>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let link = folder.path().join("port");
+    let board = Board::new(pad, settings).expect("wired");
+    let mut signal = signal(pad);
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopping = Arc::clone(&stop);
+    let plan = Plan {
+        link: Some(link.clone()),
+        frames_per_s: None,
+        frames: None,
+        faults: Faults::default(),
+        between: None,
+        seed: 1,
+    };
+    let server = std::thread::Builder::new()
+        .spawn(move || serve(board, &mut signal, plan, &stopping, &mut |_| {}).expect("served"))
+        .expect("a thread");
+    while !link.exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let path = link.display().to_string();
+    let mut source = SerialSource::open(&path, DEFAULT_BAUD, pad, format).expect("opened");
+    let mut got = Vec::new();
+    let mut idle = 0;
+    while got.len() < frames {
+        match source.read().expect("fits the pad") {
+            Reading::Frame(frame) => got.push(frame.volts),
+            Reading::Idle => idle += 1,
+            other => panic!(
+                "{other:?} from a board without faults, after {} frames",
+                got.len()
+            ),
+        }
+        assert!(
+            idle < 400,
+            "{} of {frames} frames and then silence",
+            got.len()
+        );
+    }
+    stop.store(true, Ordering::Relaxed);
+    drop(source);
+    server.join().expect("ended");
+    got
+}
+
+/// What a format with so many decimals keeps of a value that its board scales.
+fn rounded(values: &[Vec<f32>], decimals: usize) -> Vec<Vec<f32>> {
+    let keep = |value: &f32| {
+        format!("{:.decimals$}", 100.0_f32 * value)
+            .parse()
+            .expect("a number")
+    };
+    values
+        .iter()
+        .map(|frame| frame.iter().map(keep).collect())
+        .collect()
+}
+
+#[test]
+fn each_format_over_a_pty_gives_what_was_measured() {
+    const FRAMES: usize = 25;
+    let lattice = pad("edinburgh-lattice");
+    let sent = truth(&lattice, FRAMES);
+    let play =
+        |kind: FormatKind| over_pty(&lattice, &BoardSettings::new(kind), kind.into(), FRAMES);
+    assert!(play(FormatKind::Gelpad) == sent, "bit for bit");
+    assert!(play(FormatKind::Lines) == sent, "bit for bit");
+    assert!(
+        play(FormatKind::Square) == rounded(&sent, 4),
+        "to four decimals"
+    );
+    assert!(
+        play(FormatKind::Request) == rounded(&sent, 5),
+        "to five decimals"
+    );
+    // Differences of potentials that are sums of differences: exact to the rounding of f32.
+    for (got, sent) in play(FormatKind::Sciospec).iter().zip(&sent) {
+        let largest = sent.iter().fold(0.0_f32, |most, volt| most.max(volt.abs()));
+        for (got, sent) in got.iter().zip(sent) {
+            assert!(
+                (1e3 * got - sent).abs() <= 3e-6 * largest,
+                "{got} of {sent}"
+            );
+        }
+    }
+    let spectra = pad("openeit-lattice");
+    let magnitudes: Vec<Vec<f32>> = truth(&spectra, FRAMES)
+        .iter()
+        .map(|frame| frame.iter().map(|volt| volt.abs()).collect())
+        .collect();
+    let settings = BoardSettings::new(FormatKind::OpenEit);
+    let got = over_pty(&spectra, &settings, FormatKind::OpenEit.into(), FRAMES);
+    assert!(got == rounded(&magnitudes, 4), "to four decimals");
+}
+
+#[test]
+fn a_board_that_lists_its_readings_otherwise_is_found_out_by_itself() {
+    let lattice = pad("edinburgh-lattice");
+    let sent = truth(&lattice, 5);
+    for (layout, rotated, flipped) in [
+        (Layout::Adjacent, true, false),
+        (Layout::Square, true, true),
+        (Layout::AdjacentHalf, false, true),
+    ] {
+        let settings = BoardSettings {
+            layout: Some(layout),
+            rotated,
+            flipped,
+            ..BoardSettings::new(FormatKind::Gelpad)
+        };
+        let got = over_pty(&lattice, &settings, Format::default(), 5);
+        for (got, sent) in got.iter().zip(&sent) {
+            for (index, channel) in lattice.protocol.channels.iter().enumerate() {
+                let is_there =
+                    layout != Layout::AdjacentHalf || channel.measure.0 > channel.drive.0;
+                assert!(
+                    got[index] == sent[index] || !is_there,
+                    "{layout:?}, channel {index}"
+                );
+            }
+        }
+    }
+}
+
+/// What a dialect makes of a stream that comes in pieces of another length each time.
+fn decoded(kind: FormatKind, wiring: &Wiring, stream: &[u8]) -> Vec<Vec<f32>> {
+    let mut dialect = kind.dialect(wiring, false);
+    let mut found = Vec::new();
+    let mut rest = stream;
+    let mut size = 1;
+    while !rest.is_empty() {
+        let (piece, behind) = rest.split_at(size.min(rest.len()));
+        dialect.feed(0, piece, &mut found);
+        assert!(dialect.held_bytes() <= MOST_HELD_BYTES);
+        rest = behind;
+        size = size * 7 % 4093 + 1;
+    }
+    let frame = |one: Decoded| match one {
+        Decoded::Frame(frame) => Some(frame.values),
+        _ => None,
+    };
+    found.into_iter().filter_map(frame).collect()
+}
+
+/// A stream with a spell of faults between sound frames: the frames as measured, the bytes, and where the last sound ones begin.
+struct Spell {
+    wiring: Wiring,
+    sent: Vec<Vec<f32>>,
+    bytes: Vec<u8>,
+    sound_from: usize,
+}
+
+const SOUND_FRAMES: usize = 6;
+
+fn spell(kind: FormatKind, faults: Faults, frames: usize) -> Spell {
+    let name = if kind == FormatKind::OpenEit {
+        "openeit-lattice"
+    } else {
+        "edinburgh-lattice"
+    };
+    let pad = pad(name);
+    let mut board = Board::new(&pad, &BoardSettings::new(kind)).expect("wired");
+    let mut signal = signal(&pad);
+    let mut cable = Cable::new(faults, 5);
+    let mut bytes = board.reset();
+    let mut sent = Vec::new();
+    for n in 0..frames {
+        let volts = signal.read(n as u64 * 10_000_000);
+        bytes.extend(cable.carry(board.frame(n as u64 * 10_000, &volts)));
+        sent.push(volts);
+    }
+    let sound_from = bytes.len();
+    for n in frames..frames + SOUND_FRAMES {
+        let volts = signal.read(n as u64 * 10_000_000);
+        bytes.extend(board.frame(n as u64 * 10_000, &volts));
+        sent.push(volts);
+    }
+    Spell {
+        wiring: Wiring::of_pad(&pad),
+        sent,
+        bytes,
+        sound_from,
+    }
+}
+
+fn bits(frame: &[f32]) -> Vec<u32> {
+    frame.iter().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
+    let damage = [
+        Faults {
+            lost_bytes: 0.01,
+            ..Faults::default()
+        },
+        Faults {
+            turned_bits: 0.001,
+            ..Faults::default()
+        },
+        Faults {
+            half_frames: 0.5,
+            ..Faults::default()
+        },
+        // Light enough that many frames come through.
+        Faults {
+            lost_bytes: 5e-4,
+            turned_bits: 5e-5,
+            half_frames: 0.1,
+            ..Faults::default()
+        },
+    ];
+    for faults in damage {
+        let Spell {
+            wiring,
+            sent,
+            bytes,
+            sound_from,
+        } = spell(FormatKind::Gelpad, faults, 3000);
+        let known: BTreeSet<Vec<u32>> = sent.iter().map(|frame| bits(frame)).collect();
+        let got = decoded(FormatKind::Gelpad, &wiring, &bytes);
+        assert!(
+            got.iter().all(|frame| known.contains(&bits(frame))),
+            "{faults:?}"
+        );
+        let last = &sent[sent.len() - SOUND_FRAMES..];
+        let tail = &got[got.len() - (SOUND_FRAMES - 1)..];
+        assert_eq!(tail, &last[1..], "all but the first frame after the damage");
+        assert!(decoded(FormatKind::Gelpad, &wiring, &bytes[sound_from..]).len() == SOUND_FRAMES);
+    }
+}
+
+#[test]
+fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well() {
+    let damage = [
+        Faults {
+            lost_bytes: 0.01,
+            ..Faults::default()
+        },
+        Faults {
+            turned_bits: 0.001,
+            ..Faults::default()
+        },
+        Faults {
+            half_frames: 0.5,
+            ..Faults::default()
+        },
+    ];
+    for kind in [
+        FormatKind::OpenEit,
+        FormatKind::Square,
+        FormatKind::Request,
+        FormatKind::Sciospec,
+    ] {
+        // The instrument's cycle is learned from a whole one when the damage lasted.
+        let lost_first = if kind == FormatKind::Sciospec { 2 } else { 1 };
+        for faults in damage {
+            let Spell {
+                wiring,
+                bytes,
+                sound_from,
+                ..
+            } = spell(kind, faults, 300);
+            let whole = decoded(kind, &wiring, &bytes);
+            let sound = decoded(kind, &wiring, &bytes[sound_from..]);
+            assert_eq!(sound.len(), SOUND_FRAMES, "{kind:?}");
+            let tail = SOUND_FRAMES - lost_first;
+            assert!(
+                whole[whole.len() - tail..] == sound[lost_first..],
+                "{kind:?} {faults:?}: other frames"
+            );
+            // A reply's count is judged by whoever knows the pad; half of an instrument's drives are a cycle like another.
+            let judged = match kind {
+                FormatKind::Square => Some(256),
+                FormatKind::Sciospec if faults.half_frames == 0.0 => Some(208),
+                _ => None,
+            };
+            if let Some(count) = judged {
+                // Six halves and a whole line hold 32 x 32 values, which no pad of 16 electrodes takes for its own.
+                let plausible = plausible_counts(&pad("edinburgh-lattice"));
+                let mut taken = whole
+                    .iter()
+                    .filter(|frame| plausible.contains(&frame.len()));
+                assert!(
+                    taken.all(|frame| frame.len() == count),
+                    "{kind:?} {faults:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn another_format_in_mid_stream_is_no_frame_and_the_former_goes_on() {
+    for kind in [
+        FormatKind::Gelpad,
+        FormatKind::OpenEit,
+        FormatKind::Square,
+        FormatKind::Sciospec,
+    ] {
+        for other in FormatKind::ALL {
+            if other == kind {
+                continue;
+            }
+            let ours = spell(kind, Faults::default(), 4);
+            let alien = spell(other, Faults::default(), 20);
+            let stream = [&ours.bytes[..], &alien.bytes, &ours.bytes].concat();
+            let alone = decoded(kind, &ours.wiring, &ours.bytes);
+            let got = decoded(kind, &ours.wiring, &stream);
+            let (least, most) = (2 * alone.len() - 2, 2 * alone.len());
+            assert!(
+                (least..=most).contains(&got.len()),
+                "{kind:?} with {other:?}: {}",
+                got.len()
+            );
+            assert_eq!(got[..alone.len()], alone, "{kind:?} before {other:?}");
+            let tail = alone.len() - 2;
+            assert_eq!(
+                got[got.len() - tail..],
+                alone[2..],
+                "{kind:?} behind {other:?}"
+            );
+        }
+    }
+}
+
+/// The programs themselves: bytes lost, bits turned, half frames, pauses, and a port that hangs up and comes back.
+#[test]
+fn play_goes_on_through_everything_and_holds_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (port, script) = (
+        folder.path().join("port"),
+        folder.path().join("touches.txt"),
+    );
+    std::fs::write(&script, "t:300 down 1 80 50\nt:700 up 1\nt:900 end").expect("written");
+    let mut device = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args([
+            "device", "--format", "gelpad", "--rate", "100", "--frames", "900",
+        ])
+        .args([
+            "--lose-bytes",
+            "0.01",
+            "--flip-bits",
+            "0.001",
+            "--half-frames",
+            "5",
+        ])
+        .args(["--pause", "1.5,800", "--hang-up", "3,600", "--script"])
+        .arg(&script)
+        .arg("--port")
+        .arg(&port)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    while !port.exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let gelpad = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args(["play", "--headless", "--output", "trace", "--source"])
+        .arg(format!("serial:{}", port.display()))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    let sent = device.wait().expect("ended");
+    std::thread::sleep(Duration::from_millis(300));
+    kill_process(Pid::from_child(&gelpad), Interrupt::TERM).expect("running");
+    let output = gelpad.wait_with_output().expect("ended");
+    let [trace, told] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(sent.success());
+    let mut held = BTreeSet::new();
+    let mut presses = 0;
+    for line in trace.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[1] {
+            "press" => {
+                presses += 1;
+                assert!(held.insert(words[2]), "{line}: it is down\n{trace}");
+            }
+            "release" => assert!(held.remove(words[2]), "{line}: it is up\n{trace}"),
+            _ => {}
+        }
+    }
+    assert!(held.is_empty(), "{held:?} is held\n{trace}");
+    assert!(presses >= 5, "{presses} presses\n{trace}\n{told}");
+    for expected in [
+        "the board speaks gelpad's own packets",
+        "skipped what is no frame",
+        "has been silent for 500 ms: all keys are up",
+        "the board is gone",
+        "the board is back",
+        "frames lost",
+    ] {
+        assert!(told.contains(expected), "{expected:?} is not in:\n{told}");
+    }
+    assert_eq!(output.status.code(), Some(143), "{told}");
+}

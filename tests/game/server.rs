@@ -1,0 +1,34 @@
+//! An X server without a screen.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+
+use crate::process::Process;
+
+/// For each step of the start: a busy machine may need long, and a step that hangs shall still be told apart.
+pub const PATIENCE: Duration = Duration::from_mins(1);
+/// The X server ends by itself with its last client, and then leaves no socket
+/// and no lock file behind.
+const SERVER_GRACE: Duration = Duration::from_secs(2);
+
+/// Starts an X server on a display that it chooses itself, and so on none that
+/// anybody else uses.
+pub fn start_server(xvfb: &Path, folder: &Path) -> Result<(Process, OsString)> {
+    let answer = folder.join("display");
+    let mut command = Command::new(xvfb);
+    command
+        .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
+        .args(["-screen", "0", "1300x820x24"]);
+    let mut server =
+        Process::start_answering("Xvfb", &mut command, folder, &answer)?.with_grace(SERVER_GRACE);
+    let number = server.wait_for("display number", PATIENCE, || {
+        let text = fs::read_to_string(&answer).context("cannot read the X server's answer")?;
+        Ok(text.strip_suffix('\n').map(str::to_owned))
+    })?;
+    Ok((server, format!(":{number}").into()))
+}

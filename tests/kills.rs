@@ -1,0 +1,309 @@
+//! No key stays down, however gelpad ends: killed, stopped, hanging, panicking, at the source's end, at a profile's switch.
+//!
+//! The real binary plays into an X server of the test's own (Xvfb), and another client looks at the keys. So many kills as
+//! `GELPAD_KILLS` says, a sample else; `scripts/kill-a-thousand.sh` does the full count. The kernel's own devices are killed in a
+//! virtual machine. Where Xvfb or the machine is missing the trials are ignored, and their kind says why; with
+//! `GELPAD_TEST_ALL=1` they fail.
+
+#![allow(
+    clippy::disallowed_methods,
+    reason = "how long a key stays down is measured by the clock"
+)]
+
+#[path = "kills/display.rs"]
+mod display;
+#[path = "kills/gelpad.rs"]
+mod gelpad;
+#[path = "kills/guest.rs"]
+mod guest;
+#[path = "kills/inside.rs"]
+mod inside;
+#[path = "game/process.rs"]
+#[allow(dead_code, reason = "the game test starts more")]
+mod process;
+#[path = "game/server.rs"]
+mod server;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+use libtest_mimic::{Arguments, Failed, Trial};
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::display::Display;
+use crate::gelpad::{Gelpad, Random, one_hold, presses, watchers};
+use crate::process::Process;
+use crate::server::{PATIENCE, start_server};
+
+/// Kills without `GELPAD_KILLS`.
+const SAMPLE: usize = 12;
+/// After a kill no key is down any more by then.
+const RELEASED: Duration = Duration::from_secs(2);
+/// A parent that is silent for this long is stopped (`src/output/watch`).
+const STOPPED: Duration = Duration::from_secs(2);
+
+/// A display and a folder.
+pub struct Stage {
+    display: Display,
+    _server: Process,
+    folder: tempfile::TempDir,
+}
+
+fn main() -> ExitCode {
+    if std::env::args().nth(1).as_deref() == Some("--inside-the-guest") {
+        return match guest::inside() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("{error:#}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    let mut arguments = Arguments::from_args();
+    // They measure time.
+    arguments.test_threads = Some(1);
+    let mut trials = vec![
+        trial("killed", killed),
+        trial("aborted", aborted),
+        trial("stopped", stopped),
+        trial("a_watcher_that_is_killed", without_watcher),
+        trial("signals_of_a_terminal_do_not_end_the_watcher", deaf),
+        trial("end_of_the_source", end_of_the_source),
+        trial("profile_switch", profile_switch),
+        trial("panic_of_the_source", inside::panic_of_the_source),
+        trial("panic_of_the_output", inside::panic_of_the_output),
+        trial("an_output_that_hangs", inside::an_output_that_hangs),
+    ];
+    trials.push(needing(guest::missing(), "killed_in_the_guest", || {
+        guest::killed()
+    }));
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trial(name: &str, run: fn(&Stage) -> Result<()>) -> Trial {
+    let xvfb = xvfb();
+    let missing = xvfb.is_none().then(|| "not installed: Xvfb".to_owned());
+    needing(missing, name, move || {
+        on_stage(&xvfb.context("no Xvfb")?, run)
+    })
+}
+
+/// A trial, or an ignored one where something for it is missing.
+fn needing(
+    missing: Option<String>,
+    name: &str,
+    run: impl FnOnce() -> Result<()> + Send + 'static,
+) -> Trial {
+    let all = std::env::var_os("GELPAD_TEST_ALL").is_some_and(|value| value == "1");
+    match missing {
+        None => Trial::test(name, || {
+            run().map_err(|error| Failed::from(format!("{error:#}")))
+        }),
+        Some(reason) => {
+            let told = reason.clone();
+            Trial::test(name, move || Err(Failed::from(told)))
+                .with_kind(reason)
+                .with_ignored_flag(!all)
+        }
+    }
+}
+
+fn xvfb() -> Option<PathBuf> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut files = std::env::split_paths(&path).map(|folder| folder.join("Xvfb"));
+    files.find(|file| file.is_file())
+}
+
+fn on_stage(xvfb: &Path, run: fn(&Stage) -> Result<()>) -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let (server, name) = start_server(xvfb, folder.path())?;
+    let stage = Stage {
+        display: Display::open(&name.to_string_lossy())?,
+        _server: server,
+        folder,
+    };
+    let keymap = stage.display.keymap()?;
+    run(&stage).with_context(|| stage.said())?;
+    ensure!(
+        stage.display.keymap()? == keymap,
+        "the keymap is another than before"
+    );
+    stage.no_watcher_is_left()
+}
+
+impl Stage {
+    fn play(&self, script: &str) -> Result<Gelpad> {
+        Gelpad::play(
+            self.folder.path(),
+            &self.display.name,
+            script,
+            "super-mario",
+        )
+    }
+
+    fn said(&self) -> String {
+        let said = std::fs::read(self.folder.path().join("gelpad.said")).unwrap_or_default();
+        format!("gelpad said: {}", String::from_utf8_lossy(&said))
+    }
+
+    fn no_watcher_is_left(&self) -> Result<()> {
+        let start = Instant::now();
+        loop {
+            let left = watchers(&self.display.name);
+            if left.is_empty() {
+                return Ok(());
+            }
+            ensure!(start.elapsed() < RELEASED, "watchers are left: {left:?}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+fn killed(stage: &Stage) -> Result<()> {
+    let kills = std::env::var("GELPAD_KILLS").ok();
+    let kills = kills.and_then(|text| text.parse().ok()).unwrap_or(SAMPLE);
+    let mut times = Vec::new();
+    for round in 0..kills {
+        times.push(
+            kill_once(stage, round as u64, Signal::KILL)
+                .with_context(|| format!("kill {round}"))?,
+        );
+    }
+    eprintln!("\n{}", told(&mut times));
+    Ok(())
+}
+
+/// How long keys stayed down, for people.
+fn told(times: &mut [Duration]) -> String {
+    times.sort();
+    let at = |part: f64| {
+        let index = (times.len().saturating_sub(1) as f64 * part).round() as usize;
+        times
+            .get(index)
+            .map_or(0.0, |time| time.as_secs_f64() * 1e3)
+    };
+    format!(
+        "{} kills with keys held; all up after {:.1} ms (p50), {:.1} ms (p99), {:.1} ms at the latest",
+        times.len(),
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    )
+}
+
+fn aborted(stage: &Stage) -> Result<()> {
+    kill_once(stage, 99, Signal::ABORT).map(drop)
+}
+
+/// Kills a gelpad at a random moment at which a key is down; how long until none is.
+fn kill_once(stage: &Stage, seed: u64, signal: Signal) -> Result<Duration> {
+    let mut random = Random(seed);
+    let mut gelpad = stage.play(&presses(&mut random))?;
+    stage.display.wait(true, PATIENCE)?;
+    std::thread::sleep(Duration::from_micros(random.below(400_000).into()));
+    stage.display.wait(true, PATIENCE)?;
+    gelpad.signal(signal)?;
+    let took = stage.display.wait(false, RELEASED)?;
+    gelpad.ended(PATIENCE)?;
+    // Nor does one come down after that.
+    std::thread::sleep(Duration::from_millis(60));
+    let down = stage.display.down()?;
+    ensure!(down.is_empty(), "down after all were up: {down:?}");
+    Ok(took)
+}
+
+fn stopped(stage: &Stage) -> Result<()> {
+    let mut gelpad = stage.play(&one_hold())?;
+    stage.display.wait(true, PATIENCE)?;
+    // A short stop is none.
+    gelpad.signal(Signal::STOP)?;
+    std::thread::sleep(STOPPED / 4);
+    ensure!(!stage.display.down()?.is_empty(), "released too soon");
+    gelpad.signal(Signal::CONT)?;
+    std::thread::sleep(STOPPED / 4);
+    gelpad.signal(Signal::STOP)?;
+    let took = stage.display.wait(false, STOPPED + RELEASED)?;
+    ensure!(took > STOPPED / 2, "released after {took:?} already");
+    gelpad.signal(Signal::CONT)?;
+    let back = stage.display.wait(true, RELEASED)?;
+    eprintln!("\nstopped: up after {took:.1?}; down again {back:.1?} after it went on");
+    gelpad.signal(Signal::TERM)?;
+    stage.display.wait(false, RELEASED)?;
+    let code = gelpad.ended(PATIENCE)?.code();
+    ensure!(code == Some(143), "exit code {code:?}");
+    Ok(())
+}
+
+fn without_watcher(stage: &Stage) -> Result<()> {
+    let gelpad = stage.play(&one_hold())?;
+    stage.display.wait(true, PATIENCE)?;
+    let first = watchers(&stage.display.name);
+    let [watcher] = first[..] else {
+        anyhow::bail!("watchers: {first:?}");
+    };
+    kill_process(Pid::from_raw(watcher).context("a process")?, Signal::KILL)?;
+    let start = Instant::now();
+    let has_another = || {
+        watchers(&stage.display.name)
+            .iter()
+            .any(|pid| *pid != watcher)
+    };
+    while !has_another() {
+        ensure!(start.elapsed() < PATIENCE, "no other watcher was started");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // It must be ready before its parent is gone.
+    std::thread::sleep(Duration::from_millis(500));
+    ensure!(!stage.display.down()?.is_empty(), "the key came up");
+    gelpad.signal(Signal::KILL)?;
+    stage.display.wait(false, RELEASED).map(drop)
+}
+
+fn deaf(stage: &Stage) -> Result<()> {
+    let gelpad = stage.play(&one_hold())?;
+    stage.display.wait(true, PATIENCE)?;
+    let first = watchers(&stage.display.name);
+    for pid in &first {
+        for signal in [Signal::INT, Signal::TERM, Signal::HUP, Signal::QUIT] {
+            kill_process(Pid::from_raw(*pid).context("a process")?, signal)?;
+        }
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    ensure!(
+        watchers(&stage.display.name) == first,
+        "the watcher has ended"
+    );
+    gelpad.signal(Signal::KILL)?;
+    stage.display.wait(false, RELEASED).map(drop)
+}
+
+fn end_of_the_source(stage: &Stage) -> Result<()> {
+    let mut gelpad = stage.play("t:200 down 1 80 50\nt:700 end\n")?;
+    stage.display.wait(true, PATIENCE)?;
+    stage.display.wait(false, RELEASED)?;
+    let code = gelpad.ended(PATIENCE)?.code();
+    ensure!(code == Some(0), "exit code {code:?}");
+    Ok(())
+}
+
+fn profile_switch(stage: &Stage) -> Result<()> {
+    let file = stage.folder.path().join("mine.toml");
+    let text = |key: &str| {
+        format!(
+            "schema = 1\nname = \"mine\"\n[[region]]\nname = \"all\"\nx = 0\ny = 0\nw = 1\nh = 1\n\
+             [[binding]]\nregion = \"all\"\noutput = \"key:{key}\"\n"
+        )
+    };
+    std::fs::write(&file, text("f"))?;
+    let name = stage.display.name.as_str();
+    let profile = file.display().to_string();
+    let mut gelpad = Gelpad::play(stage.folder.path(), name, &one_hold(), &profile)?;
+    stage.display.wait(true, PATIENCE)?;
+    std::fs::write(&file, text("g"))?;
+    // It waits a second for the finger, and then lets go of what it holds.
+    stage.display.wait(false, RELEASED + RELEASED)?;
+    gelpad.signal(Signal::TERM)?;
+    gelpad.ended(PATIENCE).map(drop)
+}

@@ -1,0 +1,63 @@
+//! What an X server says of its keys.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+use x11rb::protocol::xproto::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+/// A client that looks.
+pub struct Display {
+    connection: RustConnection,
+    pub name: String,
+}
+
+impl Display {
+    pub fn open(name: &str) -> Result<Self> {
+        let (connection, _) = x11rb::connect(Some(name)).context("the X server does not answer")?;
+        Ok(Self {
+            connection,
+            name: name.to_owned(),
+        })
+    }
+
+    /// Keycodes that are down.
+    pub fn down(&self) -> Result<Vec<u8>> {
+        let bits = self.connection.query_keymap()?.reply()?.keys;
+        let is_down = |code: &u8| bits[usize::from(code / 8)] >> (code % 8) & 1 == 1;
+        Ok((0..=u8::MAX).filter(is_down).collect())
+    }
+
+    /// Waits until keys are down or, with `false`, until none is; how long that took.
+    pub fn wait(&self, any: bool, patience: Duration) -> Result<Duration> {
+        let start = Instant::now();
+        loop {
+            let down = self.down()?;
+            if down.is_empty() != any {
+                return Ok(start.elapsed());
+            }
+            ensure!(
+                start.elapsed() < patience,
+                "after {patience:?} the keys that are down: {down:?}"
+            );
+            std::thread::sleep(Duration::from_micros(500));
+        }
+    }
+
+    /// What every keycode means, byte for byte.
+    pub fn keymap(&self) -> Result<Vec<u32>> {
+        use x11rb::connection::Connection as _;
+
+        let setup = self.connection.setup();
+        let count = setup.max_keycode - setup.min_keycode + 1;
+        let reply = self
+            .connection
+            .get_keyboard_mapping(setup.min_keycode, count)?
+            .reply()?;
+        let mut all = vec![u32::from(reply.keysyms_per_keycode)];
+        all.extend(reply.keysyms);
+        let modifiers = self.connection.get_modifier_mapping()?.reply()?;
+        all.extend(modifiers.keycodes.into_iter().map(u32::from));
+        Ok(all)
+    }
+}

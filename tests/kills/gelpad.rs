@@ -1,0 +1,133 @@
+//! A gelpad that plays into a display, to be killed.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use rustix::process::{Pid, Signal, kill_process};
+
+/// Places of the regions left, right, jump and run of super-mario, mm.
+const PLACES: [(u32, u32); 4] = [(13, 57), (37, 57), (80, 50), (75, 9)];
+
+/// A running gelpad; dropping it kills it.
+pub struct Gelpad {
+    pub child: Child,
+}
+
+impl Gelpad {
+    /// Plays a script with super-mario's keys, or those of a profile.
+    pub fn play(folder: &Path, display: &str, script: &str, profile: &str) -> Result<Self> {
+        Self::play_by("keyboard", folder, display, script, profile)
+    }
+
+    /// The same by another output.
+    pub fn play_by(
+        output: &str,
+        folder: &Path,
+        display: &str,
+        script: &str,
+        profile: &str,
+    ) -> Result<Self> {
+        let file = folder.join("touches.txt");
+        fs::write(&file, script).context("the script")?;
+        let child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+            .args(["play", profile, "--source"])
+            .arg(format!("simulated:{}", file.display()))
+            .args(["--output", output, "--headless"])
+            .env("DISPLAY", display)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("XAUTHORITY")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(fs::File::create(folder.join("gelpad.said"))?)
+            .spawn()
+            .context("gelpad does not start")?;
+        Ok(Self { child })
+    }
+
+    pub fn signal(&self, signal: Signal) -> Result<()> {
+        Ok(kill_process(Pid::from_child(&self.child), signal)?)
+    }
+
+    pub fn ended(&mut self, patience: Duration) -> Result<ExitStatus> {
+        let start = Instant::now();
+        while start.elapsed() < patience {
+            if let Some(status) = self.child.try_wait()? {
+                return Ok(status);
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        bail!("gelpad has not ended after {patience:?}")
+    }
+}
+
+impl Drop for Gelpad {
+    fn drop(&mut self) {
+        // It may be gone already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// One finger that holds `jump` from 200 ms on.
+pub fn one_hold() -> String {
+    "t:200 down 1 80 50\nt:600000 end\n".to_owned()
+}
+
+/// Two fingers that press short and long, here and there, for a minute.
+pub fn presses(random: &mut Random) -> String {
+    let mut events = Vec::new();
+    for (finger, places) in [&PLACES[..2], &PLACES[2..]].iter().enumerate() {
+        let mut t_ms = 150 + random.below(50);
+        while t_ms < 60_000 {
+            let (x, y) = places[random.below(2) as usize];
+            events.push((t_ms, format!("down {finger} {x} {y}")));
+            t_ms += 40 + random.below(300);
+            events.push((t_ms, format!("up {finger}")));
+            t_ms += 40 + random.below(100);
+        }
+    }
+    events.sort();
+    let mut script = String::new();
+    for (t_ms, event) in events {
+        // Writing to a String cannot fail.
+        let _ = writeln!(script, "t:{t_ms} {event}");
+    }
+    script
+}
+
+/// Numbers that look random and are the same in each run (an LCG of Knuth's).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn below(&mut self, end: u32) -> u32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(end)) as u32
+    }
+}
+
+/// Watchers of gelpads on a display, by their process id.
+pub fn watchers(display: &str) -> Vec<i32> {
+    let wanted = format!("DISPLAY={display}");
+    let entries = fs::read_dir("/proc").into_iter().flatten().flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    pids.filter(|pid: &i32| {
+        let folder = PathBuf::from(format!("/proc/{pid}"));
+        let words = |name: &str| {
+            let bytes = fs::read(folder.join(name)).unwrap_or_default();
+            let words = bytes.split(|byte| *byte == 0);
+            words
+                .map(|word| String::from_utf8_lossy(word).into_owned())
+                .collect::<Vec<_>>()
+        };
+        words("cmdline").get(1).is_some_and(|word| word == "watch")
+            && words("environ").contains(&wanted)
+    })
+    .collect()
+}

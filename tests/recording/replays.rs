@@ -1,0 +1,368 @@
+//! What is recorded and replayed is the same, wherever and however fast.
+
+use std::fs::{self, File};
+use std::io::{BufReader, BufWriter};
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use anyhow::{Context, Result, ensure};
+use gelpad::engine::Input;
+use gelpad::session::{Message, Reader};
+use gelpad::source::{FramesCsv, Reading, Source as _};
+use gelpad::tape::Scribe;
+
+use crate::sessions::{eventful, kit, step, straight};
+use crate::{gelpad_ends, printed, said};
+
+/// What a frame of 208 channels may take, bytes: the noise of session.csv alone holds 402.
+const MOST_BYTES_A_FRAME: u64 = 480;
+const SESSION: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/data/lattice-presses/session.csv"
+);
+
+pub fn to_the_bit() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("session.mcap");
+    eventful(&path)?;
+    let counts = counts(&path)?;
+    for (what, count) in [
+        ("lost frames", counts.lost),
+        ("profiles", counts.profiles),
+        ("re-zeros", counts.rezeros),
+        ("matrices", counts.matrices),
+        ("events", counts.events),
+        ("frames with touches", counts.touches),
+    ] {
+        ensure!(count > 0, "the session has no {what}: nothing is tried");
+    }
+    for _ in 0..4 {
+        replay_exactly(folder.path())?;
+    }
+    // The fifth time with every core busy.
+    let busy = Arc::new(AtomicBool::new(true));
+    let cores = 2 * thread::available_parallelism()?.get();
+    let threads: Vec<_> = (0..cores)
+        .map(|_| {
+            let busy = Arc::clone(&busy);
+            thread::Builder::new()
+                .name("busy".to_owned())
+                .spawn(move || while busy.load(Ordering::Relaxed) {})
+                .expect("a thread")
+        })
+        .collect();
+    let outcome = replay_exactly(folder.path());
+    busy.store(false, Ordering::Relaxed);
+    threads
+        .into_iter()
+        .for_each(|thread| thread.join().expect("nothing but a loop"));
+    outcome
+}
+
+/// Every event and every bit of every touch, against what was recorded.
+fn replay_exactly(folder: &Path) -> Result<()> {
+    let output = gelpad_ends(
+        folder,
+        &["replay", "session.mcap", "--expect", "session.mcap"],
+        0,
+    )?;
+    ensure!(
+        said(&output).contains("to the bit"),
+        "it did not compare\n{}",
+        said(&output)
+    );
+    Ok(())
+}
+
+#[derive(Default)]
+struct Counts {
+    lost: u64,
+    profiles: u64,
+    rezeros: u64,
+    matrices: u64,
+    events: u64,
+    touches: u64,
+}
+
+fn counts(path: &Path) -> Result<Counts> {
+    let (mut reader, _) = Reader::open(BufReader::new(File::open(path)?))?;
+    let mut counts = Counts::default();
+    while let Some(message) = reader.next()? {
+        match message {
+            Message::Lost(lost) => counts.lost += lost.frames,
+            Message::Profile(_) => counts.profiles += 1,
+            Message::Rezero(_) => counts.rezeros += 1,
+            Message::Matrix(_) => counts.matrices += 1,
+            Message::Event(_) => counts.events += 1,
+            Message::Touches(_) => counts.touches += 1,
+            _ => {}
+        }
+    }
+    ensure!(reader.is_whole(), "the file was closed");
+    Ok(counts)
+}
+
+pub fn anew() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    straight(&folder.path().join("s.mcap"), 400, true)?;
+    let events = |more: &[&str]| -> Result<String> {
+        let arguments = [&["replay", "s.mcap", "--print", "events"], more].concat();
+        Ok(printed(&gelpad_ends(folder.path(), &arguments, 0)?))
+    };
+    let (own, other) = (
+        events(&[])?,
+        events(&["--profile", "super-mario-nestopia"])?,
+    );
+    ensure!(
+        own.contains("press key:f") && !own.contains("key:z"),
+        "{own}"
+    );
+    ensure!(
+        other.contains("press key:z") && !other.contains("key:f"),
+        "{other}"
+    );
+    let times = |text: &str| -> Vec<String> {
+        text.lines()
+            .map(|l| l.split(' ').next().unwrap().to_owned())
+            .collect()
+    };
+    ensure!(
+        times(&own) == times(&other),
+        "the same touches: {own}\n{other}"
+    );
+    // Another method makes other images and the same presses.
+    let presses = |text: &str| text.matches("press").count();
+    ensure!(
+        presses(&events(&["--method", "tikhonov"])?) == presses(&own),
+        "by another method"
+    );
+    Ok(())
+}
+
+pub fn expectations() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path();
+    straight(&path.join("s.mcap"), 400, true)?;
+    gelpad_ends(path, &["replay", "s.mcap", "--update", "s.events"], 0)?;
+    gelpad_ends(
+        path,
+        &[
+            "replay", "s.mcap", "--expect", "s.events", "--junit", "ok.xml",
+        ],
+        0,
+    )?;
+    ensure!(
+        fs::read_to_string(path.join("ok.xml"))?.contains("failures=\"0\""),
+        "a good verdict"
+    );
+    let events = fs::read_to_string(path.join("s.events"))?;
+    let mut lines: Vec<String> = events.lines().map(str::to_owned).collect();
+    ensure!(lines.len() >= 6, "a session of {} events", lines.len());
+    let (t_ms, what) = lines[3].split_once(' ').context("an event")?;
+    let later = format!("{:.3} {what}", t_ms.parse::<f64>()? + 7.0);
+    let was = std::mem::replace(&mut lines[3], later.clone());
+    fs::write(path.join("other.events"), lines.join("\n"))?;
+    let output = gelpad_ends(
+        path,
+        &[
+            "replay",
+            "s.mcap",
+            "--expect",
+            "other.events",
+            "--junit",
+            "bad.xml",
+        ],
+        1,
+    )?;
+    let told = said(&output);
+    for part in [
+        "line 4",
+        &format!("  - {later}"),
+        &format!("  + {was}"),
+        &format!("    {}", lines[2]),
+    ] {
+        ensure!(told.contains(part), "`{part}` is not in\n{told}");
+    }
+    ensure!(
+        fs::read_to_string(path.join("bad.xml"))?.contains("<failure message="),
+        "a bad verdict"
+    );
+    gelpad_ends(
+        path,
+        &[
+            "replay",
+            "s.mcap",
+            "--expect",
+            "other.events",
+            "--tolerance-ms",
+            "8",
+        ],
+        0,
+    )?;
+    Ok(())
+}
+
+pub fn stretch() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    straight(&folder.path().join("s.mcap"), 400, true)?;
+    let all = printed(&gelpad_ends(folder.path(), &["replay", "s.mcap"], 0)?);
+    let some = printed(&gelpad_ends(
+        folder.path(),
+        &["replay", "s.mcap", "--from", "1.5", "--to", "2.5"],
+        0,
+    )?);
+    let inside = |line: &&str| {
+        let t_ms: f64 = line.split(' ').next().unwrap().parse().unwrap();
+        (1500.0..=2500.0).contains(&t_ms)
+    };
+    let expected: Vec<&str> = all.lines().filter(inside).collect();
+    ensure!(
+        !expected.is_empty() && some.lines().eq(expected),
+        "{some} of {all}"
+    );
+    Ok(())
+}
+
+pub fn too_few() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path();
+    straight(&path.join("s.mcap"), 9, true)?;
+    let csv: String = fs::read_to_string(SESSION)?
+        .split_inclusive('\n')
+        .take(10)
+        .collect();
+    fs::write(path.join("s.csv"), csv)?;
+    for file in ["s.mcap", "s.csv"] {
+        let told = said(&gelpad_ends(path, &["replay", file], 1)?);
+        ensure!(
+            told.contains("only 9 frames: the first 10 are the reference"),
+            "{told}"
+        );
+    }
+    Ok(())
+}
+
+pub fn as_source() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path();
+    straight(&path.join("s.mcap"), 200, true)?;
+    let play = [
+        "play",
+        "--source",
+        "replay:s.mcap",
+        "--output",
+        "trace",
+        "--headless",
+    ];
+    let played = printed(&gelpad_ends(path, &play, 0)?);
+    let replayed = printed(&gelpad_ends(path, &["replay", "s.mcap"], 0)?);
+    let presses = |text: &str| -> Vec<String> {
+        text.lines()
+            .filter(|line| line.contains("press key:f"))
+            .map(str::to_owned)
+            .collect()
+    };
+    ensure!(
+        presses(&played).len() > 1 && presses(&played) == presses(&replayed),
+        "{played} of {replayed}"
+    );
+    let onto_itself = [&play[..], &["--record", "s.mcap"]].concat();
+    let told = said(&gelpad_ends(path, &onto_itself, 1)?);
+    ensure!(
+        told.contains("this is the recording that is played"),
+        "{told}"
+    );
+    Ok(())
+}
+
+pub fn size() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("s.mcap");
+    let kit = kit();
+    let setup = kit.to_setup();
+    let attached = (setup.sensing.len() + setup.responses.as_ref().map_or(0, Vec::len)) as u64;
+    let mut scribe = Scribe::packed(BufWriter::new(File::create(&path)?), &setup)?;
+    let mut engine = kit.engine();
+    let mut source = FramesCsv::open(Path::new(SESSION), kit.pad.channels())?;
+    let mut frames = Vec::new();
+    let mut matrices = 0;
+    while let Reading::Frame(frame) = source.read()? {
+        frames.push(frame.clone());
+        step(&mut engine, &Input::Frame(frame), &mut scribe)?;
+        if let Some(deviations) = engine.wanted() {
+            let sensing = Arc::new(crate::sessions::builder().build(deviations)?);
+            matrices += sensing.to_bytes().len() as u64;
+            step(&mut engine, &Input::Matrix(sensing), &mut scribe)?;
+        }
+    }
+    scribe.finish()?;
+    // Frames, their touches and events, the profile, schemas and the index: all but matrices and table.
+    let bytes = fs::metadata(&path)?.len() - attached - matrices;
+    let a_frame = bytes / frames.len() as u64;
+    println!("session.csv: {a_frame} bytes a frame, with touches, events and index");
+    ensure!(a_frame <= MOST_BYTES_A_FRAME, "{a_frame} bytes a frame");
+    let (mut reader, _) = Reader::open(BufReader::new(File::open(&path)?))?;
+    let mut back = Vec::new();
+    while let Some(message) = reader.next()? {
+        if let Message::Frames(block) = message {
+            back.extend(block);
+        }
+    }
+    ensure!(back == frames, "the frames come back to the bit");
+    Ok(())
+}
+
+const GUEST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
+
+pub fn no_guest() -> Option<String> {
+    let ready = Command::new(GUEST).arg("--prepare").output();
+    let is_ready = ready.is_ok_and(|output| output.status.success());
+    (!is_ready).then(|| "no guest: scripts/run-in-guest.sh --prepare".to_owned())
+}
+
+/// The guest's processor has no AVX2: it sums as that of the host does.
+pub fn in_guest() -> Result<()> {
+    // The guest has a /tmp of its own.
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR"))?;
+    let path = folder.path().join("session.mcap");
+    eventful(&path)?;
+    let output = Command::new(GUEST)
+        .args(["--timeout", "300", env!("CARGO_BIN_EXE_gelpad"), "replay"])
+        .arg(&path)
+        .arg("--expect")
+        .arg(&path)
+        .arg("-v")
+        .output()?;
+    ensure!(
+        output.status.success(),
+        "{:?}\n{}\n{}",
+        output.status,
+        printed(&output),
+        said(&output)
+    );
+    Ok(())
+}
+
+/// An hour at 100 frames/s: how much faster than real time it replays. A figure for a machine that does nothing else.
+#[allow(clippy::disallowed_methods, reason = "a figure, not a verdict")]
+pub fn hour() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    straight(&folder.path().join("s.mcap"), 360_000, true)?;
+    let size = fs::metadata(folder.path().join("s.mcap"))?.len();
+    let start = std::time::Instant::now();
+    gelpad_ends(
+        folder.path(),
+        &["replay", "s.mcap", "--expect", "s.mcap"],
+        0,
+    )?;
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "an hour ({} MB) replays in {seconds:.1} s: {:.0} times real time",
+        size / 1_000_000,
+        3600.0 / seconds
+    );
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! gelpad's own packets from C: `wire/gelpad_wire.h`, compiled here, gives the same bytes as the library.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use gelpad::source::wire::gelpad::{Values, encode};
+use gelpad::source::wire::{Decoded, Dialect, gelpad::Gelpad};
+
+/// Reads kind, sequence, time and count, then the values, and writes the packet; again until the input ends.
+const PROGRAM: &str = r#"
+#include <stdio.h>
+#include "gelpad_wire.h"
+
+int main(void) {
+    static uint8_t packet[GELPAD_PACKET_MAX(GELPAD_MOST_VALUES)];
+    static float volts[GELPAD_MOST_VALUES];
+    static int32_t counts[GELPAD_MOST_VALUES];
+    uint32_t head[4];
+    while (fread(head, 4, 4, stdin) == 4) {
+        size_t length;
+        uint16_t count = (uint16_t)head[3];
+        if (head[0] == GELPAD_KIND_F32) {
+            if (fread(volts, 4, count, stdin) != count) return 1;
+            length = gelpad_encode_f32(packet, GELPAD_PACKET_MAX(count), head[1], head[2], volts, count);
+        } else {
+            if (fread(counts, 4, count, stdin) != count) return 1;
+            length = gelpad_encode_i32(packet, GELPAD_PACKET_MAX(count), head[1], head[2], counts, count);
+        }
+        if (length == 0 || gelpad_encode_f32(packet + sizeof packet, 0, 0, 0, volts, 1) != 0) return 2;
+        fwrite(packet, 1, length, stdout);
+    }
+    return 0;
+}
+"#;
+
+/// Numbers that look random and are the same on every run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 33
+    }
+}
+
+#[test]
+fn the_c_header_writes_the_same_bits_as_the_library() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = folder.path().join("main.c");
+    let program = folder.path().join("encode");
+    std::fs::write(&source, PROGRAM).expect("written");
+    let include = Path::new(env!("CARGO_MANIFEST_DIR")).join("wire");
+    let compiled = Command::new(std::env::var("CC").unwrap_or("cc".to_owned()))
+        .args([
+            "-std=c99",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-pedantic",
+            "-O1",
+            "-fsanitize=undefined",
+            "-fsanitize-undefined-trap-on-error",
+            "-I",
+        ])
+        .arg(include)
+        .arg(&source)
+        .arg("-o")
+        .arg(&program)
+        .output()
+        .expect("a C compiler, as gelpad needs one to build");
+    let said = String::from_utf8_lossy(&compiled.stderr);
+    assert!(compiled.status.success(), "{said}");
+
+    let mut numbers = Numbers(7);
+    let (mut input, mut expected, mut sent) = (Vec::new(), Vec::new(), Vec::new());
+    // Around the length of a block (254), with many zeros and none; the largest; 208 is a pad's.
+    for count in (5..130).chain([208, 208, 208, 1024, 2048]) {
+        for kind in [Values::F32, Values::I32] {
+            let [sequence, time_us] = [0; 2].map(|_| numbers.next() as u32);
+            let values: Vec<f32> = (0..count)
+                .map(|_| match numbers.next() % 3 {
+                    0 => 0.0,
+                    1 => numbers.next() as f32 * 1e-7 - 50.0,
+                    _ => (numbers.next() % 1000) as f32,
+                })
+                .map(|value| {
+                    if kind == Values::I32 {
+                        value.round()
+                    } else {
+                        value
+                    }
+                })
+                .collect();
+            for word in [1 + u32::from(kind == Values::I32), sequence, time_us, count] {
+                input.extend_from_slice(&word.to_le_bytes());
+            }
+            for value in &values {
+                input.extend_from_slice(&match kind {
+                    Values::F32 => value.to_le_bytes(),
+                    Values::I32 => (*value as i32).to_le_bytes(),
+                });
+            }
+            expected.extend(encode(kind, sequence, time_us, &values));
+            sent.push(values);
+        }
+    }
+    let mut running = Command::new(&program)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("started");
+    let mut stdin = running.stdin.take().expect("piped");
+    let feeder = std::thread::Builder::new()
+        .spawn(move || stdin.write_all(&input).expect("taken"))
+        .expect("a thread");
+    let output = running.wait_with_output().expect("ended");
+    feeder.join().expect("fed");
+    assert!(output.status.success(), "{:?}", output.status);
+    assert!(output.stdout == expected, "the C header writes other bytes");
+
+    let mut decoded = Vec::new();
+    Gelpad::default().feed(0, &output.stdout, &mut decoded);
+    assert_eq!(decoded.len(), sent.len());
+    for (one, values) in decoded.iter().zip(&sent) {
+        let Decoded::Frame(frame) = one else {
+            panic!("{one:?}")
+        };
+        assert_eq!(&frame.values, values);
+    }
+}

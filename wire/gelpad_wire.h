@@ -1,0 +1,134 @@
+/* gelpad's wire format, version 1, for firmware: see docs/wire.md.
+ *
+ * One header, C99 or C++, no library, no allocation, no tables: for the smallest boards.
+ *
+ *     static uint8_t packet[GELPAD_PACKET_MAX(208)];
+ *     float volts[208];
+ *     uint32_t sequence = 0;
+ *     ...
+ *     size_t length = gelpad_encode_f32(packet, sizeof packet, sequence++, micros(), volts, 208);
+ *     Serial.write(packet, length);
+ *
+ * Send one zero byte at start-up, so that whatever came before is no part of the first packet.
+ * Licensed under MIT or Apache-2.0, at your choice.
+ */
+#ifndef GELPAD_WIRE_H
+#define GELPAD_WIRE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GELPAD_VERSION 1
+#define GELPAD_KIND_F32 1 /* volts, or any unit that is the same for all */
+#define GELPAD_KIND_I32 2 /* counts of a converter */
+#define GELPAD_MOST_VALUES 2048
+
+/* Bytes before stuffing: head, values, check sum. */
+#define GELPAD_BODY(count) (12u + 4u * (size_t)(count) + 4u)
+/* The longest packet of so many values: one byte more each 254, one at the start, the closing zero. */
+#define GELPAD_PACKET_MAX(count) (GELPAD_BODY(count) + GELPAD_BODY(count) / 254u + 2u)
+
+/* A packet on its way. COBS: every zero is replaced by the distance to the next one. */
+typedef struct {
+    uint8_t *out;
+    size_t length; /* bytes written */
+    size_t code;   /* where the distance of this block goes */
+    uint32_t sum;
+} gelpad_packet;
+
+static inline void gelpad_stuff(gelpad_packet *p, uint8_t byte) {
+    if (byte != 0) {
+        p->out[p->length++] = byte;
+    }
+    if (byte == 0 || p->length - p->code == 255) {
+        p->out[p->code] = (uint8_t)(p->length - p->code);
+        p->code = p->length++;
+    }
+}
+
+/* CRC-32 as of zlib, Ethernet and PNG, bit by bit. */
+static inline void gelpad_put(gelpad_packet *p, uint8_t byte) {
+    int bit;
+    p->sum ^= byte;
+    for (bit = 0; bit < 8; bit++) {
+        p->sum = (p->sum >> 1) ^ (0xedb88320u & (0u - (p->sum & 1u)));
+    }
+    gelpad_stuff(p, byte);
+}
+
+static inline void gelpad_put_u32(gelpad_packet *p, uint32_t word) {
+    int byte;
+    for (byte = 0; byte < 4; byte++) {
+        gelpad_put(p, (uint8_t)(word >> (8 * byte)));
+    }
+}
+
+static inline int gelpad_begin(gelpad_packet *p, uint8_t *out, size_t room, uint8_t kind, uint32_t sequence,
+                               uint32_t time_us, uint16_t count) {
+    if (count > GELPAD_MOST_VALUES || room < GELPAD_PACKET_MAX(count)) {
+        return 0;
+    }
+    p->out = out;
+    p->length = 1;
+    p->code = 0;
+    p->sum = 0xffffffffu;
+    gelpad_put(p, GELPAD_VERSION);
+    gelpad_put(p, kind);
+    gelpad_put(p, (uint8_t)count);
+    gelpad_put(p, (uint8_t)(count >> 8));
+    gelpad_put_u32(p, sequence);
+    gelpad_put_u32(p, time_us);
+    return 1;
+}
+
+static inline size_t gelpad_end(gelpad_packet *p) {
+    uint32_t sum = ~p->sum;
+    int byte;
+    for (byte = 0; byte < 4; byte++) {
+        gelpad_stuff(p, (uint8_t)(sum >> (8 * byte)));
+    }
+    p->out[p->code] = (uint8_t)(p->length - p->code);
+    p->out[p->length++] = 0;
+    return p->length;
+}
+
+/* Writes a packet of volts; returns its length, closing zero included, or 0 if there is no room. */
+static inline size_t gelpad_encode_f32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
+                                       const float *values, uint16_t count) {
+    gelpad_packet p;
+    uint16_t index;
+    if (!gelpad_begin(&p, out, room, GELPAD_KIND_F32, sequence, time_us, count)) {
+        return 0;
+    }
+    for (index = 0; index < count; index++) {
+        uint32_t word;
+        memcpy(&word, &values[index], sizeof word);
+        gelpad_put_u32(&p, word);
+    }
+    return gelpad_end(&p);
+}
+
+/* Writes a packet of counts; as above. */
+static inline size_t gelpad_encode_i32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
+                                       const int32_t *values, uint16_t count) {
+    gelpad_packet p;
+    uint16_t index;
+    if (!gelpad_begin(&p, out, room, GELPAD_KIND_I32, sequence, time_us, count)) {
+        return 0;
+    }
+    for (index = 0; index < count; index++) {
+        gelpad_put_u32(&p, (uint32_t)values[index]);
+    }
+    return gelpad_end(&p);
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
