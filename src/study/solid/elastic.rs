@@ -74,6 +74,8 @@ struct Assembled {
     residual: Vec<f64>,
     /// Forces on the nodes, mN.
     forces: Vec<Point>,
+    /// Each brick's pressure, kPa, and its derivative, kPa/mm.
+    pressures: Vec<(f64, [f64; DOFS])>,
 }
 
 impl Elastic {
@@ -197,7 +199,7 @@ impl Elastic {
     #[must_use]
     pub fn holding_force_n(&self, nodes: &[usize]) -> Point {
         let forces = self
-            .assemble(&self.moved_mm, false, &[])
+            .assemble(&self.moved_mm, false, &[], None)
             .map(|assembled| assembled.forces)
             .unwrap_or_default();
         std::array::from_fn(|axis| {
@@ -225,7 +227,7 @@ impl Elastic {
             })
             .collect();
         // The first correction carries the prescribed movement into the body as a linear one would.
-        let Some(mut state) = self.assemble(&self.moved_mm, true, &ahead) else {
+        let Some(mut state) = self.assemble(&self.moved_mm, true, &ahead, None) else {
             return Ok(None);
         };
         for iteration in 1..=MOST_ITERATIONS {
@@ -244,7 +246,8 @@ impl Elastic {
                 for told in &self.prescribed {
                     moved[told.node][told.axis] = load * told.by_mm;
                 }
-                if let Some(next) = self.assemble(&moved, true, &[]) {
+                let foretold = self.foretell(&state, &moved);
+                if let Some(next) = self.assemble(&moved, true, &[], Some(&foretold)) {
                     break (moved, next);
                 }
                 halvings += 1;
@@ -272,6 +275,22 @@ impl Elastic {
         Ok(None)
     }
 
+    /// Each brick's pressure at new displacements as the last ones foretell it, kPa.
+    fn foretell(&self, last: &Assembled, moved_mm: &[Point]) -> Vec<f64> {
+        let bricks = self.bricks.corners.iter().zip(&last.pressures);
+        bricks
+            .map(|(corners, (pressure, slope))| {
+                let steps = corners.iter().zip(slope.chunks(3)).map(|(node, slope)| {
+                    let (new, old) = (moved_mm[*node as usize], self.moved_mm[*node as usize]);
+                    (0..3)
+                        .map(|axis| slope[axis] * (new[axis] - old[axis]))
+                        .sum::<f64>()
+                });
+                pressure + steps.sum::<f64>()
+            })
+            .collect()
+    }
+
     fn correction(&self, state: &Assembled) -> Result<Mat<f64>, ElasticError> {
         let unsolvable = |error: SystemError| {
             ElasticError::Unsolvable(match error {
@@ -294,6 +313,7 @@ impl Elastic {
         moved_mm: &[Point],
         with_stiffness: bool,
         ahead: &[(usize, usize, f64)],
+        foretold_kpa: Option<&[f64]>,
     ) -> Option<Assembled> {
         let count = self
             .unknowns
@@ -310,6 +330,7 @@ impl Elastic {
             values: vec![0.0; entries],
             residual: vec![0.0; count],
             forces: vec![[0.0; 3]; moved_mm.len()],
+            pressures: Vec::with_capacity(self.bricks.corners.len()),
         };
         let mut by = vec![[0.0; 3]; if ahead.is_empty() { 0 } else { moved_mm.len() }];
         for (node, axis, mm) in ahead {
@@ -317,8 +338,14 @@ impl Elastic {
         }
         for (brick, corners) in self.bricks.corners.iter().enumerate() {
             let moved = self.bricks.corners_of(brick, moved_mm);
-            let Answer { forces, stiffness } =
-                answer(&self.points[brick], &moved, self.rubbers[brick])?;
+            let foretold = foretold_kpa.map(|foretold| foretold[brick]);
+            let Answer {
+                forces,
+                stiffness,
+                pressure_kpa,
+                pressure_slope,
+            } = answer(&self.points[brick], &moved, self.rubbers[brick], foretold)?;
+            out.pressures.push((pressure_kpa, pressure_slope));
             for (dof, force) in forces.iter().enumerate() {
                 let node = corners[dof / 3] as usize;
                 out.forces[node][dof % 3] += force;

@@ -9,16 +9,16 @@ use crate::pad::Pad;
 use crate::types::PointMm;
 
 /// Lines are this far apart under the indenter, mm: in full and in quick studies.
-const STEP_MM: (f64, f64) = (0.6, 1.25);
+const STEP_MM: (f64, f64) = (1.0, 1.25);
 /// They stay so near this far beyond its rim, mm ...
 const EVEN_BEYOND_MM: f64 = 1.5;
 /// ... and then grow apart by this factor, to this distance at most, mm.
-const GROWTH: (f64, f64) = (1.13, 1.5);
+const GROWTH: (f64, f64) = (1.04, 1.5);
 const MOST_MM: f64 = 8.0;
 /// On a foundation there are more bricks over the height, and lines may grow apart faster.
-const FOUNDATION_GROWTH: (f64, f64) = (1.25, 1.7);
+const FOUNDATION_GROWTH: (f64, f64) = (1.12, 1.7);
 /// Bricks over the height of the lower silicone, the layer, the upper silicone.
-const HEIGHTS: [(usize, usize); 3] = [(1, 1), (4, 2), (2, 1)];
+const HEIGHTS: [(usize, usize); 3] = [(1, 1), (3, 2), (1, 1)];
 /// Lines of the foundation, as shares of its depth.
 const FOUNDATION_LINES: [f64; 5] = [1.0, 0.6, 0.3, 0.1, 0.0];
 /// Poisson's ratio of the foundation: soft foams are compressible.
@@ -36,6 +36,8 @@ pub(super) struct Plan<'a> {
     pub centre_mm: PointMm,
     pub touch: Touch,
     pub quick: bool,
+    /// How much finer than usual the bricks are.
+    pub finer: f64,
 }
 
 /// A sensor that is being pressed.
@@ -153,8 +155,8 @@ fn lines(plan: &Plan<'_>) -> Lines {
             [-parameters.rim_mm, size[axis] + parameters.rim_mm],
             plan.centre_mm[axis],
             parameters.indenter_mm + EVEN_BEYOND_MM,
-            [either(STEP_MM), MOST_MM],
-            either(growth),
+            [either(STEP_MM), MOST_MM].map(|mm| mm / plan.finer),
+            1.0 + (either(growth) - 1.0) / plan.finer,
         )
     });
     let mut z = Vec::new();
@@ -168,6 +170,7 @@ fn lines(plan: &Plan<'_>) -> Lines {
     for (top, bricks) in tops.into_iter().zip(HEIGHTS) {
         let low = z[z.len() - 1];
         let bricks = if plan.quick { bricks.1 } else { bricks.0 };
+        let bricks = ((bricks as f64 * plan.finer).round() as usize).max(1);
         z.extend((1..=bricks).map(|line| low + (top - low) * line as f64 / bricks as f64));
     }
     Lines([x, y, z])

@@ -36,6 +36,10 @@ const PLACES: [(&str, PointMm); 5] = [
 const CURRENT_SCALE: (f64, f64) = (1.15, 3.0);
 /// Bricks over the height of the conducting layer, for the current.
 const CURRENT_LAYERS: (usize, usize) = (9, 3);
+/// The meshes of the two extra cases that show what refinement does are so much finer.
+const FINER: [f64; 2] = [0.7, 1.4];
+/// What these press.
+const REFINED: Touch = Touch::Foundation;
 /// Iterations that a case takes, and multiplications that a core does in a second: to foretell the time.
 const ITERATIONS: f64 = 40.0;
 const FLOPS_PER_S: f64 = 5e9;
@@ -145,6 +149,8 @@ pub struct Case {
     pub place: usize,
     /// What is done there.
     pub touch: Touch,
+    /// How much finer than usual the meshes are: 1 but for the cases that show what refinement does.
+    pub finer: f64,
 }
 
 /// What a touch did to the readings.
@@ -223,24 +229,28 @@ impl Thickness {
             )));
         }
         settings.parameters.check().map_err(refuse)?;
-        let (layers, places) = if settings.quick {
-            let layers = &settings.parameters.layers_mm;
-            (vec![layers[layers.len() / 2]], 1)
-        } else {
-            (settings.parameters.layers_mm.clone(), PLACES.len())
+        let all = &settings.parameters.layers_mm;
+        let middle_mm = all[all.len() / 2];
+        let case = |layer_mm, place, touch, finer| Case {
+            layer_mm,
+            place,
+            touch,
+            finer,
         };
-        let cases = layers
-            .iter()
-            .flat_map(|layer_mm| {
-                (0..places).flat_map(move |place| {
-                    Touch::ALL.map(|touch| Case {
-                        layer_mm: *layer_mm,
-                        place,
-                        touch,
-                    })
-                })
-            })
-            .collect();
+        let (layers, places) = if settings.quick {
+            (vec![middle_mm], 1)
+        } else {
+            (all.clone(), PLACES.len())
+        };
+        let mut cases: Vec<Case> = Vec::new();
+        for layer_mm in layers {
+            for place in 0..places {
+                cases.extend(Touch::ALL.map(|touch| case(layer_mm, place, touch, 1.0)));
+            }
+        }
+        if !settings.quick {
+            cases.extend(FINER.map(|finer| case(middle_mm, 0, REFINED, finer)));
+        }
         Ok(Self {
             settings,
             pad,
@@ -265,12 +275,13 @@ impl Thickness {
             .fold(0.0_f64, |most, case| most.max(case.layer_mm));
         let mut largest = Size::default();
         let mut work = 0.0;
-        let current = self.current(layer_mm)?.size();
+        let current = self.current(layer_mm, 1.0)?.size();
         for touch in Touch::ALL {
             let case = Case {
                 layer_mm,
                 place: 0,
                 touch,
+                finer: 1.0,
             };
             let count = self.cases.iter().filter(|case| case.touch == touch).count() as f64;
             if touch == Touch::Rise {
@@ -304,17 +315,18 @@ impl Thickness {
             centre_mm: self.centre_mm(case),
             touch: case.touch,
             quick: self.settings.quick,
+            finer: case.finer,
         }
     }
 
-    fn current(&self, layer_mm: f64) -> Result<CurrentModel, StudyError> {
-        let either = |both: (f64, f64)| if self.settings.quick { both.1 } else { both.0 };
-        let layers = if self.settings.quick {
-            CURRENT_LAYERS.1
+    fn current(&self, layer_mm: f64, finer: f64) -> Result<CurrentModel, StudyError> {
+        let (scale, layers) = if self.settings.quick {
+            (CURRENT_SCALE.1, CURRENT_LAYERS.1)
         } else {
-            CURRENT_LAYERS.0
+            (CURRENT_SCALE.0, CURRENT_LAYERS.0)
         };
-        let size = MeshSize::relative(&self.pad, either(CURRENT_SCALE), false);
+        let size = MeshSize::relative(&self.pad, scale / finer, false);
+        let layers = (layers as f64 * finer).round() as usize;
         Ok(conductor(
             &self.pad,
             layer_mm,
@@ -396,11 +408,16 @@ impl Study for Thickness {
 
     fn id(case: &Case) -> String {
         let touch = case.touch.name().replace(' ', "-");
-        format!("{}-mm-place-{}-{touch}", case.layer_mm, case.place + 1)
+        let usual = format!("{}-mm-place-{}-{touch}", case.layer_mm, case.place + 1);
+        if case.finer == 1.0 {
+            usual
+        } else {
+            format!("{usual}-finer-{}", case.finer)
+        }
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, StudyError> {
-        let current = self.current(case.layer_mm)?;
+        let current = self.current(case.layer_mm, case.finer)?;
         let background = self.pad.background_s_per_m;
         let even = vec![background; current.bricks().corners.len()];
         let places = &current.bricks().nodes_mm;

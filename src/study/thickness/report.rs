@@ -85,7 +85,8 @@ impl Group<'_> {
 impl Thickness {
     /// The report of all jobs' results, in the order of the cases.
     pub(super) fn told(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
-        let mut layers_mm: Vec<f64> = self.cases.iter().map(|case| case.layer_mm).collect();
+        let usual = self.cases.iter().filter(|case| case.finer == 1.0);
+        let mut layers_mm: Vec<f64> = usual.map(|case| case.layer_mm).collect();
         layers_mm.dedup();
         let groups = self.groups(outcomes);
         let relative = |pressed: &Pressed| 100.0 * pressed.relative;
@@ -112,38 +113,42 @@ impl Thickness {
                 |pressed| 100.0 * pressed.signed,
             )?,
         ];
+        let mut tables = vec![
+            by_layer(
+                "Mean |dV/V|, % (over the places: least to greatest)",
+                &groups,
+                &layers_mm,
+                relative,
+            ),
+            by_layer("Mean |dV|, mV/A", &groups, &layers_mm, |p| 1e3 * p.change),
+            by_layer(
+                "Mean dV/V, %: above zero, the layer conducts worse",
+                &groups,
+                &layers_mm,
+                |p| 100.0 * p.signed,
+            ),
+            by_layer("Readings that rose, %", &groups, &layers_mm, |p| {
+                100.0 * p.rose_fell[0] as f64 / (p.rose_fell[0] + p.rose_fell[1]) as f64
+            }),
+            by_layer(
+                "Height of the layer under the touch, % of its height at rest",
+                &groups,
+                &layers_mm,
+                |p| 100.0 * p.height_share,
+            ),
+            by_layer("Force, N", &groups, &layers_mm, |p| p.force_n),
+        ];
+        if layers_mm.len() > 1 {
+            tables.insert(0, self.verdicts(&groups, &layers_mm));
+        }
+        tables.extend((!self.settings.quick).then(|| self.refinement(outcomes)));
         Ok(Report {
             title: "Does the thickness of the layer matter?".to_owned(),
             command: self.command(),
             version: self.settings.version.clone(),
             seed: 0,
             paragraphs: self.paragraphs(&groups, &layers_mm, outcomes),
-            tables: vec![
-                self.verdicts(&groups, &layers_mm),
-                by_layer(
-                    "Mean |dV/V|, % (over the places: least to greatest)",
-                    &groups,
-                    &layers_mm,
-                    relative,
-                ),
-                by_layer("Mean |dV|, mV/A", &groups, &layers_mm, |p| 1e3 * p.change),
-                by_layer(
-                    "Mean dV/V, %: above zero, the layer conducts worse",
-                    &groups,
-                    &layers_mm,
-                    |p| 100.0 * p.signed,
-                ),
-                by_layer("Readings that rose, %", &groups, &layers_mm, |p| {
-                    100.0 * p.rose_fell[0] as f64 / (p.rose_fell[0] + p.rose_fell[1]) as f64
-                }),
-                by_layer(
-                    "Height of the layer under the touch, % of its height at rest",
-                    &groups,
-                    &layers_mm,
-                    |p| 100.0 * p.height_share,
-                ),
-                by_layer("Force, N", &groups, &layers_mm, |p| p.force_n),
-            ],
+            tables,
             csvs: vec![self.csv(outcomes)],
             figures,
         })
@@ -151,7 +156,8 @@ impl Thickness {
 
     fn groups<'a>(&'a self, outcomes: &'a [Outcome]) -> Vec<Group<'a>> {
         let mut groups: Vec<Group<'a>> = Vec::new();
-        for (case, outcome) in self.cases.iter().zip(outcomes) {
+        let usual = |(case, _): &(&Case, &Outcome)| case.finer == 1.0;
+        for (case, outcome) in self.cases.iter().zip(outcomes).filter(usual) {
             for pressed in &outcome.pressed {
                 let kind = Kind::of(case, pressed);
                 match groups.iter_mut().find(|group| group.kind == kind) {
@@ -218,7 +224,12 @@ impl Thickness {
              conductivity lets them fall. A pad's text says which of the two play looks for: touch_sign = \"rise\" or \"fall\"."
                 .to_owned(),
         );
-        let nodes = |which: usize| outcomes.iter().map(move |o| o.nodes[which]).filter(|n| *n > 0);
+        let nodes = |which: usize| {
+            outcomes
+                .iter()
+                .map(move |o| o.nodes[which])
+                .filter(|n| *n > 0)
+        };
         if let (Some(mechanics), Some(current)) = (nodes(0).min(), nodes(1).min()) {
             texts.push(format!(
                 "Nodes: {mechanics} and more for mechanics, {current} and more for the current."
@@ -245,12 +256,59 @@ impl Thickness {
         };
         format!(
             "{}: thickness {verdict}: over all thicknesses |dV/V| changes by a factor of {}, |dV| at constant current by {}; \
-             over the places |dV/V| changes by {}.",
+             over the places |dV/V| changes by {}. {}.",
             group.kind.name(),
             short(relative),
             short(change),
-            short(place)
+            short(place),
+            sign(group, layers_mm)
         )
+    }
+
+    /// One case on meshes of several finenesses.
+    fn refinement(&self, outcomes: &[Outcome]) -> Table {
+        let solved = self.cases.iter().zip(outcomes);
+        let refined: Vec<&Case> = self.cases.iter().filter(|c| c.finer != 1.0).collect();
+        let same = |case: &Case| {
+            refined.iter().any(|refined| {
+                (refined.layer_mm, refined.place, refined.touch)
+                    == (case.layer_mm, case.place, case.touch)
+            })
+        };
+        let mut shown: Vec<(&Case, &Outcome)> = solved.filter(|(case, _)| same(case)).collect();
+        shown.sort_by(|(a, _), (b, _)| a.finer.total_cmp(&b.finer));
+        let rows = shown.iter().flat_map(|(case, outcome)| {
+            let [mechanics, current] = outcome.nodes;
+            outcome.pressed.iter().map(move |p| {
+                vec![
+                    format!("{} mm, {} mm layer", p.depth_mm, case.layer_mm),
+                    format!("{}", case.finer),
+                    mechanics.to_string(),
+                    current.to_string(),
+                    format!("{:.4}", p.force_n),
+                    format!("{:.2}", 100.0 * p.height_share),
+                    format!("{:.4}", 100.0 * p.relative),
+                    format!("{:+.4}", 100.0 * p.signed),
+                ]
+            })
+        });
+        let (place, _) = PLACES[0];
+        Table {
+            title: format!("Refinement: {}, {place}", super::REFINED.name()),
+            head: [
+                "pressed",
+                "finer by",
+                "mechanics nodes",
+                "current nodes",
+                "force, N",
+                "layer's height, %",
+                "mean |dV/V|, %",
+                "mean dV/V, %",
+            ]
+            .map(str::to_owned)
+            .into(),
+            rows: rows.collect(),
+        }
     }
 
     fn verdicts(&self, groups: &[Group<'_>], layers_mm: &[f64]) -> Table {
@@ -313,6 +371,7 @@ impl Thickness {
     fn csv(&self, outcomes: &[Outcome]) -> Table {
         let head = [
             "layer_mm",
+            "finer",
             "place",
             "x_share",
             "y_share",
@@ -335,6 +394,7 @@ impl Thickness {
                 let (place, at) = PLACES[case.place];
                 vec![
                     case.layer_mm.to_string(),
+                    case.finer.to_string(),
                     place.to_owned(),
                     at[0].to_string(),
                     at[1].to_string(),
@@ -360,6 +420,25 @@ impl Thickness {
             rows: rows.collect(),
         }
     }
+}
+
+/// Which way the readings go.
+fn sign(group: &Group<'_>, layers_mm: &[f64]) -> String {
+    let means = layers_mm
+        .iter()
+        .filter_map(|layer| group.at(*layer, |p| 100.0 * p.signed));
+    let (least, most) = means.fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(least, most), [_, low, high]| (least.min(low), most.max(high)),
+    );
+    let way = if least > 0.0 {
+        "Readings rise (the layer conducts worse)"
+    } else if most < 0.0 {
+        "Readings fall (the layer conducts better)"
+    } else {
+        "Readings rise at some places and fall at others"
+    };
+    format!("{way}: mean dV/V {least:+.3} to {most:+.3} %")
 }
 
 /// A table of one figure: a row a kind of touch, a column a thickness.
