@@ -185,6 +185,14 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
             (ratio / (stretch * stretch) - 1.0).abs() < 0.01,
             "{stretch}: {ratio}"
         );
+        // On the bricks at rest, with what the stretch makes of the conductivity, it is the same.
+        let turned = |place| body.gradient_at(place).expect("in the bar");
+        let transfer = model
+            .solve_stretched(&places, turned, &even)
+            .expect("solved");
+        let same = (transfer.ohm(0, 1) - transfer.ohm(0, 2)) / at_rest / ratio;
+        println!("  solved at rest: {same:.6} of that");
+        assert!((same - 1.0).abs() < 1e-3, "{stretch}: {same}");
     }
 }
 

@@ -148,6 +148,17 @@ impl Bricks {
         Some(sum)
     }
 
+    /// The brick in which a point lies, and which of its Gauss points is the nearest; nothing where there is none.
+    #[must_use]
+    pub fn nearest(&self, point_mm: Point) -> Option<(usize, usize)> {
+        let (cell, share) = self.lines.locate(point_mm);
+        // Cells are listed with x running fastest, then y, then z.
+        let rank = |cell: &[usize; 3]| [cell[2], cell[1], cell[0]];
+        let brick = self.cells.binary_search_by_key(&rank(&cell), rank).ok()?;
+        let point = (0..3).map(|axis| usize::from(share[axis] > 0.5) << axis);
+        Some((brick, point.sum()))
+    }
+
     /// The corners of a brick, from places of all nodes.
     #[must_use]
     pub fn corners_of(&self, brick: usize, places: &[Point]) -> [Point; CORNERS] {
@@ -168,14 +179,14 @@ pub struct GaussPoint {
     pub volume_mm3: f64,
 }
 
+/// Where along an edge the points of Gauss' rule lie, as shares of its length.
+pub(super) const GAUSS_SHARES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
 /// The 2 x 2 x 2 rule in a brick with these corners.
 #[must_use]
 pub fn gauss_points(corners_mm: &[Point; CORNERS]) -> [GaussPoint; 8] {
     std::array::from_fn(|point| {
-        let place: Point = std::array::from_fn(|axis| {
-            let half = 0.5 / 3f64.sqrt();
-            0.5 + if point >> axis & 1 == 0 { -half } else { half }
-        });
+        let place: Point = std::array::from_fn(|axis| GAUSS_SHARES[point >> axis & 1]);
         let local: [Point; CORNERS] = std::array::from_fn(|corner| {
             let factor = |axis: usize| match corner >> axis & 1 {
                 0 => 1.0 - place[axis],

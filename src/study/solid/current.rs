@@ -5,7 +5,8 @@
 
 use faer::Mat;
 
-use super::bricks::{Bricks, CORNERS, Point, gauss_points};
+use super::bricks::{Bricks, CORNERS, GAUSS_SHARES, Point, gauss_points, inverted};
+use super::rubber::Gradient;
 use super::system::{Size, System};
 use crate::eit::{ForwardError, combine};
 use crate::pad::Protocol;
@@ -118,6 +119,48 @@ impl CurrentModel {
                 }
             }
         }
+        self.solved(places_mm, values)
+    }
+
+    /// Solves a body that is deformed: its nodes lie at these places, and about any point of it at rest it is stretched and
+    /// turned by a deformation gradient F. Solved on the bricks at rest, where a conductivity s of the deformed body acts as
+    /// det(F) s F^-1 F^-T: so no brick can turn inside out, however the body folds between its nodes.
+    ///
+    /// # Errors
+    /// A conductor that falls apart, a gradient that turns inside out, or too little memory.
+    pub fn solve_stretched(
+        &self,
+        places_mm: &[Point],
+        gradient_at: impl Fn(Point) -> Gradient,
+        conductivity_s_per_m: &[f64],
+    ) -> Result<Transfer, ForwardError> {
+        let mut values = vec![0.0; self.system.entries()];
+        for (brick, (entries, sigma)) in self.entries.iter().zip(conductivity_s_per_m).enumerate() {
+            let corners = self.bricks.corners_of(brick, &self.bricks.nodes_mm);
+            let (low, high) = (corners[0], corners[CORNERS - 1]);
+            for (number, point) in gauss_points(&corners).iter().enumerate() {
+                let place: Point = std::array::from_fn(|axis| {
+                    let share = GAUSS_SHARES[number >> axis & 1];
+                    low[axis] + share * (high[axis] - low[axis])
+                });
+                let (inverse, swell) = inverted(&gradient_at(place));
+                if swell.is_nan() || swell <= 0.0 {
+                    return Err(ForwardError::Disconnected);
+                }
+                let carried: [Point; CORNERS] = point
+                    .gradients
+                    .map(|n| std::array::from_fn(|i| (0..3).map(|l| inverse[l][i] * n[l]).sum()));
+                let weight = sigma * swell * point.volume_mm3 * M_PER_MM;
+                for ((i, j), entry) in pairs().zip(entries) {
+                    let (a, b) = (carried[i], carried[j]);
+                    values[*entry as usize] += weight * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+                }
+            }
+        }
+        self.solved(places_mm, values)
+    }
+
+    fn solved(&self, places_mm: &[Point], mut values: Vec<f64>) -> Result<Transfer, ForwardError> {
         self.add_contacts(places_mm, &mut values);
         let factor = self
             .system

@@ -6,7 +6,7 @@
 use faer::Mat;
 
 use super::bricks::{Bricks, GaussPoint, Point, gauss_points};
-use super::rubber::{Answer, DOFS, Rubber, answer};
+use super::rubber::{Answer, DOFS, Gradient, Rubber, answer, mean_gradient};
 use super::system::{Size, System, SystemError};
 
 /// Residual forces at which a step has converged, as a share of the forces at the prescribed nodes.
@@ -193,6 +193,15 @@ impl Elastic {
             }
         }
         Ok(())
+    }
+
+    /// How the body is stretched and turned about a point of it at rest: dx/dX at the nearest Gauss point, with the brick's
+    /// mean change of volume, as the rubber has it.
+    #[must_use]
+    pub fn gradient_at(&self, point_mm: Point) -> Option<Gradient> {
+        let (brick, point) = self.bricks.nearest(point_mm)?;
+        let moved = self.bricks.corners_of(brick, &self.moved_mm);
+        Some(mean_gradient(&self.points[brick], &moved, point))
     }
 
     /// The force with which nodes are held where they are, summed, N.

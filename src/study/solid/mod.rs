@@ -13,5 +13,5 @@ mod system;
 pub use bricks::{Bricks, Lines, growing_lines};
 pub use current::{Contact, CurrentModel, Transfer};
 pub use elastic::{Elastic, ElasticError, Prescribed};
-pub use rubber::Rubber;
+pub use rubber::{Gradient, Rubber};
 pub use system::Size;

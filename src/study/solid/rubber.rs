@@ -10,6 +10,9 @@ use super::bricks::{CORNERS, GaussPoint, Point, inverted};
 /// Unknowns of a brick.
 pub(super) const DOFS: usize = 3 * CORNERS;
 
+/// A deformation gradient dx/dX, rows first.
+pub type Gradient = [[f64; 3]; 3];
+
 /// A rubber-like solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rubber {
@@ -145,8 +148,24 @@ pub(super) fn answer(
     Some(out)
 }
 
+/// The deformation gradient at one of a brick's points, scaled so that its change of volume is the whole brick's.
+pub(super) fn mean_gradient(
+    points: &[GaussPoint; 8],
+    moved_mm: &[Point; CORNERS],
+    point: usize,
+) -> Gradient {
+    let swell = |point: &GaussPoint| inverted(&deformation(point, moved_mm)).1;
+    let at_rest: f64 = points.iter().map(|point| point.volume_mm3).sum();
+    let now: f64 = points
+        .iter()
+        .map(|point| point.volume_mm3 * swell(point))
+        .sum();
+    let scale = libm::cbrt(now / at_rest / swell(&points[point]));
+    deformation(&points[point], moved_mm).map(|row| row.map(|entry| scale * entry))
+}
+
 /// The deformation gradient F at a point.
-fn deformation(point: &GaussPoint, moved_mm: &[Point; CORNERS]) -> [[f64; 3]; 3] {
+fn deformation(point: &GaussPoint, moved_mm: &[Point; CORNERS]) -> Gradient {
     let mut f = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (n, u) in point.gradients.iter().zip(moved_mm) {
         for i in 0..3 {

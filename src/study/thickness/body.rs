@@ -2,7 +2,8 @@
 //! round indenter to which its skin sticks.
 
 use super::super::solid::{
-    Bricks, Elastic, ElasticError, Lines, Prescribed, Rubber, Size, bricks::Point, growing_lines,
+    Bricks, Elastic, ElasticError, Gradient, Lines, Prescribed, Rubber, Size, bricks::Point,
+    growing_lines,
 };
 use super::{Parameters, Touch, under_indenter};
 use crate::pad::Pad;
@@ -109,6 +110,12 @@ impl Pressing {
     /// Force on the indenter, N.
     pub(super) fn force_n(&self) -> f64 {
         -self.body.holding_force_n(&self.held)[2]
+    }
+
+    /// How the layer is stretched and turned about a place of it at rest.
+    pub(super) fn gradient_at(&self, place: Point) -> Gradient {
+        const STILL: Gradient = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        self.body.gradient_at(place).unwrap_or(STILL)
     }
 
     /// Where the nodes of the conducting layer are now.

@@ -456,7 +456,9 @@ impl Study for Thickness {
                 .press_to(depth.mm)
                 .map_err(|error| unsolvable(case, &error))?;
             let moved = pressing.moved_layer(current.bricks());
-            let volts = current.solve(&moved, &even)?.voltages(&self.pad.protocol);
+            let volts = current
+                .solve_stretched(&moved, |place| pressing.gradient_at(place), &even)?
+                .voltages(&self.pad.protocol);
             let height = pressing.layer_height_mm() / case.layer_mm;
             let force_n = pressing.force_n();
             outcome
