@@ -7,6 +7,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use gelpad::pad::{DEFAULT_PAD, shipped_pad};
+use gelpad::study::job::Study as _;
 use gelpad::study::phantoms::{Phantoms, Settings, phantoms};
 
 /// Mean |dV| (mV/A) and mean |dV/V| (%) at 5 S/m over the three phantoms, by an independent 2-D model on bilinear

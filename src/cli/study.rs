@@ -9,8 +9,9 @@ use super::args::{StudyArgs, StudyCommand};
 use super::exit::Ending;
 use super::progress::{bar, tell};
 use super::resolve;
-use crate::study::job::{self, Folder, Shard};
+use crate::study::job::{self, Folder, Shard, Study};
 use crate::study::phantoms::{self, Phantoms};
+use crate::study::thickness::{self, Thickness};
 use crate::study::width::{self, Width};
 
 /// Any study: what `study.json` holds.
@@ -19,10 +20,12 @@ use crate::study::width::{self, Width};
 enum Settings {
     Width(width::Settings),
     Phantoms(phantoms::Settings),
+    Thickness(Box<thickness::Settings>),
 }
 
 pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
-    match command {
+    let (common, settings) = match command {
+        StudyCommand::Merge { folders, out } => return merge(folders, out),
         StudyCommand::Width {
             common,
             vary,
@@ -30,7 +33,7 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
             quick,
         } => {
             let (pad, pad_toml) = pad(common)?;
-            let study = Width::new(width::Settings {
+            let settings = width::Settings {
                 version: version(),
                 pad,
                 pad_toml,
@@ -38,20 +41,44 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
                 rank: (*rank).into(),
                 quick: *quick,
                 seed: common.seed,
-            })?;
-            solve_width(&study, common)
+            };
+            (common, Settings::Width(settings))
         }
         StudyCommand::Phantoms { common, quick: _ } => {
             let (pad, pad_toml) = pad(common)?;
-            let study = Phantoms::new(phantoms::Settings {
+            let settings = phantoms::Settings {
                 version: version(),
                 pad,
                 pad_toml,
                 seed: common.seed,
-            })?;
-            solve_phantoms(&study, common)
+            };
+            (common, Settings::Phantoms(settings))
         }
-        StudyCommand::Merge { folders, out } => merge(folders, out),
+        StudyCommand::Thickness {
+            common,
+            parameters,
+            quick,
+        } => {
+            let (pad, pad_toml) = pad(common)?;
+            let settings = thickness::Settings {
+                version: version(),
+                pad,
+                pad_toml,
+                quick: *quick,
+                parameters: parameters.into(),
+            };
+            (common, Settings::Thickness(Box::new(settings)))
+        }
+    };
+    let (out, shard) = (&common.out, common.shard);
+    match &settings {
+        Settings::Width(of) => solve(&Width::new(of.clone())?, &settings, out, shard),
+        Settings::Phantoms(of) => solve(&Phantoms::new(of.clone())?, &settings, out, shard),
+        Settings::Thickness(of) => {
+            let study = Thickness::new((**of).clone())?;
+            foretell(&study)?;
+            solve(&study, &settings, out, shard)
+        }
     }
 }
 
@@ -66,51 +93,40 @@ fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
     Ok((text.name, text.toml))
 }
 
-fn solve_width(study: &Width, common: &StudyArgs) -> anyhow::Result<Ending> {
-    let folder = Folder::open(&common.out, &Settings::Width(study.settings().clone()))?;
-    let bar = bar();
-    job::run(
-        &folder,
-        study.cases(),
-        common.shard,
-        Width::id,
-        |case| study.solve(case),
-        tell(&bar),
+/// Says what a study of thickness takes, before it starts.
+fn foretell(study: &Thickness) -> anyhow::Result<()> {
+    let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let foretold = study.foretell(workers)?;
+    let mut stderr = std::io::stderr().lock();
+    writeln!(
+        stderr,
+        "{} cases of up to {} unknowns: about {:.1} GiB for {workers} at a time, and about {} minutes",
+        study.cases().len(),
+        foretold.unknowns,
+        foretold.bytes / f64::from(1 << 30),
+        (foretold.seconds / 60.0).ceil()
     )?;
-    bar.finish_and_clear();
-    if common.shard == Shard::ALL {
-        write_width(study, &folder)?;
-    }
-    finish(&folder, common.shard)
+    Ok(())
 }
 
-fn write_width(study: &Width, folder: &Folder) -> anyhow::Result<()> {
-    let outcomes: Vec<width::Outcome> = job::results(folder, study.cases(), Width::id)?;
-    Ok(study.report(&outcomes)?.write(folder.path())?)
-}
-
-fn solve_phantoms(study: &Phantoms, common: &StudyArgs) -> anyhow::Result<Ending> {
-    let folder = Folder::open(&common.out, &Settings::Phantoms(study.settings().clone()))?;
+fn solve<S: Study>(
+    study: &S,
+    settings: &Settings,
+    out: &Path,
+    shard: Shard,
+) -> anyhow::Result<Ending> {
+    let folder = Folder::open(out, settings)?;
     let bar = bar();
-    let cases = phantoms::phantoms();
-    job::run(
-        &folder,
-        &cases,
-        common.shard,
-        Phantoms::id,
-        |case| study.solve(case),
-        tell(&bar),
-    )?;
+    job::run(&folder, study, shard, tell(&bar))?;
     bar.finish_and_clear();
-    if common.shard == Shard::ALL {
-        write_phantoms(study, &folder)?;
+    if shard == Shard::ALL {
+        write(study, &folder)?;
     }
-    finish(&folder, common.shard)
+    finish(&folder, shard)
 }
 
-fn write_phantoms(study: &Phantoms, folder: &Folder) -> anyhow::Result<()> {
-    let outcomes: Vec<phantoms::Outcome> =
-        job::results(folder, &phantoms::phantoms(), Phantoms::id)?;
+fn write<S: Study>(study: &S, folder: &Folder) -> anyhow::Result<()> {
+    let outcomes = job::outcomes(folder, study)?;
     Ok(study.report(&outcomes)?.write(folder.path())?)
 }
 
@@ -126,8 +142,9 @@ fn merge(folders: &[std::path::PathBuf], out: &Path) -> anyhow::Result<Ending> {
         folder.take_over(other)?;
     }
     match settings {
-        Settings::Width(settings) => write_width(&Width::new(settings)?, &folder)?,
-        Settings::Phantoms(settings) => write_phantoms(&Phantoms::new(settings)?, &folder)?,
+        Settings::Width(of) => write(&Width::new(of)?, &folder)?,
+        Settings::Phantoms(of) => write(&Phantoms::new(of)?, &folder)?,
+        Settings::Thickness(of) => write(&Thickness::new(*of)?, &folder)?,
     }
     finish(&folder, Shard::ALL)
 }

@@ -330,7 +330,7 @@ impl Fields {
 
 /// A channel's value from a bilinear form of electrodes: drive (a, b), measurement (p, q) reads
 /// `f(a, q) - f(a, p) - f(b, q) + f(b, p)`.
-pub(super) fn combine(channel: &Channel, f: impl Fn(usize, usize) -> f64) -> f64 {
+pub(crate) fn combine(channel: &Channel, f: impl Fn(usize, usize) -> f64) -> f64 {
     let (drive, measure) = (channel.drive, channel.measure);
     (f(drive.0, measure.1) - f(drive.0, measure.0))
         - (f(drive.1, measure.1) - f(drive.1, measure.0))

@@ -16,6 +16,7 @@ mod reference;
 pub mod response;
 
 pub use faults::{Faults, Verdict};
+pub(crate) use forward::combine;
 pub use forward::{ContactModel, Fields, ForwardError, ForwardModel};
 pub use jacobian::{element_jacobian, pixel_jacobian};
 pub use mesh::{Mesh, MeshSize};

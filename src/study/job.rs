@@ -12,6 +12,33 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::StudyError;
+use super::report::Report;
+
+/// A study: cases that are solved one by one, and a report of them all.
+pub trait Study: Sync {
+    /// What is solved at once.
+    type Case: Sync;
+    /// What a case gives; kept as JSON.
+    type Outcome: Serialize + DeserializeOwned;
+
+    /// The cases, in order.
+    fn cases(&self) -> &[Self::Case];
+
+    /// The name under which a case's outcome is kept.
+    fn id(case: &Self::Case) -> String;
+
+    /// Solves a case.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved.
+    fn solve(&self, case: &Self::Case) -> Result<Self::Outcome, StudyError>;
+
+    /// The report of all outcomes, in the order of the cases.
+    ///
+    /// # Errors
+    /// Figures that cannot be drawn.
+    fn report(&self, outcomes: &[Self::Outcome]) -> Result<Report, StudyError>;
+}
 
 /// A part of the cases: K of N, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,33 +211,31 @@ pub fn write_whole(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), StudyE
 ///
 /// # Errors
 /// The first case that fails; the others are kept.
-pub fn run<C, R>(
+pub fn run<S: Study>(
     folder: &Folder,
-    cases: &[C],
+    study: &S,
     shard: Shard,
-    id: impl Fn(&C) -> String + Sync,
-    solve: impl Fn(&C) -> Result<R, StudyError> + Sync,
     progress: impl Fn(usize, usize) + Sync,
-) -> Result<(), StudyError>
-where
-    C: Sync,
-    R: Serialize + DeserializeOwned,
-{
-    let mine: Vec<&C> = cases
+) -> Result<(), StudyError> {
+    let mine: Vec<&S::Case> = study
+        .cases()
         .iter()
         .enumerate()
         .filter(|(index, _)| shard.holds(*index))
         .map(|(_, case)| case)
         .collect();
-    let todo: Vec<&C> = mine
+    let todo: Vec<&S::Case> = mine
         .iter()
         .copied()
-        .filter(|case| folder.kept::<R>(&id(case)).is_none())
+        .filter(|case| folder.kept::<S::Outcome>(&S::id(case)).is_none())
         .collect();
     let already = mine.len() - todo.len();
     side_by_side(
         &todo,
-        |case| solve(case).and_then(|result| folder.keep(&id(case), &result)),
+        |case| {
+            let outcome = study.solve(case)?;
+            folder.keep(&S::id(case), &outcome)
+        },
         |done, _| progress(already + done, mine.len()),
     )?;
     Ok(())
@@ -276,12 +301,10 @@ where
 ///
 /// # Errors
 /// Cases that are missing, with how many.
-pub fn results<C, R: DeserializeOwned>(
-    folder: &Folder,
-    cases: &[C],
-    id: impl Fn(&C) -> String,
-) -> Result<Vec<R>, StudyError> {
-    let kept: Vec<Option<R>> = cases.iter().map(|case| folder.kept(&id(case))).collect();
+pub fn outcomes<S: Study>(folder: &Folder, study: &S) -> Result<Vec<S::Outcome>, StudyError> {
+    let cases = study.cases();
+    let kept: Vec<Option<S::Outcome>> =
+        cases.iter().map(|case| folder.kept(&S::id(case))).collect();
     let missing = kept.iter().filter(|result| result.is_none()).count();
     if missing > 0 {
         return Err(StudyError::Refused {
@@ -300,44 +323,56 @@ mod tests {
     use super::*;
     use std::sync::atomic::AtomicUsize;
 
-    fn squares(folder: &Folder, shard: Shard, solved: &AtomicUsize) -> Result<(), StudyError> {
-        let cases: Vec<u32> = (0..7).collect();
-        run(
-            folder,
-            &cases,
-            shard,
-            |case| format!("square-{case}"),
-            |case| {
-                solved.fetch_add(1, Ordering::Relaxed);
-                Ok(f64::from(*case) * 0.1)
-            },
-            |_, _| {},
-        )
+    /// Squares of a few numbers, counting how often one is solved.
+    struct Squares {
+        numbers: Vec<u32>,
+        solved: AtomicUsize,
+    }
+
+    impl Study for Squares {
+        type Case = u32;
+        type Outcome = f64;
+
+        fn cases(&self) -> &[u32] {
+            &self.numbers
+        }
+
+        fn id(case: &u32) -> String {
+            format!("square-{case}")
+        }
+
+        fn solve(&self, case: &u32) -> Result<f64, StudyError> {
+            self.solved.fetch_add(1, Ordering::Relaxed);
+            Ok(f64::from(*case) * 0.1)
+        }
+
+        fn report(&self, _: &[f64]) -> Result<Report, StudyError> {
+            Err(StudyError::Internal("nothing to tell".to_owned()))
+        }
     }
 
     #[test]
     fn what_is_done_is_not_done_again_and_shards_share_the_work() {
         let root = tempfile::tempdir().expect("a folder");
-        let solved = AtomicUsize::new(0);
+        let study = Squares {
+            numbers: (0..7).collect(),
+            solved: AtomicUsize::new(0),
+        };
         let open = |name: &str| Folder::open(&root.path().join(name), &"settings").expect("opened");
+        let solve = |folder: &Folder, shard: &str| {
+            run(folder, &study, shard.parse().expect("a shard"), |_, _| {}).expect("solved");
+            study.solved.load(Ordering::Relaxed)
+        };
         let (one, two, whole) = (open("one"), open("two"), open("whole"));
-        squares(&one, "1/2".parse().expect("a shard"), &solved).expect("solved");
-        squares(&two, "2/2".parse().expect("a shard"), &solved).expect("solved");
-        assert_eq!(solved.load(Ordering::Relaxed), 7);
-        squares(&one, "1/2".parse().expect("a shard"), &solved).expect("nothing to do");
-        assert_eq!(solved.load(Ordering::Relaxed), 7, "kept cases are taken");
-        squares(&whole, Shard::ALL, &solved).expect("solved");
-        let cases: Vec<u32> = (0..7).collect();
-        let id = |case: &u32| format!("square-{case}");
-        assert!(
-            results::<_, f64>(&one, &cases, id).is_err(),
-            "half is missing"
-        );
+        solve(&one, "1/2");
+        assert_eq!(solve(&two, "2/2"), 7);
+        assert_eq!(solve(&one, "1/2"), 7, "kept cases are taken");
+        assert_eq!(solve(&whole, "1/1"), 14);
+        assert!(outcomes(&one, &study).is_err(), "half is missing");
         one.take_over(two.path()).expect("the same study");
-        let merged: Vec<f64> = results(&one, &cases, id).expect("complete");
         assert_eq!(
-            merged,
-            results::<_, f64>(&whole, &cases, id).expect("complete")
+            outcomes(&one, &study).expect("complete"),
+            outcomes(&whole, &study).expect("complete")
         );
     }
 

@@ -9,6 +9,8 @@ mod merit;
 mod phantom;
 pub mod phantoms;
 mod report;
+pub mod solid;
+pub mod thickness;
 mod vary;
 pub mod width;
 

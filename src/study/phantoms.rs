@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::figure::{Gallery, short};
+use super::job::Study;
 use super::report::{Report, Table};
 use super::{Merit, Phantom, Raster, Shape, StudyError};
 use crate::eit::reconstruct::l1::{ITERATIONS, L1Model};
@@ -110,40 +111,22 @@ struct Shown {
 pub struct Phantoms {
     settings: Settings,
     pad: Pad,
+    phantoms: [Phantom; 5],
 }
 
-impl Phantoms {
-    /// Checks settings before anything is solved.
-    ///
-    /// # Errors
-    /// A pad that cannot be built, or on which the phantoms do not fit.
-    pub fn new(settings: Settings) -> Result<Self, StudyError> {
-        let refuse = |reason| StudyError::Refused { reason };
-        let pad = Pad::from_toml(&settings.pad, &settings.pad_toml)
-            .map_err(|faulty| refuse(faulty.to_string()))?;
-        match phantoms().iter().find_map(|phantom| phantom.misfit(&pad)) {
-            Some(misfit) => Err(refuse(format!("{}: {misfit}", pad.name))),
-            None => Ok(Self { settings, pad }),
-        }
+impl Study for Phantoms {
+    type Case = Phantom;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> &[Phantom] {
+        &self.phantoms
     }
 
-    /// What is studied.
-    #[must_use]
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// The name under which a phantom's result is kept.
-    #[must_use]
-    pub fn id(phantom: &Phantom) -> String {
+    fn id(phantom: &Phantom) -> String {
         phantom.name.replace(' ', "-")
     }
 
-    /// Makes and judges the images of one phantom.
-    ///
-    /// # Errors
-    /// A pad that cannot be solved.
-    pub fn solve(&self, phantom: &Phantom) -> Result<Outcome, StudyError> {
+    fn solve(&self, phantom: &Phantom) -> Result<Outcome, StudyError> {
         let pad = &self.pad;
         let mesh = Mesh::of_pad(pad, MeshSize::simulation(pad));
         let model = ForwardModel::new(mesh, &ContactModel::of_pad(pad))?;
@@ -176,11 +159,38 @@ impl Phantoms {
         })
     }
 
-    /// The report of all phantoms' results, in order.
+    fn report(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
+        self.told(outcomes)
+    }
+}
+
+impl Phantoms {
+    /// Checks settings before anything is solved.
     ///
     /// # Errors
-    /// Figures that cannot be drawn.
-    pub fn report(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
+    /// A pad that cannot be built, or on which the phantoms do not fit.
+    pub fn new(settings: Settings) -> Result<Self, StudyError> {
+        let refuse = |reason| StudyError::Refused { reason };
+        let pad = Pad::from_toml(&settings.pad, &settings.pad_toml)
+            .map_err(|faulty| refuse(faulty.to_string()))?;
+        match phantoms().iter().find_map(|phantom| phantom.misfit(&pad)) {
+            Some(misfit) => Err(refuse(format!("{}: {misfit}", pad.name))),
+            None => Ok(Self {
+                settings,
+                pad,
+                phantoms: phantoms(),
+            }),
+        }
+    }
+
+    /// What is studied.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The report of all phantoms' results, in order.
+    fn told(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
         let size = self.pad.outline.size_mm();
         let truth = |phantom: &Phantom| Raster::of(size, |point| phantom.contains(point));
         let mut cells: Vec<(Raster, Vec<String>)> = phantoms()

@@ -7,6 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use super::values::snr;
 use crate::study::Vary;
 use crate::study::job::Shard;
+use crate::study::thickness::Parameters;
 use crate::study::width::Rank;
 use crate::types::Method;
 
@@ -68,6 +69,21 @@ Examples:
         #[arg(long)]
         quick: bool,
     },
+    /// Whether the thickness of the conducting layer matters: presses and currents in three dimensions
+    #[command(after_help = "\
+Examples:
+  gelpad study thickness --out thickness --quick       one coarse case of each kind
+  gelpad study thickness --out thickness               an hour or so on two cores; says first what it takes
+  gelpad study thickness --out stiff --silicone-kpa 300 --layers 1,3")]
+    Thickness {
+        #[command(flatten)]
+        common: StudyArgs,
+        #[command(flatten)]
+        parameters: ThicknessArgs,
+        /// One coarse case of each kind
+        #[arg(long)]
+        quick: bool,
+    },
     /// Join the folders of all shards
     #[command(after_help = "Example: gelpad study merge part1 part2 --out whole")]
     Merge {
@@ -100,6 +116,78 @@ pub(in crate::cli) struct StudyArgs {
         hide_default_value = true
     )]
     pub shard: Shard,
+}
+
+/// What the paper does not say of the sensor and its presses.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct ThicknessArgs {
+    /// Thicknesses of the conducting layer
+    #[arg(
+        long,
+        value_name = "MM,...",
+        value_delimiter = ',',
+        default_value = "1,2,3,4,5"
+    )]
+    layers: Vec<f64>,
+    /// How deep the indenter is pressed
+    #[arg(
+        long,
+        value_name = "MM,...",
+        value_delimiter = ',',
+        default_value = "2,5"
+    )]
+    depths: Vec<f64>,
+    /// How deep it is pressed on a rigid table, as shares of the sensor's thickness
+    #[arg(
+        long,
+        value_name = "SHARE,...",
+        value_delimiter = ',',
+        default_value = "0.25,0.5"
+    )]
+    table_shares: Vec<f64>,
+    /// Radius of the flat indenter and of the local rise
+    #[arg(long, value_name = "MM", default_value_t = 5.0)]
+    indenter_mm: f64,
+    /// Silicone below and above the layer
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    cover_mm: f64,
+    /// Young's modulus of the silicone (Ecoflex 00-30: 69 kPa at 100 % strain)
+    #[arg(long, value_name = "KPA", default_value_t = 118.0)]
+    silicone_kpa: f64,
+    /// Young's modulus of the hydrogel
+    #[arg(long, value_name = "KPA", default_value_t = 20.0)]
+    hydrogel_kpa: f64,
+    /// Poisson's ratio of both
+    #[arg(long, value_name = "RATIO", default_value_t = 0.4999)]
+    poisson: f64,
+    /// Young's modulus of the soft foundation
+    #[arg(long, value_name = "KPA", default_value_t = 20.0)]
+    foundation_kpa: f64,
+    /// Thickness of the soft foundation
+    #[arg(long, value_name = "MM", default_value_t = 20.0)]
+    foundation_mm: f64,
+    /// Conductivity of the local rise, S/m
+    #[arg(long, value_name = "S_PER_M", default_value_t = 5.0)]
+    rise: f64,
+}
+
+impl From<&ThicknessArgs> for Parameters {
+    fn from(args: &ThicknessArgs) -> Self {
+        Self {
+            layers_mm: args.layers.clone(),
+            cover_mm: args.cover_mm,
+            depths_mm: args.depths.clone(),
+            table_shares: args.table_shares.clone(),
+            indenter_mm: args.indenter_mm,
+            silicone_kpa: args.silicone_kpa,
+            hydrogel_kpa: args.hydrogel_kpa,
+            poisson: args.poisson,
+            foundation_kpa: args.foundation_kpa,
+            foundation_mm: args.foundation_mm,
+            rise_s_per_m: args.rise,
+            ..Self::default()
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -7,8 +7,7 @@ use crate::types::PointMm;
 
 /// Meshes a rectangular pad.
 pub(super) fn mesh(pad: &Pad, size: MeshSize) -> Mesh {
-    let xs = coordinates(pad, size, 0);
-    let ys = coordinates(pad, size, 1);
+    let [xs, ys] = lines_mm(pad, size, [&[], &[]]);
     let node = |i: usize, j: usize| j * xs.len() + i;
     let nodes: Vec<PointMm> = ys
         .iter()
@@ -37,8 +36,12 @@ pub(super) fn mesh(pad: &Pad, size: MeshSize) -> Mesh {
     Mesh::assemble(pad, &nodes, &triangles)
 }
 
-/// Grid lines along one axis (0: x, 1: y).
-fn coordinates(pad: &Pad, size: MeshSize, axis: usize) -> Vec<f64> {
+/// Lines of the grid along x and y, mm; `also` are lines that it must hold besides those of channels and electrodes.
+pub(super) fn lines_mm(pad: &Pad, size: MeshSize, also: [&[f64]; 2]) -> [Vec<f64>; 2] {
+    [0, 1].map(|axis| coordinates(pad, size, axis, also[axis]))
+}
+
+fn coordinates(pad: &Pad, size: MeshSize, axis: usize, also: &[f64]) -> Vec<f64> {
     let length = pad.outline.size_mm()[axis];
     let mut electrode_ends = Vec::new();
     for electrode in &pad.electrodes {
@@ -49,6 +52,7 @@ fn coordinates(pad: &Pad, size: MeshSize, axis: usize) -> Vec<f64> {
         }
     }
     let mut singular = electrode_ends;
+    singular.extend(also);
     if let Conductor::Lattice(lattice) = &pad.conductor {
         let lines = [&lattice.x_lines_mm, &lattice.y_lines_mm][axis];
         singular.extend(lattice.edges_mm(lines).map(|edge| edge.clamp(0.0, length)));

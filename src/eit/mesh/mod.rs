@@ -83,6 +83,16 @@ impl Mesh {
         }
     }
 
+    /// Lines along x and y of the grid that a rectangular pad's mesh is made of, mm, with further lines that it must hold;
+    /// nothing for round pads.
+    #[must_use]
+    pub fn grid_lines_mm(pad: &Pad, size: MeshSize, also: [&[f64]; 2]) -> Option<[Vec<f64>; 2]> {
+        match pad.outline {
+            Outline::Rectangle { .. } => Some(grid::lines_mm(pad, size, also)),
+            Outline::Circle { .. } => None,
+        }
+    }
+
     /// Centre of gravity of a triangle, mm.
     #[must_use]
     pub fn centroid_mm(&self, triangle: usize) -> PointMm {

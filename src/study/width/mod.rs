@@ -10,6 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
+use super::job::Study;
+use super::report::Report;
 use super::{Phantom, Press, StudyError, Vary, place_bound_mm};
 use crate::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Conductor, Lattice, Pad};
@@ -179,24 +181,21 @@ impl Width {
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
+}
 
-    /// The pads to compare, in order: one job each.
-    #[must_use]
-    pub fn cases(&self) -> &[Variant] {
+impl Study for Width {
+    type Case = Variant;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> &[Variant] {
         &self.variants
     }
 
-    /// The name under which a job's result is kept.
-    #[must_use]
-    pub fn id(variant: &Variant) -> String {
+    fn id(variant: &Variant) -> String {
         variant.label.replace(' ', "-")
     }
 
-    /// Solves one job.
-    ///
-    /// # Errors
-    /// A pad that cannot be solved.
-    pub fn solve(&self, variant: &Variant) -> Result<Outcome, StudyError> {
+    fn solve(&self, variant: &Variant) -> Result<Outcome, StudyError> {
         let pad = &variant.pad;
         let contacts = ContactModel {
             thickness_m: 1.0,
@@ -229,6 +228,10 @@ impl Width {
             places: by_place.collect::<Result<_, StudyError>>()?,
             bounds: bounds.collect::<Result<_, StudyError>>()?,
         })
+    }
+
+    fn report(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
+        self.told(outcomes)
     }
 }
 

@@ -39,11 +39,8 @@ impl Outcome {
 }
 
 impl Width {
-    /// The report of all jobs' results, in the order of [`Self::cases`].
-    ///
-    /// # Errors
-    /// Figures that cannot be drawn.
-    pub fn report(&self, found: &[Outcome]) -> Result<Report, StudyError> {
+    /// The report of all jobs' results, in the order of the cases.
+    pub(super) fn told(&self, found: &[Outcome]) -> Result<Report, StudyError> {
         let x_label = match &self.settings.vary {
             Some(vary) => vary.path.clone(),
             None => "width of the channels".to_owned(),
