@@ -57,7 +57,7 @@ impl EngineThread {
     pub(super) fn run(mut self) -> EngineReport {
         loop {
             self.take_losses();
-            self.take_controls();
+            self.take_commands();
             if let Ok(arrived) = self.frames.pop() {
                 let Arrived { what, at } = arrived;
                 match what {
@@ -97,7 +97,7 @@ impl EngineThread {
         }
     }
 
-    fn take_controls(&mut self) {
+    fn take_commands(&mut self) {
         while let Ok(control) = self.commands.pop() {
             let t_ns = self.now_ns().max(self.view.t_ns);
             let input = match control {
