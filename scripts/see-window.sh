@@ -7,32 +7,13 @@
 set -euo pipefail
 
 folder=$(realpath -m "${1:?a folder for the pictures}")
-gelpad=$(realpath "${2:-target/release/gelpad}")
 views=(play practice edit set-up record signals comfort)
 mkdir -p "$folder"
-work=$(mktemp -d)
-export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
-mkdir -p "$work/gelpad"
-
-Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
-xvfb=$!
-player=
-trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
-for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
+. "$(dirname "$0")/window-stage.sh" "${2:-target/release/gelpad}"
 
 for theme in dark light; do
   printf 'theme = "%s"\n' "$theme" >"$work/gelpad/window.toml"
-  "$gelpad" 2>"$work/log" &
-  player=$!
-  window=
-  for _ in $(seq 200); do
-    window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ] && break
-    sleep 0.05
-  done
-  [ -n "$window" ] || { cat "$work/log" >&2; echo "no window came" >&2; exit 1; }
-  xdotool windowmove "$window" 0 0 windowfocus "$window"
+  open_window
   sleep 3
   for size in 1280x800 800x500; do
     xdotool windowsize "$window" "${size%x*}" "${size#*x}"

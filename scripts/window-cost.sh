@@ -8,17 +8,8 @@
 # the opening are by the clock. Needs what see-window.sh needs.
 set -euo pipefail
 
-gelpad=$(realpath "${1:-target/release/gelpad}")
 seconds=${2:-20}
-work=$(mktemp -d)
-export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
-Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
-xvfb=$!
-player=
-trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
-for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
+. "$(dirname "$0")/window-stage.sh" "${1:-target/release/gelpad}"
 
 # CPU time of the thread `engine` of a process, ns.
 engine_ns() {
@@ -45,12 +36,8 @@ echo "engine without the window: $headless ns CPU a frame"
 grep 'frame to' "$work/headless" || true
 
 start=$(date +%s%N)
-RUST_LOG=gelpad::gui=debug "$gelpad" 2>"$work/log" &
-player=$!
-until window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ]; do sleep 0.01; done
-until grep -q 'plays' "$work/log"; do sleep 0.01; done
+open_window
 echo "opens: $((($(date +%s%N) - start) / 1000000)) ms until the pad plays"
-xdotool windowmove "$window" 0 0 windowfocus "$window" windowsize "$window" 1280 800
 sleep 6
 before=$(engine_ns "$player"); whole=$(process_ticks "$player")
 for _ in $(seq 1 2 "$seconds"); do

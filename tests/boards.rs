@@ -224,9 +224,9 @@ fn bits(frame: &[f32]) -> Vec<u32> {
     frame.iter().map(|value| value.to_bits()).collect()
 }
 
-#[test]
-fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
-    let damage = [
+/// Each kind of damage, so much that hardly a frame comes through.
+fn heavy() -> [Faults; 3] {
+    [
         Faults {
             lost_bytes: 0.01,
             ..Faults::default()
@@ -239,6 +239,12 @@ fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
             half_frames: 0.5,
             ..Faults::default()
         },
+    ]
+}
+
+#[test]
+fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
+    let damage = heavy().into_iter().chain([
         // Light enough that many frames come through.
         Faults {
             lost_bytes: 5e-4,
@@ -246,7 +252,7 @@ fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
             half_frames: 0.1,
             ..Faults::default()
         },
-    ];
+    ]);
     for faults in damage {
         let Spell {
             wiring,
@@ -269,20 +275,6 @@ fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
 
 #[test]
 fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well() {
-    let damage = [
-        Faults {
-            lost_bytes: 0.01,
-            ..Faults::default()
-        },
-        Faults {
-            turned_bits: 0.001,
-            ..Faults::default()
-        },
-        Faults {
-            half_frames: 0.5,
-            ..Faults::default()
-        },
-    ];
     for kind in [
         FormatKind::OpenEit,
         FormatKind::Square,
@@ -291,7 +283,7 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
     ] {
         // The instrument's cycle is learned from a whole one when the damage lasted.
         let lost_first = if kind == FormatKind::Sciospec { 2 } else { 1 };
-        for faults in damage {
+        for faults in heavy() {
             let Spell {
                 wiring,
                 bytes,

@@ -186,6 +186,51 @@ fn a_sweep_ranks_its_variants() {
 }
 
 #[test]
+fn a_press_makes_readings_rise_and_a_local_rise_makes_them_fall() {
+    let root = tempfile::tempdir().expect("a folder");
+    let out = root.path().join("thickness");
+    let words = "thickness --quick --layers 2 --depths 1,2.5 --table-shares 0.25";
+    let words: Vec<&str> = words.split(' ').collect();
+    done(&mut study(&words, &out));
+    let mut table = csv::Reader::from_path(out.join("touches.csv")).expect("a table");
+    let rows: Vec<BTreeMap<String, String>> =
+        table.deserialize().collect::<Result<_, _>>().expect("rows");
+    let pressed: Vec<(&str, &str)> = rows
+        .iter()
+        .map(|row| (row["touch"].as_str(), row["depth_mm"].as_str()))
+        .collect();
+    assert_eq!(
+        pressed,
+        [
+            ("local rise", "0"),
+            ("held at its edge", "1"),
+            ("held at its edge", "2.5"),
+            ("on a soft foundation", "1"),
+            ("on a soft foundation", "2.5"),
+            ("on a rigid table", "1"),
+            ("on a rigid table", "1"),
+        ]
+    );
+    for row in &rows {
+        let number = |column: &str| row[column].parse::<f64>().expect("a number");
+        if row["touch"] == "local rise" {
+            assert!(number("mean_signed") < 0.0, "{row:?}");
+        } else {
+            assert!(number("mean_signed") > 0.0, "{row:?}");
+            assert!(
+                number("force_n") > 0.0 && number("height_share") < 1.0,
+                "{row:?}"
+            );
+        }
+    }
+    let report = fs::read_to_string(out.join("report.md")).expect("a report");
+    assert!(
+        report.contains("2.5 mm into 4 mm on a rigid table: it leaves room for 2 mm"),
+        "{report}"
+    );
+}
+
+#[test]
 fn phantoms_stand_at_their_places_and_the_annulus_is_a_ring() {
     for seed in [1, 2, 3] {
         let study = Phantoms::new(Settings {

@@ -1,11 +1,10 @@
 //! Views without a game behind them: what the window shows before anything plays, and what tests show it.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use crate::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use crate::runtime::{Signals, Stages, View};
+use crate::runtime::View;
 use crate::types::{Contact, Image, Phase, PixelGrid, PointMm, Touch, TouchId};
 
 /// Pixels across the blank image.
@@ -42,30 +41,13 @@ pub fn view() -> View {
 pub fn view_of(pad: &Pad, profile: Arc<Profile>) -> View {
     let [width, height] = pad.outline.size_mm();
     let pixel_mm = width.max(height) / PIXELS as f64;
-    View {
-        t_ns: 0,
-        profile,
-        paused: false,
-        image: Image::blank(PixelGrid {
-            origin_mm: [0.0, 0.0],
-            pixel_mm,
-            columns: (width / pixel_mm).ceil() as usize,
-            rows: (height / pixel_mm).ceil() as usize,
-        }),
-        touches: Vec::new(),
-        held: Vec::new(),
-        events: VecDeque::new(),
-        events_so_far: 0,
-        signals: Signals::default(),
-        frames: 0,
-        lost_frames: 0,
-        lost_electrodes: Vec::new(),
-        frames_per_s: 0.0,
-        latency_us: 0,
-        stages: Stages::default(),
-        late_events: 0,
-        rumble: [0.0; 2],
-    }
+    let image = Image::blank(PixelGrid {
+        origin_mm: [0.0, 0.0],
+        pixel_mm,
+        columns: (width / pixel_mm).ceil() as usize,
+        rows: (height / pixel_mm).ceil() as usize,
+    });
+    View::blank(profile, image)
 }
 
 /// A touch that moves.

@@ -267,25 +267,7 @@ pub fn start_with(
     let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
     let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
-    let blank = View {
-        t_ns: 0,
-        profile: Arc::clone(engine.profile()),
-        paused: false,
-        image: engine.touches().image.clone(),
-        touches: Vec::new(),
-        held: Vec::new(),
-        events: VecDeque::new(),
-        events_so_far: 0,
-        signals: Signals::default(),
-        frames: 0,
-        lost_frames: 0,
-        lost_electrodes: Vec::new(),
-        frames_per_s: 0.0,
-        latency_us: 0,
-        stages: Stages::default(),
-        late_events: 0,
-        rumble: [0.0; 2],
-    };
+    let blank = View::blank(Arc::clone(engine.profile()), engine.touches().image.clone());
     let pace = source.pace();
     let wake = Arc::new(Wake::default());
     let waking = Arc::clone(&wake);
@@ -339,6 +321,32 @@ pub fn start_with(
             output,
         }),
     })
+}
+
+impl View {
+    /// Before the first frame.
+    #[must_use]
+    pub fn blank(profile: Arc<Profile>, image: Image) -> Self {
+        Self {
+            t_ns: 0,
+            profile,
+            paused: false,
+            image,
+            touches: Vec::new(),
+            held: Vec::new(),
+            events: VecDeque::new(),
+            events_so_far: 0,
+            signals: Signals::default(),
+            frames: 0,
+            lost_frames: 0,
+            lost_electrodes: Vec::new(),
+            frames_per_s: 0.0,
+            latency_us: 0,
+            stages: Stages::default(),
+            late_events: 0,
+            rumble: [0.0; 2],
+        }
+    }
 }
 
 impl Running {

@@ -62,6 +62,15 @@ fn drag(stage: &mut Stage, from: (f32, f32), to: (f32, f32)) {
     stage.steps(3);
 }
 
+/// One line differs, so.
+fn assert_one_line(path: &PathBuf, old: &str, new: &str) {
+    let diff = diff(path);
+    let [(_, was, is)] = diff.as_slice() else {
+        panic!("{diff:?}");
+    };
+    assert_eq!((was.as_str(), is.as_str()), (old, new));
+}
+
 #[test]
 fn moving_a_region_changes_the_file_at_that_value_alone() {
     let (mut stage, path) = stage();
@@ -158,14 +167,7 @@ fn press_here_then_the_key_binds_it() {
     stage.key(egui::Key::Space);
     assert_eq!(stage.app().edit.learning, Learning::No);
     stage.button("Save");
-    let diff = diff(&path);
-    let [(_, old, new)] = diff.as_slice() else {
-        panic!("{diff:?}");
-    };
-    assert_eq!(
-        (old.as_str(), new.as_str()),
-        ("output = \"$a\"", "output = \"key:space\"")
-    );
+    assert_one_line(&path, "output = \"$a\"", "output = \"key:space\"");
 }
 
 #[test]
@@ -177,14 +179,7 @@ fn a_threshold_is_set_by_its_slider_and_its_comment_stays() {
         .set_value_accesskit(60.0);
     stage.steps(3);
     stage.button("Save");
-    let diff = diff(&path);
-    let [(_, old, new)] = diff.as_slice() else {
-        panic!("{diff:?}");
-    };
-    assert_eq!(
-        (old.as_str(), new.as_str()),
-        ("min_hold_ms = 34", "min_hold_ms = 60")
-    );
+    assert_one_line(&path, "min_hold_ms = 34", "min_hold_ms = 60");
 }
 
 #[test]

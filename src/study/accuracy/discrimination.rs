@@ -11,6 +11,7 @@ use super::specimen::Specimen;
 use super::stats::{Share, Spread};
 use crate::pad::TouchSign;
 use crate::study::StudyError;
+use crate::types::Contact;
 
 /// Noise in proportion to each reading, dB.
 pub(super) const SNR_DB: f64 = 60.0;
@@ -37,33 +38,26 @@ pub(super) fn solve_pairs(
     draws: usize,
     stream: u64,
 ) -> Result<Vec<PairDrawn>, StudyError> {
-    let pad = &bench.pad;
-    let mut random = Draws::new(pad, bench.seed, stream);
-    let specimen = Specimen::drawn(pad, &mut random)?;
-    let instrument = instrument(&specimen);
-    let rested = bench.sensing.rested(&instrument, random.seed())?;
-    (0..draws)
-        .map(|_| {
-            let presses = random.pair(distance_mm)?;
-            let (volts, slopes) = specimen.pressed(pad, &presses)?;
-            let deviations = NoiseKind::Proportional.deviations(&volts, &specimen.rest);
-            let reach_mm = REACH_MM * bench.scale;
-            let bounds_mm = match slopes.bounds(&deviations) {
-                Some(bounds) => bounds
-                    .iter()
-                    .map(|bound| bound.with_noise(share(SNR_DB)).mean_mm().min(reach_mm))
-                    .collect(),
-                None => vec![reach_mm; presses.len()],
-            };
-            let contacts = rested.contacts(&instrument.frame(&volts, random.seed()));
-            let score = Score::of(&presses, &contacts, WITHIN_MM * bench.scale);
-            Ok(PairDrawn {
-                seen: contacts.len(),
-                told_apart: score.is_right(),
-                bounds_mm,
-            })
+    on_one_specimen(bench, draws, stream, |specimen, read, random| {
+        let presses = random.pair(distance_mm)?;
+        let (volts, slopes) = specimen.pressed(&bench.pad, &presses)?;
+        let deviations = NoiseKind::Proportional.deviations(&volts, &specimen.rest);
+        let reach_mm = REACH_MM * bench.scale;
+        let bounds_mm = match slopes.bounds(&deviations) {
+            Some(bounds) => bounds
+                .iter()
+                .map(|bound| bound.with_noise(share(SNR_DB)).mean_mm().min(reach_mm))
+                .collect(),
+            None => vec![reach_mm; presses.len()],
+        };
+        let contacts = read(&volts, random.seed());
+        let score = Score::of(&presses, &contacts, WITHIN_MM * bench.scale);
+        Ok(PairDrawn {
+            seen: contacts.len(),
+            told_apart: score.is_right(),
+            bounds_mm,
         })
-        .collect()
+    })
 }
 
 /// Draws lone shapes on one specimen; returns how many contacts each showed.
@@ -74,21 +68,35 @@ pub(super) fn solve_lone(
     stream: u64,
 ) -> Result<Vec<usize>, StudyError> {
     let pad = &bench.pad;
-    let mut random = Draws::new(pad, bench.seed, stream);
-    let specimen = Specimen::drawn(pad, &mut random)?;
+    on_one_specimen(bench, draws, stream, |specimen, read, random| {
+        let laid = random.lone(shape)?;
+        let fields = specimen.touched(|point| match pad.touch_sign {
+            TouchSign::Rise => laid.factor(point),
+            TouchSign::Fall => 1.0 / laid.factor(point),
+        })?;
+        let volts = fields.voltages(&pad.protocol);
+        Ok(read(&volts, random.seed()).len())
+    })
+}
+
+/// Draws on one specimen. Each draw is given the specimen and what tells the contacts of voltages, with noise of a seed.
+fn on_one_specimen<T>(
+    bench: &Bench,
+    draws: usize,
+    stream: u64,
+    mut draw: impl FnMut(
+        &Specimen,
+        &dyn Fn(&[f64], u64) -> Vec<Contact>,
+        &mut Draws,
+    ) -> Result<T, StudyError>,
+) -> Result<Vec<T>, StudyError> {
+    let mut random = Draws::new(&bench.pad, bench.seed, stream);
+    let specimen = Specimen::drawn(&bench.pad, &mut random)?;
     let instrument = instrument(&specimen);
     let rested = bench.sensing.rested(&instrument, random.seed())?;
+    let read = |volts: &[f64], seed: u64| rested.contacts(&instrument.frame(volts, seed));
     (0..draws)
-        .map(|_| {
-            let laid = random.lone(shape)?;
-            let fields = specimen.touched(|point| match pad.touch_sign {
-                TouchSign::Rise => laid.factor(point),
-                TouchSign::Fall => 1.0 / laid.factor(point),
-            })?;
-            let volts = fields.voltages(&pad.protocol);
-            let frame = instrument.frame(&volts, random.seed());
-            Ok(rested.contacts(&frame).len())
-        })
+        .map(|_| draw(&specimen, &read, &mut random))
         .collect()
 }
 

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# A mouse on the window's own pad plays the practice level to its end: one finger is pinned on "right", the other jumps.
+#
+#   scripts/mouse-plays-level.sh [GELPAD [PICTURE.png]]
+#
+# Jumps come when the level says one way through it needs them (A_WAY, src/gui/practice/level.rs); after a fall they come
+# anyhow, as a player's would. Needs what see-window.sh needs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+picture=${2:-}
+. scripts/window-stage.sh "${1:-target/release/gelpad}"
+open_window
+sleep 1
+xdotool key F2
+sleep 1
+
+# Where the pad's "right" and "jump" lie in the practice view at that size, px.
+right=(1027 480)
+jump=(1180 500)
+done_s() { sed -n 's/^best_s = //p' "$work/gelpad/window.toml" 2>/dev/null; }
+
+chain=(mousemove "${right[@]}" mousedown 1 sleep 0.1 key space mouseup 1 mousemove "${jump[@]}")
+at=110
+while read -r from long; do
+  chain+=(sleep "$(awk "BEGIN { print ($from - $at) / 1000 }")" mousedown 1)
+  chain+=(sleep "$(awk "BEGIN { print $long / 1000 }")" mouseup 1)
+  at=$((from + long))
+done < <(sed -nE 's/^ +\(([0-9]+), ([0-9]+)\),$/\1 \2/p' src/gui/practice/level.rs)
+xdotool "${chain[@]}"
+for _ in $(seq 200); do
+  [ -z "$(done_s)" ] || break
+  xdotool mousedown 1 sleep 0.35 mouseup 1 sleep 0.35
+done
+[ -z "$picture" ] || import -silent -window "$window" "$picture"
+[ -n "$(done_s)" ] || { echo "the level was not finished" >&2; exit 1; }
+echo "the level was finished by mouse in $(done_s) s"
