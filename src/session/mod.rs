@@ -9,6 +9,7 @@
 //! holds, reading it takes bounded memory and ends.
 
 pub mod export;
+mod lines;
 mod message;
 mod read;
 mod records;
