@@ -16,12 +16,12 @@ xdotool key F2
 sleep 1
 
 # Where the pad's "right" and "jump" lie in the practice view at that size, px.
-right=(1027 480)
-jump=(1180 500)
+right=(1100 600)
+jump=(1210 615)
 done_s() { sed -n 's/^best_s = //p' "$work/gelpad/window.toml" 2>/dev/null; }
 
-chain=(mousemove "${right[@]}" mousedown 1 sleep 0.1 key space mouseup 1 mousemove "${jump[@]}")
-at=110
+chain=(mousemove "${right[@]}" mousedown 1 sleep 0.04 key space mouseup 1 mousemove "${jump[@]}")
+at=50
 while read -r from long; do
   chain+=(sleep "$(awk "BEGIN { print ($from - $at) / 1000 }")" mousedown 1)
   chain+=(sleep "$(awk "BEGIN { print $long / 1000 }")" mouseup 1)
@@ -34,4 +34,4 @@ for _ in $(seq 200); do
 done
 [ -z "$picture" ] || import -silent -window "$window" "$picture"
 [ -n "$(done_s)" ] || { echo "the level was not finished" >&2; exit 1; }
-echo "the level was finished by mouse in $(done_s) s"
+printf "the level was finished by mouse in %.1f s\n" "$(done_s)"
