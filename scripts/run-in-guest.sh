@@ -130,6 +130,10 @@ for folder in dev/shm run tmp; do mount -t tmpfs -o mode=1777 ram /host/$folder;
 mount --bind /lib/modules /host/lib/modules
 mkdir -p /host/run/guest; mount -t 9p -o $plan9 job /host/run/guest
 . /host/run/guest/options
+# A folder of the host's /tmp is hidden by the guest's own.
+case $FOLDER in
+  /tmp/* | /run/*) mkdir -p "/host$FOLDER"; mount --bind "/below$FOLDER" "/host$FOLDER" ;;
+esac
 [ -z "$SHARE" ] || { mkdir -p "/host$SHARE"; mount -t 9p -o cache=mmap,$plan9 share "/host$SHARE"; }
 ip link set lo up
 if [ -n "$UDEV" ]; then
@@ -173,7 +177,7 @@ flock -u 9
 
 job=$(mktemp -d)
 trap 'rm -rf "$job"' EXIT
-printf 'UDEV=%q\nSHARE=%q\n' "$udev" "$share" >"$job/options"
+printf 'UDEV=%q\nSHARE=%q\nFOLDER=%q\n' "$udev" "$share" "$PWD" >"$job/options"
 {
   printf 'cd %q 2>/dev/null\n' "$PWD"
   for name in $(compgen -e); do

@@ -26,8 +26,10 @@ const RELATIVE: u8 = 1;
 /// Buttons that are notches of the wheel: up, down, left, right.
 const WHEEL: [u8; 4] = [4, 5, 6, 7];
 
-/// How often a watcher looks whether a window has gone.
+/// How often it is looked whether a window has gone.
 const LOOK: Duration = Duration::from_millis(2);
+/// A display that does not answer keeps nobody for longer than this.
+const FAREWELL: Duration = Duration::from_secs(2);
 
 /// A connection to a display.
 pub struct X11 {
@@ -212,6 +214,25 @@ impl Device for X11 {
             }
         }
         Ok(())
+    }
+}
+
+impl Drop for X11 {
+    /// Waits until the server has read everything: of a client that hangs up it forgets what it has not read yet, and that
+    /// may be the release of a key.
+    fn drop(&mut self) {
+        let wanted = ChangeWindowAttributesAux::new().event_mask(EventMask::STRUCTURE_NOTIFY);
+        let own = self.window;
+        let asked = self
+            .connection
+            .change_window_attributes(own, &wanted)
+            .is_ok()
+            && self.connection.destroy_window(own).is_ok()
+            && self.connection.flush().is_ok();
+        if asked {
+            // A display that is gone holds no key.
+            let _ = self.wait_for_end_of(own, FAREWELL);
+        }
     }
 }
 

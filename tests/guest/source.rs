@@ -239,6 +239,8 @@ pub fn replug() -> Result<()> {
     let pad = Pad::plug_in(0x045e, 0x028e)?;
     let mut gelpad = Gelpad::start(PROFILE, &["--output", "trace"])?;
     gelpad.says("gamepad: ")?;
+    // gilrs lists what is there, and a moment later begins to watch what goes.
+    sleep(REST);
     drop(pad);
     gelpad.says("is gone")?;
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;

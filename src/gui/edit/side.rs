@@ -334,8 +334,8 @@ impl EditView {
             ui.horizontal(|ui| {
                 ui.label(threshold.words);
                 if let Some(live) = (threshold.live)(playing) {
-                    let mark = if live >= now { "≥" } else { "<" };
-                    let words = format!("you: {live:.0}{} {mark}", threshold.unit);
+                    let side = if live >= now { "above" } else { "below" };
+                    let words = format!("you: {live:.0}{}, {side}", threshold.unit);
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         ui.label(egui::RichText::new(words).small().color(palette.weak));
                     });

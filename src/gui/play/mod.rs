@@ -16,6 +16,8 @@ use super::theme;
 use crate::runtime::Command;
 use crate::types::ms_from_nanos;
 
+/// Names before the lists to choose from are so wide, points.
+const NAME_WIDTH: f32 = 52.0;
 /// The side: its share of the width, and from where to where, points.
 const SIDE: (f32, f32, f32) = (0.28, 232.0, 330.0);
 /// The strip: its share of the height, and from where to where, points.
@@ -252,37 +254,40 @@ fn side_ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<Wish> {
 /// Profile, source and output.
 fn choose(ui: &mut Ui, choice: &Choice, names: &Names) -> Option<Wish> {
     let mut wanted = choice.clone();
-    let width = (ui.available_width() - 104.0).max(80.0);
-    egui::ComboBox::from_label("Profile")
-        .width(width)
-        .truncate()
-        .selected_text(file_name(&choice.profile))
-        .show_ui(ui, |ui| {
-            for name in &names.profiles {
-                ui.selectable_value(&mut wanted.profile, name.clone(), file_name(name));
-            }
-        });
-    egui::ComboBox::from_label("From")
-        .width(width)
-        .truncate()
-        .selected_text(choice.source_words())
-        .show_ui(ui, |ui| {
-            ui.selectable_value(&mut wanted.from, From::Hand, "simulated pad, your mouse");
-            ui.selectable_value(&mut wanted.from, From::Level, "simulated pad, the level");
-            for port in &names.ports {
-                ui.selectable_value(&mut wanted.from, From::Serial(port.clone()), port);
-            }
-        });
-    egui::ComboBox::from_label("To")
-        .width(width)
-        .truncate()
-        .selected_text(to_words(choice.to))
-        .show_ui(ui, |ui| {
-            for to in [To::Nothing, To::Auto] {
-                ui.selectable_value(&mut wanted.to, to, to_words(to));
-            }
-        });
+    chooser(ui, "Profile", &file_name(&choice.profile), |ui| {
+        for name in &names.profiles {
+            ui.selectable_value(&mut wanted.profile, name.clone(), file_name(name));
+        }
+    });
+    chooser(ui, "From", &choice.source_words(), |ui| {
+        ui.selectable_value(&mut wanted.from, From::Hand, "simulated pad, your mouse");
+        ui.selectable_value(&mut wanted.from, From::Level, "simulated pad, the level");
+        for port in &names.ports {
+            ui.selectable_value(&mut wanted.from, From::Serial(port.clone()), port);
+        }
+    });
+    chooser(ui, "To", to_words(choice.to), |ui| {
+        for to in [To::Nothing, To::Auto] {
+            ui.selectable_value(&mut wanted.to, to, to_words(to));
+        }
+    });
     (wanted != *choice).then_some(Wish::Play(wanted))
+}
+
+/// A list to choose from, its name before it: the list takes the room that is left, however little that is.
+fn chooser(ui: &mut Ui, name: &str, chosen: &str, entries: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        let words = egui::Label::new(name).halign(egui::Align::LEFT);
+        let label = ui.add_sized([NAME_WIDTH, height], words);
+        egui::ComboBox::from_id_salt(name)
+            .width(ui.available_width())
+            .truncate()
+            .selected_text(chosen)
+            .show_ui(ui, entries)
+            .response
+            .labelled_by(label.id);
+    });
 }
 
 fn to_words(to: To) -> &'static str {

@@ -265,7 +265,7 @@ pub fn rows(ui: &mut Ui, playing: &Playing, figures: &Health) {
                 .drift
                 .iter()
                 .fold(0.0f64, |most, d| most.max(d.abs()));
-            row("drift", format!("{:.2} % at most", drift * 100.0), None);
+            row("drift, at most", format!("{:.2} %", drift * 100.0), None);
             let residual = figures
                 .residual
                 .map_or("none".to_owned(), |r| format!("{:.0} %", r * 100.0));

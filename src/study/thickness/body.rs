@@ -264,7 +264,6 @@ mod tests {
                 };
                 let nodes: usize = lines(&plan).0.iter().map(Vec::len).product();
                 assert!(nodes >= FEWEST_NODES, "{name}, {touch:?}: {nodes} nodes");
-                println!("{name}, {touch:?}: {nodes} nodes");
             }
         }
     }
