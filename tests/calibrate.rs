@@ -220,7 +220,10 @@ fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
     let output = gelpad(folder.path(), &arguments);
     let said = stderr(&output);
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("20 of 20: tap down"), "{said}");
+    assert!(
+        said.contains("20 of 20: press down and hold it a second"),
+        "{said}"
+    );
     assert!(
         said.contains("use it: gelpad play super-mario-classified --user anna"),
         "{said}"

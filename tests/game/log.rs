@@ -29,6 +29,8 @@ pub struct Press {
     pub height_px: u8,
     /// To the right, less than zero to the left.
     pub way_px: i16,
+    /// The longest time from one frame to the next, from before the press to behind it: a busy machine stalls games.
+    pub gap_ms: f64,
 }
 
 impl Log {
@@ -93,9 +95,15 @@ impl Log {
 impl Press {
     fn measure(stretch: &[Frame], held: impl Fn(&Frame) -> bool) -> Self {
         let (before, after) = (stretch[0], stretch[stretch.len() - 1]);
+        let held_frames = stretch.iter().filter(|frame| held(frame)).count();
+        let about = &stretch[..stretch.len().min(held_frames + 3)];
+        let gaps_ms = about
+            .windows(2)
+            .map(|pair| pair[1].time_ms - pair[0].time_ms);
         let top_px = stretch.iter().map(|frame| frame.y_px).min();
         Self {
-            frames: stretch.iter().filter(|frame| held(frame)).count(),
+            frames: held_frames,
+            gap_ms: gaps_ms.fold(0.0, f64::max),
             height_px: before.y_px - top_px.unwrap_or(before.y_px),
             way_px: i16::from(after.x_px) - i16::from(before.x_px),
         }

@@ -404,9 +404,22 @@ impl Study for Thickness {
             body::Pressing::new(&plan, deepest.mm).map_err(|error| unsolvable(case, &error))?;
         outcome.nodes[0] = pressing.nodes();
         for depth in &depths {
-            pressing
-                .press_to(depth.mm)
-                .map_err(|error| unsolvable(case, &error))?;
+            match pressing.press_to(depth.mm) {
+                Ok(()) => {}
+                // Rubber that folds beside the indenter has no one shape to converge to: what came before stands.
+                Err(ElasticError::Diverged { reached }) => {
+                    outcome.refused.push(format!(
+                        "{} mm, {} mm layer, {}, {}: no equilibrium was found beyond {:.2} mm",
+                        depth.mm,
+                        case.layer_mm,
+                        PLACES[case.place].0,
+                        case.touch.name(),
+                        reached * deepest.mm
+                    ));
+                    break;
+                }
+                Err(error) => return Err(unsolvable(case, &error)),
+            }
             let moved = pressing.moved_layer(current.bricks());
             let volts = current
                 .solve_stretched(&moved, |place| pressing.gradient_at(place), &even)?
