@@ -1,5 +1,5 @@
 //! Asks for a repaint when the game has a newer view: not more often than a screen shows, and not at all while nothing comes,
-//! but for a look every two seconds at what is saved elsewhere.
+//! but for a rare look at what is saved elsewhere: whoever comes back to the window moves the mouse, which is a look too.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Least time between repaints: some 70 a second.
 const PACE: Duration = Duration::from_millis(13);
 /// Longest time between looks.
-const LOOK: Duration = Duration::from_secs(2);
+const LOOK: Duration = Duration::from_secs(10);
 
 /// The thread; dropping it ends it.
 pub struct Waker {

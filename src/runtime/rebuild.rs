@@ -5,10 +5,14 @@
 use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, Thread};
+use std::time::Duration;
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::touch::{Sensing, SensingBuilder};
+
+/// A wish wakes the thread; by itself it only looks whether it is still wanted.
+const LOOK: Duration = Duration::from_millis(500);
 
 /// Hands weights to the thread that builds, and takes what it built.
 pub(super) struct Rebuilder {
@@ -74,7 +78,7 @@ fn build_all(
                 }
                 Err(error) => tracing::error!("no matrix without the lost electrodes: {error}"),
             },
-            Err(_) => std::thread::park_timeout(super::NAP),
+            Err(_) => std::thread::park_timeout(LOOK),
         }
     }
 }
