@@ -26,6 +26,8 @@ scripts/see-window.sh "$study/window" >/dev/null
 for view in play practice edit set-up record signals comfort; do
   convert "$study/window/$view-1280x800-dark.png" -strip -colors 128 "docs/window-$view.png"
 done
+scripts/mouse-plays-level.sh target/release/gelpad "$study/level.png"
+convert "$study/level.png" -strip -colors 128 docs/window-practice.png
 convert "$study/window/play-800x500-light.png" -strip -colors 128 docs/window-small-light.png
 rm -r "$study"
 echo "docs/live.png docs/phantoms.png docs/accuracy.png docs/window-*.png"
