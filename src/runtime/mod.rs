@@ -297,6 +297,7 @@ pub fn start_with(
             times: EngineTimes::new(),
             emitted,
             pace,
+            longest_silence: steps::SILENCE,
             silent: false,
             retaken_told: 0,
             first_ns: None,

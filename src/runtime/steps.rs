@@ -18,7 +18,9 @@ use crate::source::Pace;
 use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: its keys come up until it speaks again.
-const SILENCE: Duration = Duration::from_millis(500);
+pub(super) const SILENCE: Duration = Duration::from_millis(500);
+/// The same for gamepads: no cable hangs half out of them, they are read in this very process, and a computer may be so busy.
+const GAMEPAD_SILENCE: Duration = Duration::from_secs(2);
 /// Events that a view keeps for its log.
 const VIEW_EVENTS: usize = 64;
 /// What changes slowly of the signals is looked at once in so many frames.
@@ -41,6 +43,8 @@ pub(super) struct EngineThread {
     /// What the output's thread tells.
     pub(super) emitted: triple_buffer::Output<Emitted>,
     pub(super) pace: Pace,
+    /// How long the source may be silent.
+    pub(super) longest_silence: Duration,
     /// Whether the board is silent, and its keys up.
     pub(super) silent: bool,
     /// References that were taken anew and told.
@@ -117,6 +121,7 @@ impl EngineThread {
         self.last_frame = Some((control.t_ns, at));
         self.view.t_ns = control.t_ns;
         let taken = now();
+        self.longest_silence = GAMEPAD_SILENCE;
         self.input(&Input::Control(*control), Some(at));
         // There is nothing to place.
         self.times.note(at, taken, taken);
@@ -225,12 +230,12 @@ impl EngineThread {
     fn watch(&mut self) {
         let quiet = self
             .last_frame
-            .is_some_and(|(_, at)| at.elapsed() > SILENCE);
+            .is_some_and(|(_, at)| at.elapsed() > self.longest_silence);
         if self.pace == Pace::ByDevice && quiet && !self.silent {
             self.fall_silent();
             tracing::warn!(
                 "the board has been silent for {} ms: all keys are up",
-                SILENCE.as_millis()
+                self.longest_silence.as_millis()
             );
         }
     }
