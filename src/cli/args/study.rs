@@ -73,7 +73,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   gelpad study thickness --out thickness --quick       one coarse case of each kind
-  gelpad study thickness --out thickness               an hour or so on two cores; says first what it takes
+  gelpad study thickness --out thickness               half an hour or so on two cores; says first what it takes
   gelpad study thickness --out stiff --silicone-kpa 300 --layers 1,3")]
     Thickness {
         #[command(flatten)]

@@ -44,8 +44,8 @@ const FINER: [f64; 2] = [0.7, 1.4];
 /// What these press.
 const REFINED: Touch = Touch::Foundation;
 /// Iterations that a case takes, and multiplications that a core does in a second: to foretell the time.
-const ITERATIONS: f64 = 40.0;
-const FLOPS_PER_S: f64 = 5e9;
+const ITERATIONS: f64 = 25.0;
+const FLOPS_PER_S: f64 = 1.6e10;
 
 /// What is studied. Its text is the study's identity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
