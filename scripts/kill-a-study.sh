@@ -14,6 +14,7 @@ trap 'rm -rf "$work"' EXIT
 
 "$gelpad" study thickness --quick --out "$work/whole" >/dev/null 2>&1
 kills=0
+# Within a shell of its own (`exit` keeps it one), or bash would tell of every kill.
 until (timeout --signal=KILL "$after" "$gelpad" study thickness --quick --out "$work/killed"; exit) >/dev/null 2>&1; do
   kills=$((kills + 1)) after=$((after + 1))
 done 2>/dev/null

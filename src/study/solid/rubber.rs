@@ -59,8 +59,8 @@ pub(super) struct Answer {
 ///
 /// Where a pressure is given, the stiffness is that of a brick under it. While Newton's method is on its way, the pressure
 /// that the last step foretold is a better guess than the one of the volume, which a step of rotation alone throws off by
-/// the bulk modulus times the step's square: with it steps may be many times longer (mixed integration points: Magisano,
-/// Leonetti, Garcea, Int. J. Numer. Methods Eng. 111 (2017), 1166-1191).
+/// the bulk modulus times the step's square: with it steps may be many times longer (the idea of mixed integration points:
+/// Magisano, Leonetti, Garcea, 2017).
 pub(super) fn answer(
     points: &[GaussPoint; 8],
     moved_mm: &[Point; CORNERS],
