@@ -43,6 +43,8 @@ const SAMPLE: usize = 12;
 const RELEASED: Duration = Duration::from_secs(2);
 /// A parent that is silent for this long is stopped (`src/output/watch`).
 const STOPPED: Duration = Duration::from_secs(2);
+/// The X keycode of the left shift key, which no profile here plays.
+const OTHERS: u8 = 50;
 
 /// A display and a folder.
 pub struct Stage {
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
         trial("signals_of_a_terminal_do_not_end_the_watcher", deaf),
         trial("end_of_the_source", end_of_the_source),
         trial("profile_switch", profile_switch),
+        trial("keys_of_another_keyboard_stay_down", keys_of_others),
         trial("panic_of_the_source", inside::panic_of_the_source),
         trial("panic_of_the_output", inside::panic_of_the_output),
         trial("an_output_that_hangs", inside::an_output_that_hangs),
@@ -308,4 +311,28 @@ fn profile_switch(stage: &Stage) -> Result<()> {
     stage.display.wait(false, RELEASED + RELEASED)?;
     gelpad.signal(Signal::TERM)?;
     gelpad.ended(PATIENCE).map(drop)
+}
+
+/// Who types on a keyboard while the pad plays keeps his keys: the watcher lets go of gelpad's only.
+fn keys_of_others(stage: &Stage) -> Result<()> {
+    stage.display.press(OTHERS, true)?;
+    let mut gelpad = stage.play(&one_hold())?;
+    let start = Instant::now();
+    while stage.display.down()?.len() < 2 {
+        ensure!(start.elapsed() < PATIENCE, "gelpad holds no key");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    gelpad.signal(Signal::KILL)?;
+    gelpad.ended(PATIENCE)?;
+    let start = Instant::now();
+    while stage.display.down()? != [OTHERS] {
+        let down = stage.display.down()?;
+        ensure!(start.elapsed() < RELEASED, "after the kill: {down:?}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // It does not come up later either.
+    std::thread::sleep(RELEASED / 4);
+    let down = stage.display.down()?;
+    ensure!(down == [OTHERS], "half a second later: {down:?}");
+    stage.display.press(OTHERS, false)
 }

@@ -3,8 +3,10 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
-use x11rb::protocol::xproto::ConnectionExt as _;
+use x11rb::protocol::xproto::{ConnectionExt as _, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
+use x11rb::{CURRENT_TIME, NONE};
 
 /// A client that looks.
 pub struct Display {
@@ -26,6 +28,19 @@ impl Display {
         let bits = self.connection.query_keymap()?.reply()?.keys;
         let is_down = |code: &u8| bits[usize::from(code / 8)] >> (code % 8) & 1 == 1;
         Ok((0..=u8::MAX).filter(is_down).collect())
+    }
+
+    /// Presses or lets go of a key as another keyboard would.
+    pub fn press(&self, code: u8, is_down: bool) -> Result<()> {
+        let kind = if is_down {
+            KEY_PRESS_EVENT
+        } else {
+            KEY_RELEASE_EVENT
+        };
+        let sent = self
+            .connection
+            .xtest_fake_input(kind, code, CURRENT_TIME, NONE, 0, 0, 0)?;
+        Ok(sent.check()?)
     }
 
     /// Waits until keys are down or, with `false`, until none is; how long that took.
