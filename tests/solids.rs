@@ -353,3 +353,50 @@ fn a_flat_punch_presses_as_theory_says() {
         "{force_n} {theory_n}"
     );
 }
+
+#[test]
+fn an_arch_that_snaps_through_comes_to_rest_beyond() {
+    // A clamped shallow arch 40 x 2 x 1 mm, 3 mm high in its middle, pressed through a soft post 20 mm high: the post's top is
+    // moved, but what lies under it is free to snap, and between its two states there is no equilibrium to step through.
+    let (half, rise, post_mm) = (20.0, 3.0, 20.0);
+    let mut z = even(0.0, 1.0, 2);
+    z.extend(even(1.0, 1.0 + post_mm, 10).into_iter().skip(1));
+    let lines = Lines([even(-half, half, 40), even(0.0, 2.0, 1), z]);
+    let mut bricks = Bricks::new(lines, |[i, _, k]| k < 2 || i == 19 || i == 20);
+    for [x, _, z] in &mut bricks.nodes_mm {
+        *z += rise * (1.0 + (std::f64::consts::PI * *x / half).cos()) / 2.0;
+    }
+    let top = 1.0 + rise + post_mm - 0.2;
+    let mut told = Vec::new();
+    for (node, [x, _, z]) in bricks.nodes_mm.iter().enumerate() {
+        let (held, pushed) = (x.abs() > half - 1e-9, *z > top);
+        for axis in 0..3 {
+            // Nothing moves sideways: a plane problem.
+            if axis == 1 || held || pushed {
+                let by_mm = if pushed && axis == 2 { -12.0 } else { 0.0 };
+                told.push(Prescribed { node, axis, by_mm });
+            }
+        }
+    }
+    let rubbers = bricks
+        .cells
+        .iter()
+        .map(|[.., k]| Rubber::from_young(if *k < 2 { 100.0 } else { 0.5 }, 0.3))
+        .collect();
+    let middle = bricks
+        .nodes_mm
+        .iter()
+        .position(|[x, y, z]| x.abs() < 1e-9 && *y < 1e-9 && (z - rise).abs() < 1e-9)
+        .expect("a node under the middle");
+    let mut body = Elastic::new(bricks, rubbers, told, 0.1).expect("held");
+    let mut sunk = Vec::new();
+    for step in 1..=24 {
+        body.load_to(f64::from(step) / 24.0).expect("at rest");
+        sunk.push(-body.moved_mm()[middle][2]);
+    }
+    println!("the arch's middle has sunk by {sunk:.2?} mm");
+    let steps = sunk.windows(2).map(|pair| pair[1] - pair[0]);
+    let longest = steps.fold(0.0, f64::max);
+    assert!(longest > rise, "it does not snap: {sunk:.2?}");
+    assert!(sunk[23] > 2.0 * rise, "{sunk:.2?}");
+}

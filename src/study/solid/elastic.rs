@@ -1,30 +1,12 @@
-//! Large deformation of a body of bricks, some of whose nodes are moved to where they are told.
-//!
-//! Newton's method on the residual forces, the prescribed movement applied in steps: a step that does not converge is halved,
-//! one that converges quickly is followed by a longer one.
+//! Large deformation of a body of bricks, some of whose nodes are moved to where they are told: what it is made of, its forces
+//! and its stiffness. How it comes to its equilibrium: `newton`.
 
-use faer::Mat;
-
-use super::bricks::{Bricks, GaussPoint, Point, gauss_points};
+use super::bricks::{Bricks, CORNERS, GaussPoint, Point, gauss_points};
 use super::rubber::{Answer, DOFS, Gradient, Rubber, answer, mean_gradient};
-use super::system::{Size, System, SystemError};
+use super::system::{Size, System};
 
-/// Residual forces at which a step has converged, as a share of the forces at the prescribed nodes.
-const CONVERGED: f64 = 1e-7;
-/// Forces below this are no forces, mN.
-const NO_FORCE_MN: f64 = 1e-9;
-/// A step may take this many iterations.
-const MOST_ITERATIONS: usize = 14;
-/// After a step of at most so many iterations ...
-const QUICK_ITERATIONS: usize = 6;
-/// ... the next is this much longer.
-const LONGER: f64 = 1.6;
-/// A correction that turns a brick inside out is halved at most so often.
-const MOST_HALVINGS: usize = 6;
-/// The shortest step, as a share of the first.
-const SHORTEST: f64 = 1.0 / 256.0;
 /// No entry: one of the two unknowns is prescribed.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// What is told of one coordinate of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,28 +36,30 @@ pub enum ElasticError {
 /// A body, and how far it is deformed.
 #[derive(Debug)]
 pub struct Elastic {
-    bricks: Bricks,
+    pub(super) bricks: Bricks,
     points: Vec<[GaussPoint; 8]>,
-    rubbers: Vec<Rubber>,
-    prescribed: Vec<Prescribed>,
+    pub(super) rubbers: Vec<Rubber>,
+    pub(super) prescribed: Vec<Prescribed>,
     /// Each node's unknowns; [`NONE`] where prescribed.
-    unknowns: Vec<[u32; 3]>,
-    system: System,
+    pub(super) unknowns: Vec<[u32; 3]>,
+    pub(super) system: System,
     /// Each brick's entries of the lower triangle.
     entries: Vec<Vec<u32>>,
-    moved_mm: Vec<Point>,
-    load: f64,
-    step: f64,
+    /// What part of the body each unknown carries along, mm^3, and its entry of the diagonal.
+    pub(super) carried: Vec<(f64, u32)>,
+    pub(super) moved_mm: Vec<Point>,
+    pub(super) load: f64,
+    pub(super) step: f64,
 }
 
 /// Forces and, where wanted, stiffness of the whole body.
-struct Assembled {
-    values: Vec<f64>,
-    residual: Vec<f64>,
+pub(super) struct Assembled {
+    pub(super) values: Vec<f64>,
+    pub(super) residual: Vec<f64>,
     /// Forces on the nodes, mN.
-    forces: Vec<Point>,
+    pub(super) forces: Vec<Point>,
     /// Each brick's pressure, kPa, and its derivative, kPa/mm.
-    pressures: Vec<(f64, [f64; DOFS])>,
+    pub(super) pressures: Vec<(f64, [f64; DOFS])>,
 }
 
 impl Elastic {
@@ -128,9 +112,18 @@ impl Elastic {
                     .collect()
             })
             .collect();
-        let points = (0..bricks.corners.len())
+        let points: Vec<[GaussPoint; 8]> = (0..bricks.corners.len())
             .map(|brick| gauss_points(&bricks.corners_of(brick, &bricks.nodes_mm)))
             .collect();
+        let mut carried: Vec<(f64, u32)> = (0..count)
+            .map(|unknown| (0.0, system.entry(unknown, unknown)))
+            .collect();
+        for (corners, points) in bricks.corners.iter().zip(&points) {
+            let volume: f64 = points.iter().map(|point| point.volume_mm3).sum();
+            for unknown in of_brick(corners).into_iter().filter(|u| *u != NONE) {
+                carried[unknown as usize].0 += volume / CORNERS as f64;
+            }
+        }
         Ok(Self {
             moved_mm: vec![[0.0; 3]; bricks.nodes_mm.len()],
             load: 0.0,
@@ -141,6 +134,7 @@ impl Elastic {
             unknowns,
             system,
             entries,
+            carried,
             bricks,
         })
     }
@@ -161,38 +155,6 @@ impl Elastic {
     #[must_use]
     pub fn moved_mm(&self) -> &[Point] {
         &self.moved_mm
-    }
-
-    /// Deforms the body until the load is reached: every prescribed coordinate is then moved by that share.
-    ///
-    /// # Errors
-    /// No convergence, or a body that is not held.
-    pub fn load_to(&mut self, load: f64) -> Result<(), ElasticError> {
-        let shortest = self.step * SHORTEST;
-        while self.load < load {
-            let next = if self.load + self.step > load - 1e-12 {
-                load
-            } else {
-                self.load + self.step
-            };
-            let before = self.moved_mm.clone();
-            match self.converge(next)? {
-                Some(iterations) => {
-                    self.load = next;
-                    if iterations <= QUICK_ITERATIONS {
-                        self.step *= LONGER;
-                    }
-                }
-                None => {
-                    self.moved_mm = before;
-                    self.step = 0.5 * (next - self.load);
-                    if self.step < shortest {
-                        return Err(ElasticError::Diverged { reached: self.load });
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     /// How the body is stretched and turned about a point of it at rest: dx/dX at the nearest Gauss point, with the brick's
@@ -221,103 +183,9 @@ impl Elastic {
         })
     }
 
-    /// One step; how many iterations it took, or nothing if it did not converge.
-    fn converge(&mut self, load: f64) -> Result<Option<usize>, ElasticError> {
-        let ahead: Vec<(usize, usize, f64)> = self
-            .prescribed
-            .iter()
-            .map(|told| {
-                let there = load * told.by_mm;
-                (
-                    told.node,
-                    told.axis,
-                    there - self.moved_mm[told.node][told.axis],
-                )
-            })
-            .collect();
-        // The first correction carries the prescribed movement into the body as a linear one would.
-        let Some(mut state) = self.assemble(&self.moved_mm, true, &ahead, None) else {
-            return Ok(None);
-        };
-        for iteration in 1..=MOST_ITERATIONS {
-            let correction = self.correction(&state)?;
-            let mut share = 1.0;
-            let mut halvings = 0;
-            let (moved, next) = loop {
-                let mut moved = self.moved_mm.clone();
-                for (moved, unknowns) in moved.iter_mut().zip(&self.unknowns) {
-                    for (coordinate, unknown) in moved.iter_mut().zip(unknowns) {
-                        if *unknown != NONE {
-                            *coordinate += share * correction[(*unknown as usize, 0)];
-                        }
-                    }
-                }
-                for told in &self.prescribed {
-                    moved[told.node][told.axis] = load * told.by_mm;
-                }
-                let foretold = self.foretell(&state, &moved);
-                if let Some(next) = self.assemble(&moved, true, &[], Some(&foretold)) {
-                    break (moved, next);
-                }
-                halvings += 1;
-                // The prescribed movement itself may be too long a step.
-                if halvings > MOST_HALVINGS {
-                    return Ok(None);
-                }
-                share *= 0.5;
-            };
-            self.moved_mm = moved;
-            state = next;
-            let held: f64 = self
-                .prescribed
-                .iter()
-                .map(|told| state.forces[told.node][told.axis].powi(2))
-                .sum();
-            let rest: f64 = state.residual.iter().map(|force| force * force).sum();
-            if !rest.is_finite() {
-                return Ok(None);
-            }
-            if rest.sqrt() <= CONVERGED * held.sqrt() + NO_FORCE_MN {
-                return Ok(Some(iteration));
-            }
-        }
-        Ok(None)
-    }
-
-    /// Each brick's pressure at new displacements as the last ones foretell it, kPa.
-    fn foretell(&self, last: &Assembled, moved_mm: &[Point]) -> Vec<f64> {
-        let bricks = self.bricks.corners.iter().zip(&last.pressures);
-        bricks
-            .map(|(corners, (pressure, slope))| {
-                let steps = corners.iter().zip(slope.chunks(3)).map(|(node, slope)| {
-                    let (new, old) = (moved_mm[*node as usize], self.moved_mm[*node as usize]);
-                    (0..3)
-                        .map(|axis| slope[axis] * (new[axis] - old[axis]))
-                        .sum::<f64>()
-                });
-                pressure + steps.sum::<f64>()
-            })
-            .collect()
-    }
-
-    fn correction(&self, state: &Assembled) -> Result<Mat<f64>, ElasticError> {
-        let unsolvable = |error: SystemError| {
-            ElasticError::Unsolvable(match error {
-                SystemError::Singular => "part of it is not held",
-                SystemError::TooLarge => "it is too large for the memory",
-            })
-        };
-        let mut side = Mat::from_fn(state.residual.len(), 1, |row, _| -state.residual[row]);
-        self.system
-            .factorise(&state.values)
-            .and_then(|factor| factor.solve_in_place(side.as_mut()))
-            .map_err(unsolvable)?;
-        Ok(side)
-    }
-
     /// Forces at these displacements, and the stiffness if wanted; `ahead` moves prescribed coordinates on to first order.
     /// Nothing if a brick is turned inside out.
-    fn assemble(
+    pub(super) fn assemble(
         &self,
         moved_mm: &[Point],
         with_stiffness: bool,

@@ -6,6 +6,7 @@
 pub mod bricks;
 pub mod current;
 pub mod elastic;
+mod newton;
 mod order;
 mod rubber;
 mod system;
