@@ -112,11 +112,8 @@ impl CurrentModel {
                 if point.volume_mm3 <= 0.0 {
                     return Err(ForwardError::Disconnected);
                 }
-                let weight = sigma * point.volume_mm3 * M_PER_MM;
-                for ((i, j), entry) in pairs().zip(entries) {
-                    let (a, b) = (point.gradients[i], point.gradients[j]);
-                    values[*entry as usize] += weight * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-                }
+                let siemens_mm2 = sigma * point.volume_mm3 * M_PER_MM;
+                conduct(&mut values, entries, siemens_mm2, &point.gradients);
             }
         }
         self.solved(places_mm, values)
@@ -150,11 +147,8 @@ impl CurrentModel {
                 let carried: [Point; CORNERS] = point
                     .gradients
                     .map(|n| std::array::from_fn(|i| (0..3).map(|l| inverse[l][i] * n[l]).sum()));
-                let weight = sigma * swell * point.volume_mm3 * M_PER_MM;
-                for ((i, j), entry) in pairs().zip(entries) {
-                    let (a, b) = (carried[i], carried[j]);
-                    values[*entry as usize] += weight * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-                }
+                let siemens_mm2 = sigma * swell * point.volume_mm3 * M_PER_MM;
+                conduct(&mut values, entries, siemens_mm2, &carried);
             }
         }
         self.solved(places_mm, values)
@@ -231,6 +225,20 @@ impl Transfer {
     #[must_use]
     pub fn ohm(&self, into: usize, of: usize) -> f64 {
         self.ohm[(of, into)]
+    }
+}
+
+/// Adds what lies about one point of a brick: its conductivity times its volume, S mm^2, and the gradients of its corners' shapes,
+/// 1/mm.
+fn conduct(
+    values: &mut [f64],
+    entries: &[u32; PAIRS],
+    siemens_mm2: f64,
+    gradients: &[Point; CORNERS],
+) {
+    for ((i, j), entry) in pairs().zip(entries) {
+        let (a, b) = (gradients[i], gradients[j]);
+        values[*entry as usize] += siemens_mm2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
     }
 }
 
