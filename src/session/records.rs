@@ -212,6 +212,10 @@ pub(super) fn unpack_chunk(body: &[u8]) -> Result<Vec<(u8, Vec<u8>)>, String> {
     let _sum = head.u32().ok_or_else(wrong)?;
     let _compression = head.text().ok_or_else(wrong)?;
     let packed = head.u64().ok_or_else(wrong)?;
+    // The walker trusts that no record runs out of its chunk: it must not find bytes beyond.
+    if packed != head.rest().len() as u64 {
+        return Err(wrong());
+    }
     if unpacked > MOST_CHUNK as u64 || unpacked > packed.saturating_mul(MOST_RATIO) {
         return Err(format!(
             "a chunk claims to unpack from {packed} to {unpacked} bytes"

@@ -90,14 +90,19 @@ fn claiming(code: u8, length: u64, body: &[u8]) -> Result<Vec<u8>> {
 
 /// The body of a chunk that claims so many bytes.
 fn chunk(claimed: u64, packed: &[u8]) -> Vec<u8> {
-    let mut body = vec![0; 16];
-    body.extend_from_slice(&claimed.to_le_bytes());
-    body.extend_from_slice(&0u32.to_le_bytes());
-    body.extend_from_slice(&4u32.to_le_bytes());
-    body.extend_from_slice(b"zstd");
-    body.extend_from_slice(&(packed.len() as u64).to_le_bytes());
+    let mut body = chunk_head(claimed, "zstd", packed.len() as u64);
     body.extend_from_slice(packed);
     body
+}
+
+fn chunk_head(claimed: u64, compression: &str, packed: u64) -> Vec<u8> {
+    let mut head = vec![0; 16];
+    head.extend_from_slice(&claimed.to_le_bytes());
+    head.extend_from_slice(&0u32.to_le_bytes());
+    head.extend_from_slice(&(compression.len() as u32).to_le_bytes());
+    head.extend_from_slice(compression.as_bytes());
+    head.extend_from_slice(&packed.to_le_bytes());
+    head
 }
 
 pub fn refused() -> Result<()> {
@@ -124,6 +129,11 @@ pub fn refused() -> Result<()> {
     let extends_itself = r#"{"t_ns":0,"chain":[{"name":"a","toml":"schema = 1\nname = \"a\"\nextends = \"a\"\n"}],"user":null}"#;
     say(&mut circle, "/profile", extends_itself.as_bytes())?;
     let nested = chunk(60, &[]);
+    // A record of 40 bytes in a chunk of 12.
+    let mut beyond = chunk_head(12, "", 12);
+    beyond.push(5);
+    beyond.extend_from_slice(&40u64.to_le_bytes());
+    beyond.extend_from_slice(&[0; 40]);
     let files = [
         ("bomb", finished(bomb)?),
         ("many_bombs", finished(bombs)?),
@@ -141,6 +151,10 @@ pub fn refused() -> Result<()> {
         (
             "chunk_in_a_chunk",
             claiming(6, nested.len() as u64 + 40, &chunk(100, &nested))?,
+        ),
+        (
+            "a_record_longer_than_its_chunk",
+            claiming(6, beyond.len() as u64, &beyond)?,
         ),
         ("attachment_of_nothing", claiming(9, 5, b"12345")?),
     ];
