@@ -8,7 +8,7 @@ const MOST_DECADES: i32 = 6;
 /// How heights are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axis {
-    /// From zero to a round number.
+    /// From zero to a round number, and below zero where values are.
     #[default]
     FromZero,
     /// In decades. What is not above zero has no place on it.
@@ -35,13 +35,23 @@ impl Heights {
         };
         match axis {
             Axis::FromZero => {
-                let (end, steps) = scale(values().fold(0.0, f64::max));
-                let at = |step: usize| end * step as f64 / steps as f64;
+                let farthest = |of: fn(f64, f64) -> f64| values().fold(0.0, of);
+                let (least, most) = (farthest(f64::min), farthest(f64::max));
+                let (end, steps) = scale(most.max(-least));
+                let step = end / steps as f64;
+                // Round numbers beyond the values on either side; where there are none, zero.
+                let below = (least / step + 1e-6).floor() as i32;
+                let above = if least < 0.0 {
+                    (most / step - 1e-6).ceil() as i32
+                } else {
+                    steps as i32
+                };
+                let at = |line: i32| end * f64::from(line) / steps as f64;
                 Self {
                     axis,
-                    ends: [0.0, end],
-                    marked: (0..=steps)
-                        .map(|step| (at(step), short(at(step))))
+                    ends: [at(below), at(above)],
+                    marked: (below..=above)
+                        .map(|line| (at(line), short(at(line))))
                         .collect(),
                 }
             }
@@ -122,6 +132,33 @@ fn scale(highest: f64) -> (f64, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_below_zero_have_their_place() {
+        let heights = |values: &[f64]| {
+            let series = Series {
+                points: values.iter().map(|value| [*value; 3]).collect(),
+                ..Series::default()
+            };
+            Heights::of(Axis::FromZero, &[series])
+        };
+        let marked = |values: &[f64]| -> Vec<String> {
+            let marked = heights(values).marked;
+            marked.into_iter().map(|(_, name)| name).collect()
+        };
+        assert_eq!(marked(&[0.55]), ["0", "0.2", "0.4", "0.6"]);
+        assert_eq!(
+            marked(&[-1.28, 0.55]),
+            ["-1.5", "-1", "-0.5", "0", "0.5", "1"]
+        );
+        assert_eq!(
+            marked(&[-0.5]),
+            ["-0.5", "-0.4", "-0.3", "-0.2", "-0.1", "0"]
+        );
+        let mixed = heights(&[-1.28, 0.55]);
+        assert!((mixed.share(0.0) - 0.6).abs() < 1e-12);
+        assert!((mixed.share(-1.28) - 0.088).abs() < 1e-12);
+    }
 
     #[test]
     fn decades_begin_and_end_at_round_numbers() {

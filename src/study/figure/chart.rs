@@ -9,6 +9,9 @@ use crate::study::StudyError;
 /// Lengths of a dash and of the gap behind it, pixels.
 const DASH: (f64, f64) = (7.0, 5.0);
 
+/// Room for the names of the lines: at least so much, and so much for their signs and each letter, pixels.
+const LEGEND: (i32, i32, i32) = (180, 56, 7);
+
 /// One line of a chart, with the range about each point if it has one.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
@@ -76,11 +79,14 @@ impl Chart {
     }
 
     pub(super) fn compose(&self, put: &mut dyn FnMut(Mark)) {
+        let letters = self.series.iter().map(|series| series.name.chars().count());
+        let (least, signs, letter) = LEGEND;
+        let legend = least.max(signs + letter * letters.max().unwrap_or(0) as i32);
         let plot = Plot {
             chart: self,
             heights: Heights::of(self.axis, &self.series),
             left: 84,
-            right: CHART.0 as i32 - 180,
+            right: CHART.0 as i32 - legend,
             top: 48,
             bottom: CHART.1 as i32 - 58,
         };

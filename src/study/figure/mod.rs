@@ -22,13 +22,15 @@ const CHART: (u32, u32) = (760, 460);
 /// Lines that guide the eye.
 const GREY: RGBColor = RGBColor(205, 205, 205);
 /// Colours that differ in lightness too (Okabe and Ito), one a line.
-const LINES: [RGBColor; 6] = [
+const LINES: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(150, 150, 150),
 ];
 
 /// A figure in both forms.

@@ -225,9 +225,10 @@ impl Thickness {
                 .to_owned(),
         );
         let nodes = |which: usize| {
-            outcomes
-                .iter()
-                .map(move |o| o.nodes[which])
+            let cases = self.cases.iter().zip(outcomes);
+            cases
+                .filter(|(case, _)| case.finer == 1.0)
+                .map(move |(_, outcome)| outcome.nodes[which])
                 .filter(|n| *n > 0)
         };
         if let (Some(mechanics), Some(current)) = (nodes(0).min(), nodes(1).min()) {
@@ -344,17 +345,14 @@ impl Thickness {
         layers_mm: &[f64],
         figure: impl Fn(&Pressed) -> f64,
     ) -> Result<Figure, StudyError> {
-        // A line needs every thickness.
-        let series = groups.iter().filter_map(|group| {
-            let points: Option<Vec<[f64; 3]>> = layers_mm
+        // Where a layer was not pressed so far, its line has no point.
+        let series = groups.iter().map(|group| Series {
+            name: group.kind.name(),
+            points: layers_mm
                 .iter()
-                .map(|layer| group.at(*layer, &figure))
-                .collect();
-            Some(Series {
-                name: group.kind.name(),
-                points: points?,
-                ..Series::default()
-            })
+                .map(|layer| group.at(*layer, &figure).unwrap_or([f64::NAN; 3]))
+                .collect(),
+            ..Series::default()
         });
         Chart {
             name: name.to_owned(),
