@@ -22,7 +22,7 @@ pub struct Prescribed {
 /// Why a body could not be deformed so far.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ElasticError {
-    /// Not even the shortest steps converged.
+    /// Neither did the shortest step converge, nor did the body come to rest when it was let creep.
     #[error("the deformation does not converge beyond {reached:.3} of the load")]
     Diverged {
         /// The load that was reached.

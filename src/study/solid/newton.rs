@@ -28,7 +28,7 @@ const LONGER: f64 = 1.6;
 const CAUTION: usize = 3;
 /// A correction that turns a brick inside out is halved at most so often.
 const MOST_HALVINGS: usize = 2;
-/// The shortest step, as a share of the first; if it does not converge the body is let creep.
+/// The shortest step, as a share of the one with which a load begins; if it does not converge the body is let creep.
 const SHORTEST: f64 = 1.0 / 32.0;
 /// What holds a creeping body back at first, as a share of the stiffest rubber's shear modulus, a mm^2.
 const FIRST_DRAG: f64 = 0.2;
@@ -38,6 +38,7 @@ const DRAG_FACTOR: f64 = 4.0;
 const AT_REST: usize = 2;
 /// A body has so many steps to come to rest.
 const MOST_CREEPING: usize = 60;
+
 /// A drag on every part of a body.
 struct Drag<'a> {
     /// Where its nodes' movement is counted from, mm.
@@ -50,7 +51,7 @@ impl Elastic {
     /// Deforms the body until the load is reached: every prescribed coordinate is then moved by that share.
     ///
     /// # Errors
-    /// No convergence, or a body that is not held.
+    /// No equilibrium, not even by creeping, or a body that is not held.
     pub fn load_to(&mut self, load: f64) -> Result<(), ElasticError> {
         let shortest = self.step * SHORTEST;
         let mut caution = 0_usize;

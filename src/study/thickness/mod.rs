@@ -46,7 +46,8 @@ const REFINED: Touch = Touch::Foundation;
 /// Multiplications that a core does in a second, to foretell the time.
 const FLOPS_PER_S: f64 = 1.6e10;
 
-/// Iterations that a case takes, measured: on a table the rubber folds, and each fold is followed.
+/// Iterations that a case takes, so chosen that the whole study's time comes out: on a table the rubber folds, and each fold is
+/// followed.
 fn iterations(touch: Touch) -> f64 {
     match touch {
         Touch::Rise => 0.0,
