@@ -1,9 +1,12 @@
 //! Any bytes are frames, garbled or nothing to every dialect, in bounded memory; what is a frame has finite values and no
-//! impossible number of them. The first byte chooses the format and the pieces in which the rest comes:
-//! `cargo fuzz run -s none wire -- -max_len=600 -dict=fuzz/wire.dict`
-//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler).
+//! impossible number of them. The first byte chooses the format and the pieces in which the rest comes; a name in
+//! `GELPAD_FUZZ_FORMAT` (as `--format` calls them, or `auto`) chooses it for all inputs:
+//! `GELPAD_FUZZ_FORMAT=sciospec cargo fuzz run -s none wire -- -max_len=600 -dict=fuzz/wire.dict`
+//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler). `scripts/fuzz.sh` runs every decoder.
 
 #![no_main]
+
+use std::sync::OnceLock;
 
 use gelpad::source::wire::{
     Auto, Decoded, Dialect, FormatKind, MOST_HELD_BYTES, MOST_VALUES, SHOWN_BYTES, Wiring,
@@ -12,12 +15,24 @@ use libfuzzer_sys::fuzz_target;
 
 const STEP_NS: u64 = 300_000_000;
 
+/// What every input is read as: outer none where each chooses for itself, inner none for `auto`.
+fn chosen() -> Option<Option<FormatKind>> {
+    static CHOSEN: OnceLock<Option<Option<FormatKind>>> = OnceLock::new();
+    *CHOSEN.get_or_init(|| {
+        let name = std::env::var("GELPAD_FUZZ_FORMAT").ok()?;
+        let kind = FormatKind::ALL.into_iter().find(|kind| kind.name() == name);
+        assert!(kind.is_some() || name == "auto", "no format {name:?}");
+        Some(kind)
+    })
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let Some((choice, bytes)) = bytes.split_first() else {
         return;
     };
     let wiring = Wiring::adjacent(if choice & 8 == 0 { 16 } else { 32 });
-    let mut dialect: Box<dyn Dialect> = match FormatKind::ALL.get(usize::from(choice & 7)) {
+    let kind = chosen().unwrap_or_else(|| FormatKind::ALL.get(usize::from(choice & 7)).copied());
+    let mut dialect: Box<dyn Dialect> = match kind {
         Some(kind) => kind.dialect(&wiring, choice & 16 != 0),
         None => Box::new(Auto::new(wiring)),
     };

@@ -14,6 +14,10 @@ const LARGEST_FILE: u64 = 16 << 20;
 const CHANNELS_LINE: &str = "MeasurementChannels:";
 /// Header line (from 0) of the frame rate.
 const RATE_LINE: usize = 9;
+/// Frame rates that an instrument can have, 1/s: one frame in a quarter of an hour is none any more.
+const RATES_PER_S: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// A potential beyond this is none, V: differences of such fit a single float.
+const MOST_V: f64 = 1e30;
 
 /// A frame as the instrument wrote it.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,17 +79,29 @@ impl EitFrame {
             .trim()
             .parse()
             .ok()
-            .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
-            .ok_or_else(|| problem(RATE_LINE, "the frame rate is no number above 0".to_owned()))?;
+            .filter(|rate| RATES_PER_S.contains(rate))
+            .ok_or_else(|| {
+                let (least, most) = RATES_PER_S.into_inner();
+                problem(
+                    RATE_LINE,
+                    format!("the frame rate is no number from {least} to {most} frames/s"),
+                )
+            })?;
         // Without such a line, all are.
-        let channels: Option<Vec<usize>> = lines[..header]
+        let channels = lines[..header]
             .iter()
-            .find_map(|line| line.strip_prefix(CHANNELS_LINE))
-            .and_then(|list| {
-                list.split(',')
-                    .map(|word| word.trim().parse::<usize>().ok()?.checked_sub(1))
-                    .collect()
-            });
+            .enumerate()
+            .find_map(|(line, text)| Some((line, text.strip_prefix(CHANNELS_LINE)?)))
+            .map(|(line, list)| {
+                listed(list).ok_or_else(|| {
+                    problem(
+                        line,
+                        "expected the measured electrodes, from 1 and each once, as in `1,2,3`"
+                            .to_owned(),
+                    )
+                })
+            })
+            .transpose()?;
         let mut drives: Vec<EitDrive> = Vec::new();
         let body: Vec<(usize, &str)> = lines
             .iter()
@@ -106,7 +122,11 @@ impl EitFrame {
             })?;
             let numbers: Option<Vec<f64>> = volts
                 .split_whitespace()
-                .map(|word| word.parse().ok().filter(|value: &f64| value.is_finite()))
+                .map(|word| {
+                    word.parse()
+                        .ok()
+                        .filter(|value: &f64| value.abs() <= MOST_V)
+                })
                 .collect();
             let numbers = numbers
                 .filter(|numbers| !numbers.is_empty() && numbers.len() % 2 == 0)
@@ -121,7 +141,8 @@ impl EitFrame {
                 None => (0..numbers.len() / 2).collect(),
             };
             let part = |of: usize| -> Option<Vec<f64>> {
-                let value = |channel: &usize| numbers.get(2 * channel + of).copied();
+                let value =
+                    |channel: &usize| numbers.chunks(2).nth(*channel).map(|parts| parts[of]);
                 listed.iter().map(value).collect()
             };
             let (Some(real), Some(imaginary)) = (part(0), part(1)) else {
@@ -179,6 +200,20 @@ impl EitFrame {
     }
 }
 
+/// The electrodes of a list, from 0. One that is listed twice would let a small file fill the memory.
+fn listed(list: &str) -> Option<Vec<usize>> {
+    let channels: Vec<usize> = list
+        .split(',')
+        .map(|word| word.trim().parse::<usize>().ok()?.checked_sub(1))
+        .collect::<Option<_>>()?;
+    let mut sorted = channels.clone();
+    sorted.sort_unstable();
+    sorted
+        .windows(2)
+        .all(|pair| pair[0] < pair[1])
+        .then_some(channels)
+}
+
 /// The two electrodes of a drive's line, from 0.
 fn driven(line: &str) -> Option<(usize, usize)> {
     let mut words = line.split_whitespace().map(str::parse::<usize>);
@@ -212,12 +247,39 @@ mod tests {
     }
 
     #[test]
+    fn a_damaged_header_is_refused_at_its_line() {
+        let said = |line: usize, text: &str| {
+            let mut lines: Vec<&str> = HEADER.lines().collect();
+            lines[line] = text;
+            let text = format!("{}\n1 2\n9 0 8 0 5 1 3 0\n", lines.join("\n"));
+            let error = EitFrame::parse(Path::new("f.eit"), &text).expect_err("refused");
+            error.to_string()
+        };
+        for rate in ["", "0", "-20", "nan", "1e-9", "1e9"] {
+            let told = "f.eit:10: the frame rate is no number from 0.001 to 1000000 frames/s";
+            assert_eq!(said(9, rate), told);
+        }
+        for channels in ["", "0,1", "1,1", "1;2", "1,2,3,2"] {
+            let told = said(11, &format!("{CHANNELS_LINE}{channels}"));
+            assert!(
+                told.starts_with("f.eit:12: expected the measured"),
+                "{told}"
+            );
+        }
+        for channels in ["5", "18446744073709551615"] {
+            let told = said(11, &format!("{CHANNELS_LINE} 1,2,{channels}"));
+            assert!(told.starts_with("f.eit:14: fewer potentials"), "{told}");
+        }
+    }
+
+    #[test]
     fn a_damaged_file_is_refused_at_its_line() {
         for (body, told) in [
             ("1 2\n", "f.eit:13: a drive without potentials"),
             ("0 2\n1 0 2 0\n", "f.eit:13: expected the two driven"),
             ("1 2\n1 0 2\n", "f.eit:14: expected a real"),
             ("1 2\n1 0 x 0\n", "f.eit:14: expected a real"),
+            ("1 2\n1 0 1e31 0\n", "f.eit:14: expected a real"),
             ("1 7\n1 0 2 0\n", "f.eit:13: drives an electrode beyond"),
             ("1 2\n1 0 2 0\n2 1\n1 0\n", "f.eit:16: 1 potentials"),
         ] {

@@ -130,7 +130,7 @@ fn rows_of(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
     let mut rows: Vec<Vec<f32>> = Vec::new();
     for (line, row) in text.lines().enumerate() {
         let line = line as u64 + 1;
-        if row.trim().is_empty() || row.starts_with(['#', '%']) {
+        if row.starts_with(['#', '%']) {
             continue;
         }
         let numbers = row
@@ -147,6 +147,9 @@ fn rows_of(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
                     })
             })
             .collect::<Result<Vec<f32>, _>>()?;
+        if numbers.is_empty() {
+            continue;
+        }
         if let Some(first) = rows.first()
             && first.len() != numbers.len()
         {
@@ -232,6 +235,8 @@ mod tests {
     fn what_is_no_table_of_the_pad_is_told_at_its_line() {
         let said = |text: &str| frames_of(text, &tank()).expect_err("refused");
         assert_eq!(said("\n").1, "the table is empty");
+        // As many rows as a frame has voltages, and nothing in them.
+        assert_eq!(said(&";\n".repeat(208)).1, "the table is empty");
         assert_eq!(
             said("1 2\n3\n"),
             (2, "1 numbers where the rows before have 2".to_owned())
