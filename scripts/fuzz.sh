@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Fuzzes every decoder: each wire format, recordings, files of frames (and profiles, where they are named). A line for each: inputs, inputs a second,
-# the most memory, the slowest input. Ends with 1 if one failed; what failed and the whole output lie in target/fuzz, as do
-# the inputs that led further, from which the next run begins. Needs cargo-fuzz (`cargo install cargo-fuzz`).
+# Fuzzes every decoder: each wire format, recordings, files of frames (and profiles, where they are named). A line for
+# each: inputs, inputs a second, the most memory, the slowest input. Ends with 1 if one failed; what failed and the whole
+# output lie in target/fuzz, as do the inputs that led further, from which the next run begins. Needs cargo-fuzz
+# (`cargo install cargo-fuzz`).
 #
 #   scripts/fuzz.sh [INPUTS] [NAME...]      10000000 inputs of each by default, as many at a time as there are cores:
 #                                           an hour on two

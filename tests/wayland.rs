@@ -91,30 +91,17 @@ impl Home {
             std::os::unix::fs::chown(folder.path(), Some(NOBODY), Some(NOBODY))?;
         }
         let home = Self { folder };
-        // What was solved for the pad is not solved again.
-        let cache = std::env::var_os("XDG_CACHE_HOME")
-            .map(PathBuf::from)
-            .or_else(|| {
-                let home = std::env::var_os("HOME")?;
-                Some(PathBuf::from(home).join(".cache"))
-            });
-        let ours = home.path("cache/gelpad");
-        fs::create_dir_all(&ours)?;
-        for entry in cache
-            .iter()
-            .flat_map(|cache| fs::read_dir(cache.join("gelpad")))
-            .flatten()
-        {
-            let entry = entry?;
-            if entry.file_type()?.is_file() {
-                fs::copy(entry.path(), ours.join(entry.file_name()))?;
+        // What was solved for the pad is not solved again; the folder of the tests is not this user's to read.
+        let ours = home.path("cache");
+        fs::create_dir(&ours)?;
+        let solved = gelpad::cache::folder().into_iter();
+        for file in solved.flat_map(|folder| files(&folder).collect::<Vec<_>>()) {
+            if let (true, Some(name)) = (file.is_file(), file.file_name()) {
+                fs::copy(&file, ours.join(name))?;
             }
         }
-        for made in [home.path("cache"), ours.clone()]
-            .into_iter()
-            .chain(files(&ours))
-        {
-            if is_root() {
+        if is_root() {
+            for made in [ours.clone()].into_iter().chain(files(&ours)) {
                 std::os::unix::fs::chown(made, Some(NOBODY), Some(NOBODY))?;
             }
         }
@@ -145,7 +132,7 @@ impl Home {
             .args(arguments)
             .env("HOME", self.folder.path())
             .env("XDG_RUNTIME_DIR", self.folder.path())
-            .env("XDG_CACHE_HOME", self.path("cache"))
+            .env(gelpad::cache::FOLDER_VARIABLE, self.path("cache"))
             .env("WAYLAND_DISPLAY", display.unwrap_or_default())
             .env("WLR_BACKENDS", "headless")
             .env("WLR_RENDERER", "pixman")
