@@ -69,15 +69,12 @@ fn assert_same(ours: &Path, theirs: &Path) {
 }
 
 #[test]
-fn the_width_study_agrees_resumes_and_merges() {
+fn the_width_study_agrees_with_an_independent_model() {
     let root = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| root.path().join(name);
-    let width = ["width", "--quick"];
-    done(&mut study(&width, &at("whole")));
-
-    // The figures of the cases, within 5 %.
+    let out = root.path().join("width");
+    done(&mut study(&["width", "--quick"], &out));
     let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-    let mut table = csv::Reader::from_path(at("whole").join("phantoms.csv")).expect("a table");
+    let mut table = csv::Reader::from_path(out.join("phantoms.csv")).expect("a table");
     for row in table.records() {
         let row = row.expect("a row");
         if &row[2] == "5" {
@@ -94,18 +91,25 @@ fn the_width_study_agrees_resumes_and_merges() {
         assert!((ours_absolute / absolute - 1.0).abs() < 0.05, "{variant}");
         assert!((ours_relative / relative - 1.0).abs() < 0.05, "{variant}");
     }
+}
 
-    // Killed in the middle, it goes on and ends with the same files.
-    let mut child = study(&width, &at("killed"))
+#[test]
+fn a_study_that_was_killed_or_split_ends_with_the_same_files() {
+    let root = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| root.path().join(name);
+    let sweep = ["width", "--quick", "--vary", "lattice.width=2..4:1"];
+    done(&mut study(&sweep, &at("whole")));
+
+    let mut child = study(&sweep, &at("killed"))
         .stdout(Stdio::null())
         .spawn()
         .expect("started");
     let cases = at("killed").join("cases");
-    for _ in 0..600 {
+    for _ in 0..6000 {
         if fs::read_dir(&cases).is_ok_and(|mut entries| entries.next().is_some()) {
             break;
         }
-        std::thread::sleep(Duration::from_millis(50));
+        std::thread::sleep(Duration::from_millis(5));
     }
     child.kill().expect("our own child");
     child.wait().expect("ended");
@@ -113,13 +117,13 @@ fn the_width_study_agrees_resumes_and_merges() {
         !at("killed").join("report.html").exists(),
         "it was killed before its end"
     );
-    done(&mut study(&width, &at("killed")));
+    done(&mut study(&sweep, &at("killed")));
     assert_same(&at("whole"), &at("killed"));
 
     // Two shards, joined.
     for shard in ["1/2", "2/2"] {
         let folder = at(&shard.replace('/', "-"));
-        done(&mut study(&["width", "--quick", "--shard", shard], &folder));
+        done(study(&sweep, &folder).args(["--shard", shard]));
         assert!(
             !folder.join("report.html").exists(),
             "a shard has no report"
