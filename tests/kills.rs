@@ -66,9 +66,10 @@ fn main() -> ExitCode {
     // A backtrace is looked up before the stack unwinds: with debug information that takes a second or two.
     std::panic::set_hook(Box::new(|info| eprintln!("{info}")));
     let mut arguments = Arguments::from_args();
-    // They measure time.
-    arguments.test_threads = Some(1);
-    let mut trials = vec![
+    // One waits for the guest while another goes through the rest, each on a display of its own.
+    arguments.test_threads = Some(2);
+    let trials = vec![
+        needing(guest::missing(), "killed_in_the_guest", guest::killed),
         trial("killed", killed),
         trial("aborted", aborted),
         trial("stopped", stopped),
@@ -81,9 +82,6 @@ fn main() -> ExitCode {
         trial("panic_of_the_output", inside::panic_of_the_output),
         trial("an_output_that_hangs", inside::an_output_that_hangs),
     ];
-    trials.push(needing(guest::missing(), "killed_in_the_guest", || {
-        guest::killed()
-    }));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 

@@ -3,6 +3,7 @@
 mod lattice;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -262,14 +263,24 @@ fn thinned_to_slow_boards() {
 }
 
 #[test]
-fn with_any_electrode_disconnected_half_way() {
+fn with_any_electrode_of_the_first_half_disconnected_half_way() {
+    disconnected_half_way(0..pad().protocol.electrodes / 2);
+}
+
+#[test]
+fn with_any_electrode_of_the_second_half_disconnected_half_way() {
+    let electrodes = pad().protocol.electrodes;
+    disconnected_half_way(electrodes / 2..electrodes);
+}
+
+fn disconnected_half_way(electrodes: Range<usize>) {
     let all = session();
     let protocol = pad().protocol;
     let full_scale = all[0]
         .volts
         .iter()
         .fold(0.0f32, |most, volt| most.max(volt.abs()));
-    for electrode in 0..protocol.electrodes {
+    for electrode in electrodes {
         // Readings of one with noise of one, less one: noise alone.
         let mut noise = Noise::new(0.0, electrode as u64);
         let frames: Vec<Frame> = all

@@ -35,7 +35,20 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let mut trials = vec![
+    let needs = |name, missing: Option<String>, run: fn() -> Result<()>| match missing {
+        Some(missing) if !tools::all_required() => {
+            trial(name, run).with_kind(missing).with_ignored_flag(true)
+        }
+        _ => trial(name, run),
+    };
+    let trials = vec![
+        // Those that take longest first: two run at a time.
+        needs(
+            "in_a_guest_without_avx2",
+            replays::no_guest(),
+            replays::in_guest,
+        ),
+        needs("a_movie_in_fceux", exports::no_fceux(), exports::movie),
         trial("a_session_replays_to_the_bit", replays::to_the_bit),
         trial("another_profile_plays_the_same_touches", replays::anew),
         trial("expectations", replays::expectations),
@@ -51,29 +64,9 @@ fn main() -> ExitCode {
         trial("touches_by_udp", tuio::by_udp),
         trial("version_1", version_1::replays),
         trial("an_hour", replays::hour).with_ignored_flag(true),
+        needs("mcap_of_python", no_python("mcap"), exports::python),
+        needs("tuio_of_python", no_python("pythontuio"), tuio::python),
     ];
-    let needs = |name, missing: Option<String>, run: fn() -> Result<()>| match missing {
-        Some(missing) if !tools::all_required() => {
-            trial(name, run).with_kind(missing).with_ignored_flag(true)
-        }
-        _ => trial(name, run),
-    };
-    trials.push(needs(
-        "in_a_guest_without_avx2",
-        replays::no_guest(),
-        replays::in_guest,
-    ));
-    trials.push(needs(
-        "a_movie_in_fceux",
-        exports::no_fceux(),
-        exports::movie,
-    ));
-    trials.push(needs("mcap_of_python", no_python("mcap"), exports::python));
-    trials.push(needs(
-        "tuio_of_python",
-        no_python("pythontuio"),
-        tuio::python,
-    ));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 

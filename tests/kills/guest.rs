@@ -12,7 +12,7 @@ use crate::{PATIENCE, RELEASED, told};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
 /// Kills without `GELPAD_GUEST_KILLS`; the guest is slow.
-const SAMPLE: usize = 3;
+const SAMPLE: usize = 2;
 /// The guest's own limit, s: a start takes it some seconds.
 const LIMIT_S: usize = 60;
 
