@@ -1,12 +1,12 @@
 //! Settings recommended from a person's own presses, against the best settings that are the same for everybody.
 //!
-//! Sixty simulated people (tests/recommend/people.rs) press what they are asked for, once to be learned from and once to be
-//! judged. The fixed settings are the best that the same search finds when it is shown the presses that are judged, of all
-//! people together: no other choice of one setting for all does better there, as far as the search sees. Beside them stand the
-//! best that do not spoil the pad for steady hands.
+//! Simulated people (tests/recommend/people.rs), ten of each kind or twenty with `GELPAD_FULL=1`, press what they are asked
+//! for, once to be learned from and once to be judged. The fixed settings are the best that the same search finds when it is
+//! shown the presses that are judged, of all people together: no other choice of one setting for all does better there, as far
+//! as the search sees. Beside them stand the best that do not spoil the pad for steady hands.
 //!
-//! `cargo test --test recommend -- --nocapture` prints the table of docs/calibration.md. `GELPAD_TUNING=1` takes the people
-//! on whom the search was tuned instead of those who were held out.
+//! `GELPAD_FULL=1 cargo test --test recommend -- --nocapture` prints the table of docs/calibration.md. `GELPAD_TUNING=1`
+//! takes the people on whom the search was tuned instead of those who were held out.
 
 #[path = "recommend/people.rs"]
 mod people;
@@ -26,6 +26,8 @@ const GAIN_POINTS: f64 = 15.0;
 /// People on whom the search was tuned, and people whom nobody looked at then.
 const TUNED: std::ops::RangeInclusive<u64> = 1..=20;
 const HELD_OUT: std::ops::RangeInclusive<u64> = 1001..=1020;
+/// Without `GELPAD_FULL`: so many of each kind.
+const SAMPLE: usize = 10;
 
 fn profile() -> Source {
     find_shipped("super-mario-classified").expect("shipped")
@@ -126,9 +128,13 @@ fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
     } else {
         HELD_OUT
     };
+    let count = match std::env::var_os("GELPAD_FULL") {
+        Some(_) => seeds.clone().count(),
+        None => SAMPLE,
+    };
     let all: Vec<(Kind, u64)> = KINDS
         .into_iter()
-        .flat_map(|kind| seeds.clone().map(move |seed| (kind, seed)))
+        .flat_map(|kind| seeds.clone().take(count).map(move |seed| (kind, seed)))
         .collect();
     let (left, right) = all.split_at(all.len() / 2);
     let cases: Vec<Case> = std::thread::scope(|scope| {
