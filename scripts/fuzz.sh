@@ -5,7 +5,7 @@
 # (`cargo install cargo-fuzz`).
 #
 #   scripts/fuzz.sh [INPUTS] [NAME...]      10000000 inputs of each by default, as many at a time as there are cores:
-#                                           an hour on two
+#                                           half an hour on two
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

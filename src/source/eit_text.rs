@@ -93,7 +93,7 @@ impl EitFrame {
             .enumerate()
             .find_map(|(line, text)| Some((line, text.strip_prefix(CHANNELS_LINE)?)))
             .map(|(line, list)| {
-                listed(list).ok_or_else(|| {
+                electrodes(list).ok_or_else(|| {
                     problem(
                         line,
                         "expected the measured electrodes, from 1 and each once, as in `1,2,3`"
@@ -114,43 +114,14 @@ impl EitFrame {
             let [(drive_line, drive), (volts_line, volts)] = *pair else {
                 return Err(problem(pair[0].0, "a drive without potentials".to_owned()));
             };
-            let electrodes = driven(drive).ok_or_else(|| {
+            let driven = driven(drive).ok_or_else(|| {
                 problem(
                     drive_line,
                     "expected the two driven electrodes, from 1, as in `1 2`".to_owned(),
                 )
             })?;
-            let numbers: Option<Vec<f64>> = volts
-                .split_whitespace()
-                .map(|word| {
-                    word.parse()
-                        .ok()
-                        .filter(|value: &f64| value.abs() <= MOST_V)
-                })
-                .collect();
-            let numbers = numbers
-                .filter(|numbers| !numbers.is_empty() && numbers.len() % 2 == 0)
-                .ok_or_else(|| {
-                    problem(
-                        volts_line,
-                        "expected a real and an imaginary part for each electrode".to_owned(),
-                    )
-                })?;
-            let listed: Vec<usize> = match &channels {
-                Some(channels) => channels.clone(),
-                None => (0..numbers.len() / 2).collect(),
-            };
-            let part = |of: usize| -> Option<Vec<f64>> {
-                let value =
-                    |channel: &usize| numbers.chunks(2).nth(*channel).map(|parts| parts[of]);
-                listed.iter().map(value).collect()
-            };
-            let (Some(real), Some(imaginary)) = (part(0), part(1)) else {
-                return Err(problem(
-                    volts_line,
-                    "fewer potentials than the header lists channels".to_owned(),
-                ));
-            };
+            let (real, imaginary) = potentials(volts, channels.as_deref())
+                .map_err(|wrong| problem(volts_line, wrong.to_owned()))?;
             let count = real.len();
             if drives
                 .first()
@@ -161,14 +132,14 @@ impl EitFrame {
                     format!("{count} potentials where the first drive has another number"),
                 ));
             }
-            if electrodes.0.max(electrodes.1) >= count {
+            if driven.0.max(driven.1) >= count {
                 return Err(problem(
                     drive_line,
                     format!("drives an electrode beyond the {count} that are read"),
                 ));
             }
             drives.push(EitDrive {
-                electrodes,
+                electrodes: driven,
                 real,
                 imaginary,
             });
@@ -200,18 +171,18 @@ impl EitFrame {
     }
 }
 
-/// The electrodes of a list, from 0. One that is listed twice would let a small file fill the memory.
-fn listed(list: &str) -> Option<Vec<usize>> {
-    let channels: Vec<usize> = list
+/// The electrodes of a header's list, from 0. One that is listed twice would let a small file fill the memory.
+fn electrodes(list: &str) -> Option<Vec<usize>> {
+    let electrodes: Vec<usize> = list
         .split(',')
         .map(|word| word.trim().parse::<usize>().ok()?.checked_sub(1))
         .collect::<Option<_>>()?;
-    let mut sorted = channels.clone();
+    let mut sorted = electrodes.clone();
     sorted.sort_unstable();
     sorted
         .windows(2)
         .all(|pair| pair[0] < pair[1])
-        .then_some(channels)
+        .then_some(electrodes)
 }
 
 /// The two electrodes of a drive's line, from 0.
@@ -223,6 +194,30 @@ fn driven(line: &str) -> Option<(usize, usize)> {
         }
         _ => None,
     }
+}
+
+/// Real and imaginary parts of a line of potentials, V: of the electrodes that the header lists, or of all.
+fn potentials(line: &str, listed: Option<&[usize]>) -> Result<(Vec<f64>, Vec<f64>), &'static str> {
+    let numbers = line
+        .split_whitespace()
+        .map(|word| word.parse().ok().filter(|volt: &f64| volt.abs() <= MOST_V))
+        .collect::<Option<Vec<f64>>>()
+        .unwrap_or_default();
+    let (all @ [_, ..], []) = numbers.as_chunks::<2>() else {
+        return Err("expected a real and an imaginary part for each electrode");
+    };
+    let of_pad: Vec<[f64; 2]> = match listed {
+        None => all.to_vec(),
+        Some(listed) => listed
+            .iter()
+            .map(|electrode| all.get(*electrode).copied())
+            .collect::<Option<_>>()
+            .ok_or("fewer potentials than the header lists channels")?,
+    };
+    Ok(of_pad
+        .into_iter()
+        .map(|[real, imaginary]| (real, imaginary))
+        .unzip())
 }
 
 #[cfg(test)]
