@@ -1,10 +1,11 @@
 //! Matrix times vector in f32, in one fixed order of summation.
 //!
 //! Invariant: the same bits on every x86-64 machine. Sixteen running sums take the products in turn and are
-//! added in a fixed tree at the end; Rust neither reorders nor fuses floating-point operations, so whatever
-//! vector width the compiler chooses gives these bits.
+//! added in a fixed tree at the end; Rust neither reorders nor fuses floating-point operations, so any vector
+//! width gives these bits. The widest that the processor has is chosen when it runs.
 
 use faer::Mat;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::types::ByteReader;
 
@@ -89,29 +90,77 @@ impl RowMatrix {
         self.columns
     }
 
-    /// Every row times a vector, first to last.
+    /// Every row times a vector, first to last, into `products`.
     ///
     /// # Panics
     /// If the vector has another number of chunks than a row.
-    pub(super) fn times<'a>(&'a self, vector: &'a Padded) -> impl Iterator<Item = f32> + 'a {
+    pub(super) fn times(&self, vector: &Padded, products: &mut Vec<f32>) {
         assert_eq!(
             vector.chunks.len(),
             self.chunks_a_row,
             "one value a channel"
         );
-        self.chunks
-            .chunks_exact(self.chunks_a_row)
-            .map(|row| dot(row, &vector.chunks))
+        products.clear();
+        products.resize(self.chunks.len() / self.chunks_a_row, 0.0);
+        Arch::new().dispatch(Products {
+            matrix: self,
+            vector,
+            products,
+        });
     }
 }
 
-fn dot(row: &[[f32; LANES]], vector: &[[f32; LANES]]) -> f32 {
-    let mut sums = [0.0f32; LANES];
-    for (factors, values) in row.iter().zip(vector) {
-        for lane in 0..LANES {
-            sums[lane] += factors[lane] * values[lane];
+/// What [`RowMatrix::times`] does, for the processor to be chosen: only what is inlined here is compiled for each.
+struct Products<'a> {
+    matrix: &'a RowMatrix,
+    vector: &'a Padded,
+    products: &'a mut [f32],
+}
+
+impl WithSimd for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let rows = self.matrix.chunks.chunks_exact(self.matrix.chunks_a_row);
+        for (product, row) in self.products.iter_mut().zip(rows) {
+            *product = added(products_summed(simd, row, &self.vector.chunks));
         }
     }
+}
+
+/// The running sums. Left to itself the compiler makes vectors of two of them, for the sake of the tree behind.
+#[inline(always)]
+fn products_summed<S: Simd>(
+    simd: S,
+    row: &[[f32; LANES]],
+    vector: &[[f32; LANES]],
+) -> [f32; LANES] {
+    let mut sums = [0.0; LANES];
+    if S::F32_LANES == 1 {
+        for (factors, values) in row.iter().zip(vector) {
+            for lane in 0..LANES {
+                sums[lane] += factors[lane] * values[lane];
+            }
+        }
+        return sums;
+    }
+    // As many as sixteen lanes take.
+    let mut wide = [simd.splat_f32s(0.0); LANES];
+    for (factors, values) in row.iter().zip(vector) {
+        let ((factors, _), (values, _)) = (S::as_simd_f32s(factors), S::as_simd_f32s(values));
+        for ((sum, factor), value) in wide.iter_mut().zip(factors).zip(values) {
+            *sum = simd.add_f32s(*sum, simd.mul_f32s(*factor, *value));
+        }
+    }
+    for (sum, wide) in S::as_mut_simd_f32s(&mut sums).0.iter_mut().zip(wide) {
+        *sum = wide;
+    }
+    sums
+}
+
+#[inline(always)]
+fn added(sums: [f32; LANES]) -> f32 {
     let eight: [f32; 8] = std::array::from_fn(|i| sums[i] + sums[i + 8]);
     let four: [f32; 4] = std::array::from_fn(|i| eight[i] + eight[i + 4]);
     (four[0] + four[2]) + (four[1] + four[3])
@@ -125,7 +174,9 @@ mod tests {
     fn product(matrix: &Mat<f64>, vector: &[f32]) -> Vec<f32> {
         let mut padded = Padded::default();
         padded.set(vector);
-        RowMatrix::transposed(matrix).times(&padded).collect()
+        let mut products = Vec::new();
+        RowMatrix::transposed(matrix).times(&padded, &mut products);
+        products
     }
 
     proptest! {
@@ -136,6 +187,21 @@ mod tests {
             let exact: f64 = values.iter().zip(&vector).map(|(a, b)| a * f64::from(*b)).sum();
             let got = f64::from(product(&matrix, &vector)[1]);
             prop_assert!((got - exact).abs() < 1e-4, "{got} against {exact}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_processor_gives_the_same_bits(values in proptest::collection::vec(-1.0..1.0f64, 1..300)) {
+            let matrix = Mat::from_fn(values.len(), 5, |i, j| values[i] * (j as f64 - 1.7));
+            let vector: Vec<f32> = values.iter().rev().map(|v| *v as f32).collect();
+            let (rows, mut padded) = (RowMatrix::transposed(&matrix), Padded::default());
+            padded.set(&vector);
+            // As for a processor of which nothing is known.
+            let mut plain = vec![0.0; 5];
+            Products { matrix: &rows, vector: &padded, products: &mut plain }.with_simd(pulp::Scalar);
+            let bits = |products: &[f32]| products.iter().map(|p| p.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&plain), bits(&product(&matrix, &vector)));
         }
     }
 

@@ -201,6 +201,7 @@ impl Reconstruction {
 pub struct Imager {
     reconstruction: Arc<Reconstruction>,
     padded: Padded,
+    products: Vec<f32>,
     l1: L1State,
     signed: Vec<f64>,
     quality: Option<Quality>,
@@ -213,6 +214,7 @@ impl Imager {
         Self {
             reconstruction,
             padded: Padded::default(),
+            products: Vec::new(),
             l1: L1State::default(),
             signed: Vec::new(),
             quality: None,
@@ -260,8 +262,9 @@ impl Imager {
             Solver::OneStep(matrix) => {
                 assert_eq!(changes.len(), matrix.columns(), "one change a channel");
                 self.padded.set(changes);
-                for (pixel, value) in active.iter().zip(matrix.times(&self.padded)) {
-                    image.values[*pixel] = sign * value;
+                matrix.times(&self.padded, &mut self.products);
+                for (pixel, product) in active.iter().zip(&self.products) {
+                    image.values[*pixel] = sign * product;
                 }
             }
             Solver::L1(model) => {

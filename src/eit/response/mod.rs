@@ -8,7 +8,8 @@
 //! Several touches superpose: each saturates by itself, and what they do to each other is below the model's mismatch
 //! from two radii on.
 //!
-//! Invariant: sums run in an order that this source fixes, so the same table gives the same bits everywhere.
+//! Invariant: sums run in an order that this source fixes, so the same table gives the same bits everywhere, however wide the
+//! vectors of the processor are.
 
 mod build;
 mod bytes;
@@ -17,6 +18,8 @@ mod scatter;
 pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
 pub use scatter::Scatterer;
+
+use pulp::{Arch, NullaryFnOnce};
 
 use crate::types::PointMm;
 
@@ -175,6 +178,10 @@ impl ResponseTable {
     /// The response of a touch and its derivatives. Outside the pad's box the nearest place counts, outside the table's
     /// radii the nearest radius.
     pub fn respond(&self, bump: &Bump, response: &mut Response) {
+        Arch::new().dispatch(self.interpolation(bump, response));
+    }
+
+    fn interpolation<'a>(&'a self, bump: &Bump, response: &'a mut Response) -> Interpolation<'a> {
         let rank = self.rank;
         response.value.clear();
         response.value.resize(rank, 0.0);
@@ -182,11 +189,40 @@ impl ResponseTable {
             derivative.clear();
             derivative.resize(rank, 0.0);
         }
-        let size = Size::at(bump, &self.places);
         let [x, y] = bump.centre_mm;
         let pitch_mm = self.places.pitch_mm;
-        let across = Cubic::at(x / pitch_mm + 1.0, self.places.columns).per(pitch_mm);
-        let up = Cubic::at(y / pitch_mm + 1.0, self.places.rows).per(pitch_mm);
+        Interpolation {
+            table: self,
+            size: Size::at(bump, &self.places),
+            across: Cubic::at(x / pitch_mm + 1.0, self.places.columns).per(pitch_mm),
+            up: Cubic::at(y / pitch_mm + 1.0, self.places.rows).per(pitch_mm),
+            response,
+        }
+    }
+}
+
+/// What [`ResponseTable::respond`] sums, for the processor to be chosen: only what is inlined here is compiled for each.
+struct Interpolation<'a> {
+    table: &'a ResponseTable,
+    size: Size,
+    across: Cubic,
+    up: Cubic,
+    response: &'a mut Response,
+}
+
+impl NullaryFnOnce for Interpolation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            table,
+            size,
+            across,
+            up,
+            response,
+        } = self;
+        let rank = table.rank;
         let radius_stride = POWERS * rank;
         let place_stride = RADII * radius_stride;
         // A few dimensions at a time: their sums stay in registers.
@@ -194,10 +230,10 @@ impl ResponseTable {
             let mut sums = [[0.0f32; LANES]; 5];
             for index in 0..16 {
                 let (j, i) = (index / 4, index % 4);
-                let place = (up.first + j) * self.places.columns + across.first + i;
+                let place = (up.first + j) * table.places.columns + across.first + i;
                 let start = place * place_stride + size.first_radius * radius_stride + first;
                 let [value, by_radius, by_strength] =
-                    sized(&self.terms[start..], rank, &size.terms);
+                    sized(&table.terms[start..], rank, &size.terms);
                 let weights = [
                     across.value[i] * up.value[j],
                     across.slope[i] * up.value[j],
@@ -221,6 +257,7 @@ impl ResponseTable {
 }
 
 /// A place's response and its derivatives by log radius and by strength, in a few dimensions.
+#[inline(always)]
 fn sized(terms: &[f32], rank: usize, factors: &[[f32; 3]; 4 * POWERS]) -> [[f32; LANES]; 3] {
     let mut sums = [[0.0f32; LANES]; 3];
     for (index, [value, by_radius, by_strength]) in factors.iter().enumerate() {
@@ -364,6 +401,23 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn every_processor_gives_the_same_bits(
+            x in 0.0..60.0f64, y in 0.0..40.0f64, log_radius in 0.5..3.0f64, strength in 0.1..0.7f64,
+        ) {
+            let table = ResponseTable::small();
+            let bump = Bump { centre_mm: [x, y], log_radius, strength };
+            let [mut ours, mut plain] = [(); 2].map(|()| Response::default());
+            table.respond(&bump, &mut ours);
+            // Not dispatched: as for a processor of which nothing is known.
+            table.interpolation(&bump, &mut plain).call();
+            let bits = |response: &Response| -> Vec<u32> {
+                let all = response.derivatives.iter().flatten().chain(&response.value);
+                all.map(|value| value.to_bits()).collect()
+            };
+            prop_assert_eq!(bits(&ours), bits(&plain));
+        }
+
         #[test]
         fn derivatives_are_those_of_the_value(
             x in 2.0..58.0f64, y in 2.0..38.0f64, radius in 0.02..0.98f64, strength in 0.1..0.7f64,
