@@ -108,8 +108,9 @@ impl Stage {
         thread::sleep(WINDOW_STARTS);
         for (x, y) in [SEND, PAD_WINDOW] {
             self.xdotool(tools, &["mousemove", x, y, "click", "1"])?;
-            thread::sleep(WINDOW_STARTS);
+            thread::sleep(ENCORE);
         }
+        self.xdotool(tools, &[&search[..], &["^gelpad pad$"]].concat())?;
         self.focus(tools)?;
         thread::sleep(ENCORE);
         let seen = read_log(&self.log)?.frames().len();
