@@ -1,7 +1,8 @@
 //! Any bytes are a file of frames or are refused with a message, soon and without much memory; what is a frame has the pad's
 //! channels, finite values and times that never run backwards. The first byte chooses how the file begins:
 //! `cargo fuzz run -s none files -- -max_len=1024 -dict=fuzz/files.dict`
-//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler). Files go through `TMPDIR`: let it be in memory.
+//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler). Files go through `TMPDIR`: let it be in memory, as
+//! `scripts/fuzz.sh` does.
 
 #![no_main]
 
@@ -18,7 +19,7 @@ const EIT_HEADER: &[u8] = b"12\n2\nsetup\n2025\n1e4\n1e4\n1\n1\n0.005\n20.0\n0\n
 /// An honest header of CSV for [`pad`].
 const CSV_HEADER: &[u8] = b"t_ms,v0,v1,v2,v3,v4,v5,v6,v7,v8,v9\n";
 
-/// The smallest round pad whose frames tell their order: five electrodes, ten voltages.
+/// A pad with short frames, which mutations find: five electrodes, ten voltages.
 fn pad() -> &'static Pad {
     static PAD: OnceLock<Pad> = OnceLock::new();
     PAD.get_or_init(|| {

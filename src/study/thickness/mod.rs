@@ -6,11 +6,13 @@
 //! set against those at rest.
 
 mod body;
+mod foretell;
 mod parameters;
 mod press;
 mod report;
 mod sensor;
 
+pub use foretell::Foretold;
 pub use parameters::Parameters;
 pub use press::under_indenter;
 pub use sensor::{Placement, conductor};
@@ -21,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::StudyError;
 use super::job::Study;
 use super::report::Report;
-use super::solid::{CurrentModel, ElasticError, Size};
+use super::solid::{CurrentModel, ElasticError};
 use crate::eit::MeshSize;
 use crate::pad::{Outline, Pad};
 use crate::types::PointMm;
@@ -43,19 +45,6 @@ const CURRENT_LAYERS: (usize, usize) = (9, 3);
 const FINER: [f64; 2] = [0.7, 1.4];
 /// What these press.
 const REFINED: Touch = Touch::Foundation;
-/// Multiplications that a core does in a second, to foretell the time.
-const FLOPS_PER_S: f64 = 1.6e10;
-
-/// Iterations that a case takes, so chosen that the whole study's time comes out: on a table the rubber folds, and each fold is
-/// followed.
-fn iterations(touch: Touch) -> f64 {
-    match touch {
-        Touch::Rise => 0.0,
-        Touch::Edge | Touch::Foundation => 25.0,
-        Touch::Table => 70.0,
-    }
-}
-
 /// What is studied. Its text is the study's identity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -148,17 +137,6 @@ pub struct Outcome {
     pub at_rest: f64,
 }
 
-/// What a study will take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foretold {
-    /// Unknowns of the largest system.
-    pub unknowns: usize,
-    /// Memory, bytes.
-    pub bytes: f64,
-    /// Time on an idle machine, s; as good as a guess of a machine's speed can be.
-    pub seconds: f64,
-}
-
 /// A depth to press to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Depth {
@@ -223,52 +201,6 @@ impl Thickness {
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// What the study will take with so many cases at a time.
-    ///
-    /// # Errors
-    /// A sensor that cannot be built.
-    pub fn foretell(&self, at_a_time: usize) -> Result<Foretold, StudyError> {
-        let layer_mm = self
-            .cases
-            .iter()
-            .fold(0.0_f64, |most, case| most.max(case.layer_mm));
-        let mut kinds: Vec<(Touch, f64, f64)> = Vec::new();
-        for case in &self.cases {
-            match kinds
-                .iter_mut()
-                .find(|(touch, finer, _)| *touch == case.touch && *finer == case.finer)
-            {
-                Some((_, _, count)) => *count += 1.0,
-                None => kinds.push((case.touch, case.finer, 1.0)),
-            }
-        }
-        let (mut unknowns, mut bytes, mut work) = (0, 0.0_f64, 0.0);
-        for (touch, finer, count) in kinds {
-            let case = Case {
-                layer_mm,
-                place: 0,
-                touch,
-                finer,
-            };
-            let current = self.current(layer_mm, finer)?.size();
-            let (body, solves) = if touch == Touch::Rise {
-                (Size::default(), 2.0)
-            } else {
-                let body =
-                    body::size(&self.body(&case)).map_err(|error| unsolvable(&case, &error))?;
-                (body, 1.0 + self.depths(&case).0.len() as f64)
-            };
-            work += count * (iterations(touch) * body.flops + solves * current.flops);
-            unknowns = unknowns.max(body.unknowns).max(current.unknowns);
-            bytes = bytes.max(body.bytes + current.bytes);
-        }
-        Ok(Foretold {
-            unknowns,
-            bytes: at_a_time as f64 * bytes,
-            seconds: work / FLOPS_PER_S / at_a_time as f64,
-        })
     }
 
     fn centre_mm(&self, case: &Case) -> PointMm {
