@@ -1,6 +1,6 @@
 //! Set-up of the shipped pad to its first image, and one frame to its events.
 //!
-//! Criterion gives medians; the p99 of a frame is printed beside them, since a player feels the worst frames.
+//! Criterion prints medians; the 99th percentile is printed too, because the worst frames are felt.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -9,11 +9,11 @@ use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use gelpad::cache;
-use gelpad::eit::REFERENCE_FRAMES;
+use gelpad::eit::{Press, REFERENCE_FRAMES};
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source};
+use gelpad::source::{FramesCsv, Noise, SimulatedPad, Source, SourceReading};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Method};
 
@@ -32,7 +32,7 @@ fn frames(pad: &Pad) -> Vec<Frame> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/lattice-presses/session.csv");
     let mut session = FramesCsv::open(&path, pad.channels()).expect("the session");
     let mut frames = Vec::new();
-    while let Reading::Frame(frame) = session.read().expect("a frame") {
+    while let SourceReading::Frame(frame) = session.read().expect("a frame") {
         frames.push(frame);
     }
     frames
@@ -46,13 +46,14 @@ fn now() -> Instant {
 fn set_up(criterion: &mut Criterion) {
     let pad = pad();
     let frames = frames(&pad);
-    // The first time solves the pad's touches; from then on they are read.
-    cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
+    // The first call solves the response table, later calls load it.
+    cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");
     criterion.bench_function("set-up to first image, responses cached", |bencher| {
         bencher.iter(|| {
             let pad = self::pad();
-            let builder = cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
-            let sensing = Arc::new(builder.first().expect("a matrix"));
+            let builder =
+                cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");
+            let sensing = Arc::new(builder.build_initial().expect("a matrix"));
             let mut engine = Engine::new(&pad, sensing, profile());
             let mut events = Vec::new();
             for frame in &frames[..=REFERENCE_FRAMES] {
@@ -61,9 +62,9 @@ fn set_up(criterion: &mut Criterion) {
             black_box(engine.touches().image.peak())
         });
     });
-    let builder = cache::sensing(&pad, Method::default(), |_, _| ()).expect("solvable");
+    let builder = cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");
     let mut deviations = vec![1e-3; pad.channels()];
-    // One electrode's channels are out.
+    // The channels of one electrode are excluded.
     for (deviation, channel) in deviations.iter_mut().zip(&pad.protocol.channels) {
         if [channel.drive, channel.measure]
             .iter()
@@ -72,8 +73,9 @@ fn set_up(criterion: &mut Criterion) {
             *deviation = f64::INFINITY;
         }
     }
+    let noise = deviations.into();
     criterion.bench_function("matrix without an electrode", |bencher| {
-        bencher.iter(|| builder.build(&deviations).expect("a matrix"));
+        bencher.iter(|| builder.build(&noise).expect("a matrix"));
     });
 }
 
@@ -81,11 +83,11 @@ fn frame_to_events(criterion: &mut Criterion) {
     let pad = pad();
     let inputs: Vec<Input> = frames(&pad).into_iter().map(Input::Frame).collect();
     for method in Method::ALL {
-        let builder = cache::sensing(&pad, *method, |_, _| ()).expect("solvable");
-        let sensing = Arc::new(builder.first().expect("a matrix"));
+        let builder = cache::sensing_builder(&pad, *method, |_, _| ()).expect("solvable");
+        let sensing = Arc::new(builder.build_initial().expect("a matrix"));
         let fresh = Engine::new(&pad, sensing, profile());
         let name = format!("frame to events, {}", method.name());
-        // The whole session in one go: the time a frame is a three-thousandth.
+        // Plays the whole session: divide by 3000 for one frame.
         criterion.bench_function(&format!("{name} (x 3000)"), |bencher| {
             bencher.iter_batched(
                 || (fresh.clone(), Vec::with_capacity(4096)),
@@ -107,18 +109,17 @@ fn frame_to_events(criterion: &mut Criterion) {
                 took_us.push(start.elapsed().as_secs_f64() * 1e6);
             }
         }
-        tell(&name, took_us);
+        print_times(&name, took_us);
     }
 }
 
-/// One, two and three touches that go down one after the other, stay, and lift: frames of static.csv's kind at 60 dB.
+/// One, two and three touches that go down one after the other, stay, and lift: frames like those of static.csv at 60 dB.
 fn frame_to_touches(criterion: &mut Criterion) {
     let pad = pad();
-    let builder = cache::sensing(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
+    let builder = cache::sensing_builder(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
     let simulated = SimulatedPad::new(&pad).expect("solvable");
     let places = [[30.0, 40.0], [70.0, 35.0], [50.0, 75.0]];
-    let finger = |index: usize| Finger {
-        id: index as u64,
+    let finger = |index: usize| Press {
         centre_mm: places[index],
         radius_mm: 7.0,
         rise: 1.0,
@@ -127,7 +128,7 @@ fn frame_to_touches(criterion: &mut Criterion) {
     for touches in 1..=places.len() {
         let mut frames = Vec::new();
         let mut play = |down: usize, count: usize, frames: &mut Vec<Frame>| {
-            let fingers: Vec<Finger> = (0..down).map(finger).collect();
+            let fingers: Vec<Press> = (0..down).map(finger).collect();
             let volts = simulated.volts(&fingers).expect("solvable");
             for _ in 0..count {
                 let t_ns = frames.len() as u64 * 10_000_000;
@@ -141,15 +142,15 @@ fn frame_to_touches(criterion: &mut Criterion) {
         for down in 1..=touches {
             play(down, if down == touches { 300 } else { 20 }, &mut frames);
         }
-        let sensing = Arc::new(builder.first().expect("a matrix"));
-        let fresh = Detector::of_pad(sensing, &pad.protocol);
+        let sensing = Arc::new(builder.build_initial().expect("a matrix"));
+        let fresh = Detector::for_pad(sensing, &pad.protocol);
         let name = format!("frame to touches, tikhonov, {touches} down");
         criterion.bench_function(&format!("{name} (x {})", frames.len()), |bencher| {
             bencher.iter_batched(
                 || (fresh.clone(), Vec::with_capacity(4096)),
                 |(mut detector, mut changed)| {
                     for frame in &frames {
-                        detector.frame(frame, &mut changed);
+                        detector.process_frame(frame, &mut changed);
                     }
                     changed.len()
                 },
@@ -161,16 +162,16 @@ fn frame_to_touches(criterion: &mut Criterion) {
             let (mut detector, mut changed) = (fresh.clone(), Vec::with_capacity(4096));
             for frame in &frames {
                 let start = now();
-                detector.frame(frame, &mut changed);
+                detector.process_frame(frame, &mut changed);
                 took_us.push(start.elapsed().as_secs_f64() * 1e6);
             }
         }
-        tell(&name, took_us);
+        print_times(&name, took_us);
     }
 }
 
 /// Median and p99 of times of single frames.
-fn tell(name: &str, mut took_us: Vec<f64>) {
+fn print_times(name: &str, mut took_us: Vec<f64>) {
     took_us.sort_by(f64::total_cmp);
     let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
     println!(

@@ -1,4 +1,4 @@
-//! One step of ten touches on a profile of a hundred bindings; the p99 is printed, since a player feels the worst steps.
+//! One step of ten touches on a profile with a hundred bindings. It prints the 99th percentile: players feel the slowest steps.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use gelpad::profile::Profile;
 use gelpad::types::{Contact, NANOS_PER_MS, Phase, Touch, TouchId};
 
 const TOUCHES: u64 = 10;
-/// Steps of one life of the touches: down, moves, up.
+/// Steps of each touch: down, moves, up.
 const STEPS: u64 = 50;
 const LIVES: u64 = 400;
 

@@ -6,7 +6,7 @@ use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::study::thickness::{Placement, conductor};
 
 const LAYER_MM: f64 = 3.0;
-/// Edges of the bricks as multiples of the images', as in the study, and more of them over the height.
+/// Edges of the bricks as multiples of those of images, as in the study, with more bricks over the height.
 const SCALE: f64 = 1.15;
 const LAYERS: usize = 12;
 

@@ -1,7 +1,7 @@
-//! From an event to the client that reads it, on an X11 display without a screen of the bench's own.
+//! Time from an event to the client that reads it, on the bench's own X11 display without a screen.
 //!
-//! `cargo bench --bench x11 [EVENTS]`: what sending an event costs, and how long until a client has read it; with the watcher told
-//! first, as gelpad plays, and without. Needs the Debian package xvfb.
+//! `cargo bench --bench x11 [EVENTS]`: cost of sending an event, and time until a client has read it, with
+//! the watcher (as in play) and without. Needs the Debian package xvfb.
 
 #![allow(
     clippy::disallowed_methods,
@@ -19,19 +19,19 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use gelpad::output::{Device, Watched, X11};
+use gelpad::output::{OutputDevice, WatchedDevice, X11};
 use gelpad::types::{Action, Event};
 use x11rb::connection::Connection as _;
-use x11rb::protocol::Event as Said;
+use x11rb::protocol::Event as ServerEvent;
 use x11rb::protocol::xproto::{
     ConnectionExt as _, CreateWindowAux, EventMask, InputFocus, WindowClass,
 };
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-/// Events without an argument.
+/// Number of events without an argument.
 const EVENTS: usize = 4000;
-/// From one event to the next: a game is asleep in between.
+/// Time between two events.
 const PAUSE: Duration = Duration::from_millis(2);
 
 fn main() -> Result<()> {
@@ -44,11 +44,11 @@ fn main() -> Result<()> {
     let bare = X11::connect_to(&display)?;
     measure("XTEST alone", &reader, Box::new(bare), count)?;
     let program = PathBuf::from(env!("CARGO_BIN_EXE_gelpad"));
-    let watched = Watched::new(X11::connect_to(&display)?, program);
-    measure("with the watcher told", &reader, Box::new(watched), count)
+    let watched = WatchedDevice::new(X11::connect_to(&display)?, program);
+    measure("with the watcher", &reader, Box::new(watched), count)
 }
 
-/// A client whose window has the keyboard.
+/// A client whose window has the keyboard focus.
 fn reader(display: &str) -> Result<RustConnection> {
     let (connection, screen) = x11rb::connect(Some(display))?;
     let root = connection.setup().roots[screen].root;
@@ -69,7 +69,7 @@ fn reader(display: &str) -> Result<RustConnection> {
     )?;
     connection.map_window(window)?;
     connection.flush()?;
-    while !matches!(connection.wait_for_event()?, Said::MapNotify(_)) {}
+    while !matches!(connection.wait_for_event()?, ServerEvent::MapNotify(_)) {}
     connection.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME)?;
     connection.sync()?;
     Ok(connection)
@@ -78,7 +78,7 @@ fn reader(display: &str) -> Result<RustConnection> {
 fn measure(
     name: &str,
     reader: &RustConnection,
-    mut device: Box<dyn Device>,
+    mut device: Box<dyn OutputDevice>,
     count: usize,
 ) -> Result<()> {
     let key = "key:f".parse().context("a key")?;
@@ -98,7 +98,7 @@ fn measure(
         sent_us.push(start.elapsed().as_secs_f64() * 1e6);
         while !matches!(
             reader.wait_for_event()?,
-            Said::KeyPress(_) | Said::KeyRelease(_)
+            ServerEvent::KeyPress(_) | ServerEvent::KeyRelease(_)
         ) {}
         read_us.push(start.elapsed().as_secs_f64() * 1e6);
     }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The full count of tests/kills.rs: kills gelpad with keys held so many times, and says how long they stayed down. Needs the
+# The full count of tests/kills.rs: kills gelpad with keys held, a thousand times, and reports how long they stayed down. Needs the
 # Debian package xvfb.
 #
 #   scripts/kill-a-thousand.sh [KILLS]      1000 by default: half an hour

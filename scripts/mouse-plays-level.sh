@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# A mouse on the window's own pad plays the practice level to its end: one finger is pinned on "right", the other jumps.
+# Plays the practice level to its end with the mouse on the simulated pad: one finger is pinned on "right", the other jumps.
 #
 #   scripts/mouse-plays-level.sh [GELPAD [PICTURE.png]]
 #
-# Jumps come when the level says one way through it needs them (A_WAY, src/gui/practice/level.rs); after a fall they come
-# anyhow, as a player's would. Needs what see-window.sh needs.
+# The jump times are SOLUTION in src/gui/practice/level.rs; after a fall, the script jumps at regular intervals. Needs the packages of
+# see-window.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,7 +15,7 @@ sleep 1
 xdotool key F2
 sleep 1
 
-# Where the pad's "right" and "jump" lie in the practice view at that size, px.
+# Positions of "right" and "jump" on the pad in the practice view at 1280 x 800, px.
 right=(1100 600)
 jump=(1210 615)
 done_s() { sed -n 's/^best_s = //p' "$work/gelpad/window.toml" 2>/dev/null; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Random presses of 34 to 200 ms into SuperTux, and what of them the game saw: each must be there once, and none be down at the
-# end. Two fingers press at once: jump, and right or left. The same into fceux: GELPAD_PRESSES=10000 cargo test --test game presses
-# Needs the Debian packages xvfb, xdotool, supertux and python3, and no display of yours.
+# Plays random presses of 34 to 200 ms into SuperTux and checks that the game saw each of them once and none is down at the end.
+# Two fingers press at once: jump, and right or left. The same into fceux: GELPAD_PRESSES=10000 cargo test --test game presses
+# Needs the Debian packages xvfb, xdotool, supertux and python3; uses its own virtual display.
 #
 #   scripts/presses-in-games.sh [PRESSES]      200 by default: half a minute; 10000 take twenty minutes
 set -euo pipefail

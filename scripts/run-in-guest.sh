@@ -205,7 +205,7 @@ timeout "$seconds" "$qemu" "${firmware[@]}" -accel tcg -M pc -cpu Nehalem,+rdran
   "${shares[@]}" -kernel "$cache/vmlinux" -initrd "$ramdisk" \
   -append "console=ttyS0 quiet panic=-1 reboot=t tsc=reliable no_timer_check mitigations=off nokaslr cryptomgr.notests \
 random.trust_cpu=on guest.without=${without:-none}" </dev/null >>"$job/qemu.log" 2>&1 || code=$?
-# If the machine never came up, nobody has opened these.
+# If the guest never started, these pipes have no reader.
 exec 8<>"$job/out" 7<>"$job/err"; exec 8>&- 7>&-
 wait
 [ $code -ne 124 ] || { echo "run-in-guest: time was up after $seconds s" >&2; exit 124; }

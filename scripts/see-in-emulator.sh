@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# Plays a super-mario profile into an emulator and prints how the figure of the game moves (tests/game/jump.s): right, left, a
-# jump (A), right again while running (B). Needs the Debian packages xvfb, xdotool, cc65, python3 and the emulator's own, and
-# no display of yours.
+# Plays a super-mario profile into an emulator and prints how the figure of the game (tests/game/jump.s) moves: right, left,
+# jump (A), run right (B). Needs the Debian packages xvfb, xdotool, cc65, python3 and the emulator; uses its own display.
 #
 #   scripts/see-in-emulator.sh super-mario-mednafen mednafen -sound 0 -video.driver softfb -nes.xscale 2 -nes.yscale 2
 #   scripts/see-in-emulator.sh super-mario-retroarch retroarch -L /usr/lib/x86_64-linux-gnu/libretro/nestopia_libretro.so
@@ -15,7 +14,7 @@ mkdir -p "$folder/.config/retroarch"
 "$@" "$folder/jump.nes" >"$folder/said" 2>&1 &
 keep $!
 sleep 8 # the game draws itself
-# Without a window manager some windows have the keyboard only when it is given to them; others have no name to find.
+# Without a window manager some windows need the focus to get keys; others cannot be found by name.
 xdotool search --onlyvisible --name . windowfocus 2>/dev/null || true
 
 cat >"$folder/touches.txt" <<'TOUCHES'
@@ -35,7 +34,7 @@ play "$profile" &
 player=$!
 keep "$player"
 
-# What the picture differs in from its beginning: the figure where it was and where it is. The server keeps the screen in an
+# Compares the screen with its start: the differences are the old and new place of the figure. Xvfb keeps the screen in an
 # XWD file.
 python3 - "$folder/Xvfb_screen0" "$player" <<'PYTHON'
 import os, struct, sys, time
@@ -53,7 +52,7 @@ while os.path.exists(f"/proc/{sys.argv[2]}/exe"):
     columns = [x for y in rows[::6] for x in range(0, len(now[y]) // 4, 2) if now[y][4 * x : 4 * x + 4] != first[y][4 * x : 4 * x + 4]]
     seen = (min(columns), max(columns), rows[0], rows[-1]) if columns else None
     if seen != last:
-        print(f"{time.time() - begun:6.2f} s ", "x %d to %d, y %d to %d px" % seen if seen else "where it began", flush=True)
+        print(f"{time.time() - begun:6.2f} s ", "x %d to %d, y %d to %d px" % seen if seen else "at the start", flush=True)
         last = seen
     time.sleep(0.08)
 PYTHON

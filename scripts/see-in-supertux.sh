@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Plays the supertux profile into SuperTux and prints what the game saw: how many of its steps (64 a second) each key was
-# down. Needs the Debian packages xvfb, xdotool, supertux and python3, and no display of yours.
+# Plays the supertux profile into SuperTux and prints how many of the game's steps (64 per second) each key was down.
+# Needs the Debian packages xvfb, xdotool, supertux and python3; uses its own display.
 #
 #   scripts/see-in-supertux.sh [PROFILE]
 set -euo pipefail

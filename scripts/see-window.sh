@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Pictures of every view of the window: at 1280 x 800 and 800 x 500, dark and light, on a display of its own.
+# Takes pictures of every view of the window at 1280 x 800 and 800 x 500, dark and light, on a virtual display.
 #
 #   scripts/see-window.sh FOLDER [GELPAD]
 #
@@ -20,7 +20,7 @@ for theme in dark light; do
     sleep 1
     xdotool key F1
     sleep 0.7
-    # Two presses, and a third that lasts while the pictures are taken.
+    # Two short presses, and a third that is held while the pictures are taken.
     if [ "$size" = 1280x800 ]; then jump=(580 330); run=(560 540); left=(260 300); else jump=(360 190); run=(345 300); left=(190 190); fi
     xdotool mousemove "${left[@]}" mousedown 1; sleep 0.5; xdotool mouseup 1; sleep 0.3
     xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.2; xdotool mouseup 1; sleep 0.3

@@ -1,13 +1,13 @@
-# What the scripts that play into games share; sourced, not run. A folder that goes away, a display of one's own without a
-# screen, gelpad playing a touch script into it. Everything that was started ends with the script.
+# Sourced by the scripts that play into games: a temporary folder, a virtual display, and gelpad playing a touch script into it.
+# Everything that is started ends with the script.
 #
 #   stage SIZE     Xvfb of that size (800x600) on a free display; its picture in $folder/Xvfb_screen0
-#   keep PID       a process to end with the script
+#   keep PID       ends this process with the script
 #   rom            assembles the game of tests/game to $folder/jump.nes
 #   play PROFILE   plays $folder/touches.txt into the display; waits for its end
-#   supertux [LEVEL]  starts SuperTux there, waits for its level, says its process in $game
-#   flat_level     a level of snow, without an end or enemies, as $folder/flat.stl
-#   keys_seen      after `kill $game`: how many steps (64 a second) SuperTux saw each key down, stretch by stretch
+#   supertux [LEVEL]  starts SuperTux there, waits for its level, sets its process in $game
+#   flat_level     writes a level of snow, without an end or enemies, to $folder/flat.stl
+#   keys_seen      after `kill $game`: for each key the lengths of its presses in steps (64 per second) as SuperTux saw them
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 [ -n "${GELPAD_BIN:-}" ] || cargo build --quiet
 gelpad=${GELPAD_BIN:-$PWD/target/debug/gelpad}

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# What the window costs: how soon it opens, repaints a second while 100 frames a second arrive, the engine's CPU time a frame
-# with the window and without, and the whole program's share of a core while the pad rests.
+# Measures the cost of the window: time to open, repaints per second at 100 frames/s, CPU time of the engine per frame with and
+# without the window, and CPU usage while the game is paused.
 #
 #   scripts/window-cost.sh [GELPAD] [SECONDS]
 #
-# Times are CPU time (/proc/PID/task/TID/schedstat), so that another program on the machine does not count; the repaints and
-# the opening are by the clock. Needs what see-window.sh needs.
+# CPU times are from /proc/PID/task/TID/schedstat, so other programs do not count; opening and repaints are wall-clock. Needs the
+# packages of see-window.sh.
 set -euo pipefail
 
 seconds=${2:-20}
 . "$(dirname "$0")/window-stage.sh" "${1:-target/release/gelpad}"
 
-# CPU time of the thread `engine` of a process, ns.
+# CPU time of the `engine` thread of a process, ns.
 engine_ns() {
   for task in /proc/"$1"/task/*; do
     if [ "$(cat "$task/comm")" = engine ]; then cut -d' ' -f1 "$task/schedstat"; fi
@@ -20,7 +20,7 @@ engine_ns() {
 # CPU time of a process, in ticks of 10 ms.
 process_ticks() { awk '{print $14 + $15}' "/proc/$1/stat"; }
 
-# The level by turns: the simulated pad, 100 frames a second, two fingers coming and going.
+# The simulated pad at 100 frames/s, with a finger that presses for 0.7 s every 2 s.
 {
   for s in $(seq 1 2 $((seconds + 20))); do
     printf 't:%d down 1 80 50\nt:%d up 1\n' $((s * 1000)) $((s * 1000 + 700))
@@ -32,7 +32,7 @@ sleep 6
 before=$(engine_ns "$player"); sleep "$seconds"; after=$(engine_ns "$player")
 headless=$(((after - before) / (seconds * 100)))
 kill -INT "$player"; wait "$player" 2>/dev/null || true
-echo "engine without the window: $headless ns CPU a frame"
+echo "engine without the window: $headless ns CPU per frame"
 grep 'frame to' "$work/headless" || true
 
 start=$(date +%s%N)
@@ -46,11 +46,11 @@ done
 after=$(engine_ns "$player"); whole=$(($(process_ticks "$player") - whole))
 span=$((($(seq 1 2 "$seconds" | wc -l)) * 2))
 shown=$(((after - before) / (span * 100)))
-echo "engine with the window: $shown ns CPU a frame, $(awk "BEGIN{printf \"%.2f\", $shown / $headless}") times"
+echo "engine with the window: $shown ns CPU per frame, $(awk "BEGIN{printf \"%.2f\", $shown / $headless}") times"
 grep -o 'repaints: .*' "$work/log" | tail -5
 echo "whole program: $((whole / span)) % of a core"
 
-# The pad rests while it is paused: the button is in the upper right.
+# Pause: the button is in the upper right.
 xdotool mousemove 975 146 click 1
 sleep 4
 before=$(process_ticks "$player"); sleep "$seconds"; after=$(process_ticks "$player")

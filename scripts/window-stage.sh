@@ -1,8 +1,9 @@
-# What the scripts that look at the window share; sourced, not run. A display of its own with software GL, and a folder for
-# settings; both end with the script.
+# Sourced by the scripts that drive the window: starts a virtual display with software OpenGL and a temporary settings folder, and
+# removes both when the script ends.
 #
-#   $gelpad        the program, absolute; $work the folder
-#   open_window    starts it, says its process in $player and its window in $window, at 1280 x 800 with the focus
+#   $gelpad        absolute path of the program
+#   $work          the temporary folder
+#   open_window    starts gelpad at 1280 x 800 with the focus; sets $player (process) and $window (window id)
 gelpad=$(realpath "${1:-target/release/gelpad}")
 work=$(mktemp -d)
 export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
@@ -23,7 +24,7 @@ open_window() {
     window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ] && break
     sleep 0.01
   done
-  [ -n "$window" ] || { cat "$work/log" >&2; echo "no window came" >&2; exit 1; }
+  [ -n "$window" ] || { cat "$work/log" >&2; echo "the window did not open" >&2; exit 1; }
   until grep -q 'plays' "$work/log"; do sleep 0.01; done
   xdotool windowmove "$window" 0 0 windowfocus "$window" windowsize "$window" 1280 800
 }

@@ -1,7 +1,7 @@
-//! A pad's table of responses: from the disk, or solved and put there.
+//! Response tables on disk: solving one takes seconds, so it is done once per pad.
 //!
-//! Solving takes seconds, so it is done once a pad. A file's name is a hash of the pad's key, and the key stands in the file: a
-//! changed pad, a changed solver or a damaged file is solved anew.
+//! The file name is a hash of the pad's key, and the file contains the key: for a changed pad, a changed solver or a
+//! damaged file, the table is solved again.
 
 use std::fs;
 use std::io::Write as _;
@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crc::{CRC_64_XZ, Crc};
+use rayon::prelude::*;
 
 use crate::eit::response::ResponseRow;
 use crate::eit::{ResponseBuilder, ResponseTable, SetupError};
@@ -17,10 +18,10 @@ use crate::pad::Pad;
 use crate::touch::SensingBuilder;
 use crate::types::Method;
 
-/// Where tables are kept if this variable does not say: the user's cache folder.
+/// The environment variable that overrides the folder of the tables.
 pub const FOLDER_VARIABLE: &str = "GELPAD_CACHE";
 
-/// The folder that keeps tables, if there is one.
+/// The folder of the tables: [`FOLDER_VARIABLE`], or else the user's cache folder; `None` if there is neither.
 #[must_use]
 pub fn folder() -> Option<PathBuf> {
     match std::env::var_os(FOLDER_VARIABLE) {
@@ -30,22 +31,22 @@ pub fn folder() -> Option<PathBuf> {
     }
 }
 
-/// A pad's table from a folder, if it is there and sound.
+/// Loads a pad's table from a folder; `None` if there is no valid one.
 #[must_use]
 pub fn load(pad: &Pad, folder: &Path) -> Option<ResponseTable> {
     let key = ResponseBuilder::key(pad);
     let bytes = fs::read(folder.join(file_name(&key))).ok()?;
-    match ResponseTable::from_bytes(&bytes) {
+    match ResponseTable::from_bytes(&bytes, pad) {
         Ok(table) if table.key() == key => Some(table),
         Ok(_) => None,
         Err(error) => {
-            tracing::warn!("{}: {error}: solved anew", folder.display());
+            tracing::warn!("{}: {error}; it will be solved again", folder.display());
             None
         }
     }
 }
 
-/// Solves a pad's table on all cores; `progress` is told how many rows of how many are done.
+/// Solves a pad's table on all cores. `progress` gets the number of finished rows and of all rows.
 ///
 /// # Errors
 /// A pad that cannot be solved.
@@ -54,71 +55,54 @@ pub fn solve(
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<ResponseTable, SetupError> {
     let builder = ResponseBuilder::new(pad)?;
-    let rows = builder.rows();
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        let mut solved = Vec::new();
-        loop {
-            let row = next.fetch_add(1, Ordering::Relaxed);
-            if row >= rows {
-                return solved;
-            }
-            solved.push((row, builder.solve_row(row)));
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, rows);
-        }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut solved: Vec<(usize, ResponseRow)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .flat_map(|thread| match thread.join() {
-                Ok(rows) => rows,
-                Err(panic) => std::panic::resume_unwind(panic),
-            })
-            .collect()
-    });
-    solved.sort_by_key(|(row, _)| *row);
-    let rows: Vec<ResponseRow> = solved.into_iter().map(|(_, row)| row).collect();
+    let count = builder.rows();
+    let done = AtomicUsize::new(0);
+    let rows: Vec<ResponseRow> = (0..count)
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|index| {
+            let row = builder.solve_row(index);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+            row
+        })
+        .collect();
     Ok(builder.finish(&rows))
 }
 
-/// Puts a table where [`load`] finds it.
+/// Stores a table where [`load`] finds it.
 ///
 /// # Errors
 /// A folder or file that cannot be written.
 pub fn store(table: &ResponseTable, folder: &Path) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
-    // Written beside and renamed: nobody reads half a table.
+    // Renamed when complete, so that no reader finds a partial table.
     let mut file = tempfile::NamedTempFile::new_in(folder)?;
     file.write_all(&table.to_bytes())?;
     file.persist(folder.join(file_name(table.key())))?;
     Ok(())
 }
 
-/// What reads a pad's frames: its matrix, made while its table is read from the cache or solved.
+/// A pad's sensing builder. The matrix is prepared while the table is loaded or solved.
 ///
 /// # Errors
 /// A pad that cannot be solved.
-pub fn sensing(
+pub fn sensing_builder(
     pad: &Pad,
     method: Method,
-    progress: impl Fn(usize, usize) + Sync,
+    progress: impl Fn(usize, usize) + Send + Sync,
 ) -> Result<SensingBuilder, SetupError> {
-    let (table, builder) = std::thread::scope(|scope| {
-        let table = scope.spawn(|| table(pad, &progress));
-        let builder = SensingBuilder::new(pad, method);
-        (table.join(), builder)
-    });
-    let table = table.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-    Ok(builder?.with_table(Arc::new(table)))
+    let (table, builder) = rayon::join(
+        || load_or_solve(pad, &progress),
+        || SensingBuilder::new(pad, method),
+    );
+    Ok(builder?.with_table(Arc::new(table?)))
 }
 
-/// A pad's table: from the cache, or solved and put there.
+/// A pad's table: loaded from the cache, or solved and stored there.
 ///
 /// # Errors
-/// A pad that cannot be solved. A cache that cannot be written is told and no error.
-pub fn table(
+/// A pad that cannot be solved. A cache that cannot be written only logs a warning.
+pub fn load_or_solve(
     pad: &Pad,
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<ResponseTable, SetupError> {

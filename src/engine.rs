@@ -8,53 +8,53 @@ use std::sync::Arc;
 use crate::gesture::Gestures;
 use crate::pad::Pad;
 use crate::profile::Profile;
-use crate::touch::{Correction, Detector, FrameTouches, Sensing};
+use crate::touch::{ChannelNoise, Correction, Detector, FrameTouches, Sensing};
 use crate::types::{Control, Event, Frame, Nanos, Output, Touch};
 
-/// Everything that can change what the engine does next.
+/// An input of the engine.
 #[derive(Clone, Debug)]
 pub enum Input {
-    /// A reading of the pad, with one voltage for each of the pad's channels.
+    /// A frame with one voltage per channel of the pad.
     Frame(Frame),
-    /// What gamepads and switches say: a source without image.
+    /// The state of gamepads and switches: a source without image.
     Control(Control),
-    /// A time that [`Engine::next_due`] gave has come.
+    /// A time returned by [`Engine::next_due`] has come.
     Tick {
-        /// That time, never the clock's.
+        /// That time, never the time of the clock.
         due_ns: Nanos,
     },
-    /// Another profile, as soon as the outputs are up: a second later at most, and then they are released.
+    /// Switches to another profile as soon as no output is down; after one second, outputs are released.
     Profile {
-        /// When it takes over.
+        /// Time of the switch.
         t_ns: Nanos,
         /// The profile.
         profile: Arc<Profile>,
     },
-    /// The player pauses, or goes on.
+    /// Pauses or resumes.
     Pause {
-        /// When.
+        /// Time.
         t_ns: Nanos,
     },
-    /// Another matrix and other weights of the same pad from now on: an electrode was lost, or is back.
+    /// Replaces matrix and channel weights of the pad, because an electrode was lost or recovered.
     Matrix(Arc<Sensing>),
-    /// The pad counts as untouched as it is now; what is held is released.
+    /// Takes the reference again: the pad counts as untouched as it is now. Outputs are released.
     Rezero {
-        /// When.
+        /// Time.
         t_ns: Nanos,
     },
-    /// Frames were lost before the engine.
+    /// Frames were lost before they reached the engine.
     Lost {
-        /// How many.
+        /// Number of frames.
         frames: u64,
     },
-    /// The source has ended or gone: whatever is held is released.
+    /// The source ended or disconnected: outputs are released.
     End {
-        /// When.
+        /// Time.
         t_ns: Nanos,
     },
 }
 
-/// The stages and their state.
+/// All stages and their state.
 #[derive(Clone, Debug)]
 pub struct Engine {
     detector: Detector,
@@ -64,42 +64,43 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// An engine for a pad, what its frames are read with, and a profile.
+    /// An engine for a pad, its sensing and a profile.
     ///
     /// # Panics
-    /// If that is not of the pad.
+    /// If the sensing has another number of channels than the pad.
     #[must_use]
     pub fn new(pad: &Pad, sensing: Arc<Sensing>, profile: Arc<Profile>) -> Self {
         assert_eq!(pad.channels(), sensing.channels());
         let pad_mm = pad.outline.size_mm();
         Self {
-            detector: Detector::of_pad(sensing, &pad.protocol),
+            detector: Detector::for_pad(sensing, &pad.protocol),
             gestures: Gestures::new(profile, pad_mm),
             changed: Vec::new(),
             lost_frames: 0,
         }
     }
 
-    /// Moves contacts to where a calibration's presses have shown them to be.
+    /// Corrects the places of contacts by a calibration.
     #[must_use]
-    pub fn corrected(mut self, correction: Option<Correction>) -> Self {
-        self.detector = self.detector.corrected(correction);
+    pub fn with_correction(mut self, correction: Option<Correction>) -> Self {
+        self.detector = self.detector.with_correction(correction);
         self
     }
 
-    /// Takes one input and appends the events that follow from it, in the order of their times.
+    /// Processes one input and appends the events that follow from it, ordered by time.
     ///
     /// # Panics
-    /// If a frame or matrix has another number of channels than the pad: sources check that.
+    /// If a frame or matrix has another number of channels than the pad, which sources prevent.
     pub fn input(&mut self, input: &Input, events: &mut Vec<Event>) {
-        self.input_watched(input, events, &mut || {});
+        self.input_with_callback(input, events, &mut || {});
     }
 
-    /// The same, for who has a clock: calls `placed` once a frame's touches are known and before its events are made.
+    /// Like [`Engine::input`], but calls `placed` when the touches of a frame are known, before its events are computed:
+    /// for measuring time.
     ///
     /// # Panics
     /// See [`Engine::input`].
-    pub fn input_watched(
+    pub fn input_with_callback(
         &mut self,
         input: &Input,
         events: &mut Vec<Event>,
@@ -108,7 +109,7 @@ impl Engine {
         self.changed.clear();
         match input {
             Input::Frame(frame) => {
-                self.detector.frame(frame, &mut self.changed);
+                self.detector.process_frame(frame, &mut self.changed);
                 placed();
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
@@ -122,7 +123,7 @@ impl Engine {
                 self.gestures
                     .pause(*t_ns, !self.gestures.is_paused(), events);
             }
-            Input::Matrix(sensing) => self.detector.take(Arc::clone(sensing)),
+            Input::Matrix(sensing) => self.detector.set_sensing(Arc::clone(sensing)),
             Input::Rezero { t_ns } => {
                 self.detector.rezero(&mut self.changed);
                 self.gestures.tick(*t_ns, events);
@@ -137,66 +138,66 @@ impl Engine {
         }
     }
 
-    /// When the engine wants a [`Input::Tick`], if it waits for one.
+    /// The time of the next [`Input::Tick`], if one is needed.
     #[must_use]
     pub fn next_due(&self) -> Option<Nanos> {
         self.gestures.next_due()
     }
 
-    /// The last frame's image and the touches that are down.
+    /// The image of the last frame and the touches that are down.
     #[must_use]
     pub fn touches(&self) -> FrameTouches<'_> {
-        self.detector.state()
+        self.detector.frame_touches()
     }
 
-    /// What finds the touches, for views of its signals.
+    /// The detector, for views of its signals.
     #[must_use]
     pub fn detector(&self) -> &Detector {
         &self.detector
     }
 
     /// The outputs that are down.
-    pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
+    pub fn held_outputs(&self) -> impl Iterator<Item = Output> + '_ {
         self.gestures.held()
     }
 
-    /// Whether the player has paused.
+    /// Whether the engine is paused.
     #[must_use]
     pub fn is_paused(&self) -> bool {
         self.gestures.is_paused()
     }
 
-    /// The profile in force.
+    /// The active profile.
     #[must_use]
     pub fn profile(&self) -> &Arc<Profile> {
         self.gestures.profile()
     }
 
-    /// The weights for which an [`Input::Matrix`] is wanted, if one is: see [`Detector::wanted`].
+    /// The deviations for which an [`Input::Matrix`] is wanted, if one is; see [`Detector::wanted`].
     #[must_use]
-    pub fn wanted(&self) -> Option<&[f64]> {
+    pub fn wanted(&self) -> Option<&ChannelNoise> {
         self.detector.wanted()
     }
 
-    /// Electrodes that are left out, ascending, counted from 0.
+    /// Lost electrodes, ascending, counted from 0.
     #[must_use]
     pub fn lost_electrodes(&self) -> Vec<usize> {
         self.detector.lost_electrodes()
     }
 
-    /// Channels that the first frames showed to be dead or loose, and that are left out since.
+    /// Muted channels: dead, loose or of a lost electrode.
     #[must_use]
     pub fn muted_channels(&self) -> Vec<usize> {
         self.detector.muted_channels()
     }
 
-    /// How often the reference was taken anew, because a finger had lain on the pad while it was taken.
+    /// How often the reference was taken again, because it had been taken under a finger or a palm.
     #[must_use]
     pub fn references_retaken(&self) -> u64 {
-        self.detector.retaken()
+        self.detector.references_retaken()
     }
 
-    /// Frames that were lost before the engine.
+    /// Number of frames lost before they reached the engine.
     #[must_use]
     pub fn lost_frames(&self) -> u64 {
         self.lost_frames

@@ -1,10 +1,11 @@
 //! gelpad: play games on a soft sheet of hydrogel.
 //!
-//! A frame of voltages goes in at the bottom, key and gamepad events come out at the top, and every stage
-//! between is a plain function of what the stage below hands up. See ARCHITECTURE.md.
+//! Frames of voltages go in, key and gamepad events come out; every stage between is a function of the output of the
+//! stage before. See ARCHITECTURE.md.
 
 #![warn(missing_docs, unreachable_pub, clippy::print_stdout)]
 
+pub mod app;
 pub mod cache;
 pub mod calibrate;
 pub mod cli;
@@ -21,6 +22,7 @@ pub mod profile;
 pub mod runtime;
 pub mod session;
 pub mod source;
+pub mod stats;
 pub mod study;
 pub mod tape;
 pub mod touch;

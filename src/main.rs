@@ -1,7 +1,66 @@
-//! The `gelpad` command: see `gelpad --help`.
+//! The `gelpad` command: runs the command line, or opens the window if there is no command.
 
 use std::process::ExitCode;
 
+use gelpad::cli::{self, Next};
+
 fn main() -> ExitCode {
-    gelpad::cli::main()
+    match cli::run() {
+        Next::Exit(code) => code,
+        Next::OpenWindow => open_window(),
+    }
+}
+
+#[cfg(not(feature = "gui"))]
+fn open_window() -> ExitCode {
+    cli::play_level()
+}
+
+/// Opens the window; if that fails, prints why and plays the level in the terminal.
+#[cfg(feature = "gui")]
+fn open_window() -> ExitCode {
+    use std::sync::Arc;
+
+    use gelpad::app::LocalServices;
+    use gelpad::app::services::PlayRequest;
+    use gelpad::app::signals::Signals;
+    use gelpad::gui::{self, Tab, WindowOptions};
+
+    if !has_display() {
+        tracing::warn!(
+            "no window: there is no display (DISPLAY, WAYLAND_DISPLAY); the level plays here"
+        );
+        return cli::play_level();
+    }
+    let signals = match Signals::listen() {
+        Ok(signals) => Arc::new(signals),
+        Err(error) => {
+            tracing::error!("signals cannot be caught: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let received = Arc::clone(&signals);
+    let opened = gui::open(WindowOptions {
+        services: Arc::new(LocalServices),
+        request: PlayRequest::default(),
+        tab: Tab::Play,
+        interrupted: Box::new(move || received.received().is_some()),
+    });
+    match opened {
+        Ok(()) => cli::window_exit_code(signals.received()),
+        Err(error) => {
+            tracing::warn!("{error}; the level plays here");
+            cli::play_level()
+        }
+    }
+}
+
+/// Whether a window is possible: macOS and Windows always have a display.
+#[cfg(feature = "gui")]
+fn has_display() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    cfg!(not(target_os = "linux"))
+        || is_set("DISPLAY")
+        || is_set("WAYLAND_DISPLAY")
+        || is_set("WAYLAND_SOCKET")
 }

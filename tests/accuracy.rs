@@ -1,5 +1,4 @@
-//! `gelpad accuracy`: the same seed gives the same files, figures agree with each other and with the bound, and wrong
-//! input is refused.
+//! `gelpad accuracy`: the same seed gives the same files, results agree with the bound, and invalid input is rejected.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -60,7 +59,7 @@ fn at(found: &Value, touches: u64, snr_db: f64) -> Value {
         .find(|one| {
             one["touches"] == touches && one["noise"] == "proportional" && one["snr_db"] == snr_db
         })
-        .expect("asked for")
+        .expect("studied")
         .clone()
 }
 
@@ -69,11 +68,14 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
+fn the_same_seed_gives_the_same_files_and_snrs_are_independent() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = |name: &str| root.path().join(name);
     let said = done(&["--quick", "--snr", "80,60", "--seed", "3"], &folder("a"));
-    assert!(said.contains("told apart"), "a table for people: {said}");
+    assert!(
+        said.contains("told apart"),
+        "a table on the terminal: {said}"
+    );
     done(&["--quick", "--snr", "60,80", "--seed", "3"], &folder("b"));
     done(&["--quick", "--snr", "60", "--seed", "3"], &folder("alone"));
 
@@ -100,7 +102,7 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
     for touches in 0..=3 {
         let [both, alone] = [&both, &alone].map(|found| {
             let mut one = at(found, touches, 60.0);
-            // The scale of force is taken at the best SNR that was asked for.
+            // The scale of force is taken at the highest SNR of the study.
             one.as_object_mut()
                 .expect("an object")
                 .remove("force_error");
@@ -108,7 +110,7 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
         });
         assert_eq!(
             both, alone,
-            "no figure hangs on which other SNRs were asked for"
+            "no result depends on the other SNRs of a study"
         );
     }
     assert_eq!(both["discrimination"], alone["discrimination"]);
@@ -125,7 +127,7 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
     // A tenth of the noise is a tenth of the bound.
     let at_80 = number(&at(&both, 1, 80.0)["place_bound_mm"]["median"]);
     assert!((bound_mm / at_80 - 10.0).abs() < 1e-6);
-    // Nothing beats the bound by more than chance.
+    // No method is better than the bound, except by chance.
     assert!(number(&both["bound"]["ratio"]["median"]) > 0.8);
     let pairs = both["discrimination"]["pairs"].as_array().expect("a list");
     let told = |index: usize| number(&pairs[index]["told_apart"]["share"]);
@@ -133,9 +135,9 @@ fn the_same_seed_gives_the_same_files_and_an_snr_stands_alone() {
 }
 
 #[test]
-fn round_pads_and_other_protocols_are_judged_too() {
+fn round_pads_and_other_protocols_are_supported() {
     let root = tempfile::tempdir().expect("a folder");
-    // A small pad on which fingers shrink, and a tank driven across.
+    // A small pad on which lengths are scaled, and a tank with opposite drive.
     let small = include_str!("../pads/edinburgh-solid.toml")
         .replace("width_mm = 100.0", "width_mm = 60.0")
         .replace("height_mm = 100.0", "height_mm = 40.0")
@@ -158,13 +160,13 @@ fn round_pads_and_other_protocols_are_judged_too() {
         let places = found["bound"]["places"].as_array().expect("a list");
         assert!(
             !places.is_empty(),
-            "{name}: somewhere to compare with the bound"
+            "{name}: places to compare with the bound"
         );
     }
 }
 
 #[test]
-fn wrong_input_is_refused_before_anything_is_solved() {
+fn invalid_input_is_rejected_before_anything_is_solved() {
     let root = tempfile::tempdir().expect("a folder");
     let taken = root.path().join("taken");
     fs::write(&taken, "a file").expect("written");
@@ -187,6 +189,6 @@ fn wrong_input_is_refused_before_anything_is_solved() {
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
         assert!(stderr.contains(says), "{arguments:?}: {stderr}");
-        assert!(!never.exists(), "nothing was begun");
+        assert!(!never.exists(), "nothing was started");
     }
 }

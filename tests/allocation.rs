@@ -1,8 +1,9 @@
-//! A step of the gestures allocates nothing once the profile is loaded. Alone in its binary: it counts every allocation.
+//! A step of the gestures does not allocate once the profile is loaded. The only test in its binary, because it counts all
+//! allocations.
 
 #![allow(
     unsafe_code,
-    reason = "a global allocator is an unsafe trait; this one only counts and passes on"
+    reason = "a global allocator is an unsafe trait; this one only counts"
 )]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -16,7 +17,7 @@ use gelpad::types::{Contact, NANOS_PER_MS, Phase, Touch, TouchId};
 struct Counting;
 
 thread_local! {
-    /// Of this thread alone: the harness has others, which allocate when they like.
+    /// Allocations of this thread: the test harness has others.
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
@@ -34,7 +35,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// A hundred bindings of every kind on a grid of ten by ten.
+/// A hundred bindings of all kinds on a grid of 10 x 10.
 fn profile() -> Arc<Profile> {
     let kinds = [
         "output = \"key:a\"",
@@ -64,7 +65,7 @@ fn profile() -> Arc<Profile> {
 }
 
 #[test]
-fn a_step_of_ten_touches_and_a_hundred_bindings_allocates_nothing() {
+fn a_step_of_ten_touches_and_a_hundred_bindings_does_not_allocate() {
     let mut gestures = Gestures::new(profile(), [100.0, 100.0]);
     let mut events = Vec::with_capacity(10_000);
     let mut frames = Vec::new();

@@ -1,14 +1,16 @@
-//! Holds every `crate::` path of `src/` against the table of imports in ARCHITECTURE.md, and the core against IO,
-//! threads and clocks.
+//! Checks every `crate::` path of `src/` against the table of imports in ARCHITECTURE.md, and that the core has no IO,
+//! threads or clocks.
 
 mod support;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each part and what of ours it may import. A part is a folder or a file of `src/`.
+/// Each part of `src/`, a folder or a file, with the parts that it may import.
 const TABLE: &[(&str, &[&str])] = &[
     ("types", &[]),
+    ("stats", &[]),
     ("pad", &["types"]),
     ("eit", &["types", "pad"]),
     ("touch", &["types", "pad", "eit"]),
@@ -30,9 +32,14 @@ const TABLE: &[(&str, &[&str])] = &[
     ("output", &["types"]),
     (
         "calibrate",
-        &["types", "pad", "eit", "touch", "profile", "gesture"],
+        &[
+            "types", "stats", "pad", "eit", "touch", "profile", "gesture",
+        ],
     ),
-    ("study", &["types", "pad", "eit", "touch", "source"]),
+    (
+        "study",
+        &["types", "stats", "pad", "eit", "touch", "source"],
+    ),
     (
         "runtime",
         &[
@@ -42,25 +49,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("doctor", &["types", "output"]),
     (
-        "gui",
-        &[
-            "types",
-            "pad",
-            "eit",
-            "touch",
-            "profile",
-            "gesture",
-            "engine",
-            "session",
-            "tape",
-            "source",
-            "output",
-            "runtime",
-            "calibrate",
-        ],
-    ),
-    (
-        "cli",
+        "app",
         &[
             "types",
             "pad",
@@ -77,13 +66,54 @@ const TABLE: &[(&str, &[&str])] = &[
             "cache",
             "calibrate",
             "study",
-            "gui",
+        ],
+    ),
+    (
+        "gui",
+        &[
+            "types",
+            "stats",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "session",
+            "tape",
+            "source",
+            "output",
+            "runtime",
+            "calibrate",
+            "app",
+        ],
+    ),
+    (
+        "cli",
+        &[
+            "types",
+            "stats",
+            "pad",
+            "eit",
+            "touch",
+            "profile",
+            "gesture",
+            "engine",
+            "session",
+            "tape",
+            "source",
+            "output",
+            "runtime",
+            "cache",
+            "calibrate",
+            "study",
+            "app",
             "doctor",
         ],
     ),
 ];
 
-/// Parts that do no IO, start no thread and read no clock, and what would be that.
+/// Parts without IO, threads and clocks, and the paths that they must not use.
 const CORE: &[&str] = &[
     "types", "pad", "eit", "touch", "profile", "gesture", "engine",
 ];
@@ -99,7 +129,7 @@ const BANNED_IN_CORE: &[&str] = &[
     "eprintln!",
 ];
 
-/// Every source file with the part that it belongs to and its text without comments.
+/// Every source file: part, path, and text without comments.
 fn parts() -> Vec<(String, PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     support::files(&root, "rs")
@@ -123,7 +153,7 @@ fn parts() -> Vec<(String, PathBuf, String)> {
         .collect()
 }
 
-/// What production code names: unit tests at a file's end may use more.
+/// The text before the unit tests, which may import more.
 fn without_tests(code: &str) -> &str {
     code.split("#[cfg(test)]\nmod tests").next().unwrap_or(code)
 }
@@ -155,6 +185,78 @@ fn parts_import_only_what_the_table_allows() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// The sibling files that a file names in a path or a `use` list.
+fn siblings<'a>(own: &str, code: &str, names: &'a [String]) -> Vec<&'a str> {
+    let code = without_tests(code);
+    let lists: Vec<&str> = code
+        .split("use super::{")
+        .skip(1)
+        .map(|after| after.split(';').next().unwrap_or_default())
+        .collect();
+    let names = names.iter().map(String::as_str).filter(|name| *name != own);
+    names
+        .filter(|name| {
+            let path = format!("super::{name}::");
+            let listed = lists.iter().any(|list| {
+                let words = list.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':');
+                words
+                    .into_iter()
+                    .any(|word| word == *name || word.starts_with(&format!("{name}::")))
+            });
+            // `super::super::name` is a file of the folder above.
+            code.match_indices(&path)
+                .any(|(at, _)| !code[..at].ends_with("super::"))
+                || listed
+        })
+        .collect()
+}
+
+#[test]
+fn files_of_a_folder_do_not_import_each_other_in_circles() {
+    let mut folders: BTreeMap<PathBuf, BTreeMap<String, String>> = BTreeMap::new();
+    for (_, file, code) in parts() {
+        let folder = file.parent().expect("a folder").to_owned();
+        let stem = file
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        if stem != "mod" && folder.components().count() > 0 {
+            folders.entry(folder).or_default().insert(stem, code);
+        }
+    }
+    let mut circles = Vec::new();
+    for (folder, files) in &folders {
+        let names: Vec<String> = files.keys().cloned().collect();
+        let imports: BTreeMap<&str, Vec<&str>> = files
+            .iter()
+            .map(|(name, code)| (name.as_str(), siblings(name, code, &names)))
+            .collect();
+        for name in &names {
+            let mut reached: Vec<&str> = imports[name.as_str()].clone();
+            let mut next = 0;
+            while let Some(file) = reached.get(next).copied() {
+                reached.extend(
+                    imports[file]
+                        .iter()
+                        .filter(|more| !reached.contains(more))
+                        .copied()
+                        .collect::<Vec<_>>(),
+                );
+                next += 1;
+            }
+            if reached.contains(&name.as_str()) {
+                circles.push(format!("{}/{name}.rs", folder.display()));
+            }
+        }
+    }
+    assert!(
+        circles.is_empty(),
+        "in a circle of imports: {}",
+        circles.join(", ")
+    );
+}
+
 #[test]
 fn the_core_does_no_io_and_reads_no_clock() {
     let mut wrong = Vec::new();
@@ -172,7 +274,7 @@ fn the_core_does_no_io_and_reads_no_clock() {
 }
 
 #[test]
-fn the_table_is_the_one_that_is_written_down() {
+fn the_table_lists_the_parts_of_architecture_md() {
     let written = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md"))
         .expect("ARCHITECTURE.md");
     for (part, _) in TABLE {

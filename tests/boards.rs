@@ -1,4 +1,4 @@
-//! The simulated board against the decoders: every format over a pseudo-terminal, and everything that goes wrong.
+//! The simulated board and the decoders: every format over a pseudo-terminal, and every fault.
 
 use std::collections::BTreeSet;
 use std::process::{Command, Stdio};
@@ -8,10 +8,12 @@ use std::time::Duration;
 
 use gelpad::eit::order::Layout;
 use gelpad::pad::{Pad, shipped_pad};
-use gelpad::source::board::{Board, BoardSettings, Cable, Faults, Plan, Signal, serve};
+use gelpad::source::board::{
+    Board, BoardSettings, BoardSignal, CableFaults, FaultyCable, ServePlan, serve,
+};
 use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
-use gelpad::source::wire::{Decoded, Format, FormatKind, MOST_HELD_BYTES, Wiring};
-use gelpad::source::{Reading, Script, Source, plausible_counts};
+use gelpad::source::wire::{Decoded, FormatChoice, MOST_HELD_BYTES, WireFormat, Wiring};
+use gelpad::source::{SIMULATED_FRAME_NS, Script, Source, SourceReading, plausible_counts};
 use rustix::process::{Pid, Signal as Interrupt, kill_process};
 
 const SCRIPT: &str = "t:100 down 1 80 50\nt:180 up 1\nt:200 end";
@@ -20,33 +22,38 @@ fn pad(name: &str) -> Pad {
     Pad::from_toml(name, shipped_pad(name).expect("shipped").toml).expect("sound")
 }
 
-fn signal(pad: &Pad) -> Signal {
+fn signal(pad: &Pad) -> BoardSignal {
     let script = Script::parse("s", SCRIPT).expect("sound");
-    Signal::new(pad, &script, (60.0, 9), 0.0, None).expect("solvable")
+    BoardSignal::new(pad, &script, (60.0, 9), 0.0, None).expect("solvable")
 }
 
-/// Frames of a signal at the times that a board without a rate gives them.
+/// Frames of a signal at the times of a board without a rate.
 fn truth(pad: &Pad, frames: usize) -> Vec<Vec<f32>> {
     let mut signal = signal(pad);
     (0..frames)
-        .map(|n| signal.read(n as u64 * 10_000_000))
+        .map(|n| signal.read(n as u64 * SIMULATED_FRAME_NS))
         .collect()
 }
 
-/// Serves a board on a pseudo-terminal until as many frames were read from it, and gives them.
-fn over_pty(pad: &Pad, settings: &BoardSettings, format: Format, frames: usize) -> Vec<Vec<f32>> {
+/// Serves a board on a pseudo-terminal and returns the frames read from it.
+fn over_pty(
+    pad: &Pad,
+    settings: &BoardSettings,
+    format: FormatChoice,
+    frames: usize,
+) -> Vec<Vec<f32>> {
     let folder = tempfile::tempdir().expect("a folder");
     let link = folder.path().join("port");
     let board = Board::new(pad, settings).expect("wired");
     let mut signal = signal(pad);
     let stop = Arc::new(AtomicBool::new(false));
     let stopping = Arc::clone(&stop);
-    let plan = Plan {
+    let plan = ServePlan {
         link: Some(link.clone()),
         frames_per_s: None,
         frames: None,
-        faults: Faults::default(),
-        between: None,
+        faults: CableFaults::default(),
+        other_board: None,
         seed: 1,
     };
     let server = std::thread::Builder::new()
@@ -61,8 +68,8 @@ fn over_pty(pad: &Pad, settings: &BoardSettings, format: Format, frames: usize) 
     let mut idle = 0;
     while got.len() < frames {
         match source.read().expect("fits the pad") {
-            Reading::Frame(frame) => got.push(frame.volts),
-            Reading::Idle => idle += 1,
+            SourceReading::Frame(frame) => got.push(frame.volts),
+            SourceReading::Idle => idle += 1,
             other => panic!(
                 "{other:?} from a board without faults, after {} frames",
                 got.len()
@@ -80,7 +87,7 @@ fn over_pty(pad: &Pad, settings: &BoardSettings, format: Format, frames: usize) 
     got
 }
 
-/// What a format with so many decimals keeps of a value that its board scales.
+/// Values as a format with this number of decimals keeps them, in the board's scale.
 fn rounded(values: &[Vec<f32>], decimals: usize) -> Vec<Vec<f32>> {
     let keep = |value: &f32| {
         format!("{:.decimals$}", 100.0_f32 * value)
@@ -99,19 +106,19 @@ fn each_format_over_a_pty_gives_what_was_measured() {
     let lattice = pad("edinburgh-lattice");
     let sent = truth(&lattice, FRAMES);
     let play =
-        |kind: FormatKind| over_pty(&lattice, &BoardSettings::new(kind), kind.into(), FRAMES);
-    assert!(play(FormatKind::Gelpad) == sent, "bit for bit");
-    assert!(play(FormatKind::Lines) == sent, "bit for bit");
+        |kind: WireFormat| over_pty(&lattice, &BoardSettings::new(kind), kind.into(), FRAMES);
+    assert!(play(WireFormat::Gelpad) == sent, "bit for bit");
+    assert!(play(WireFormat::Lines) == sent, "bit for bit");
     assert!(
-        play(FormatKind::Square) == rounded(&sent, 4),
+        play(WireFormat::Square) == rounded(&sent, 4),
         "to four decimals"
     );
     assert!(
-        play(FormatKind::Request) == rounded(&sent, 5),
+        play(WireFormat::Request) == rounded(&sent, 5),
         "to five decimals"
     );
-    // Differences of potentials that are sums of differences: exact to the rounding of f32.
-    for (got, sent) in play(FormatKind::Sciospec).iter().zip(&sent) {
+    // Differences of potentials that are sums of differences: exact up to the rounding of f32.
+    for (got, sent) in play(WireFormat::Sciospec).iter().zip(&sent) {
         let largest = sent.iter().fold(0.0_f32, |most, volt| most.max(volt.abs()));
         for (got, sent) in got.iter().zip(sent) {
             assert!(
@@ -125,13 +132,13 @@ fn each_format_over_a_pty_gives_what_was_measured() {
         .iter()
         .map(|frame| frame.iter().map(|volt| volt.abs()).collect())
         .collect();
-    let settings = BoardSettings::new(FormatKind::OpenEit);
-    let got = over_pty(&spectra, &settings, FormatKind::OpenEit.into(), FRAMES);
+    let settings = BoardSettings::new(WireFormat::OpenEit);
+    let got = over_pty(&spectra, &settings, WireFormat::OpenEit.into(), FRAMES);
     assert!(got == rounded(&magnitudes, 4), "to four decimals");
 }
 
 #[test]
-fn a_board_that_lists_its_readings_otherwise_is_found_out_by_itself() {
+fn another_order_of_readings_is_recognised() {
     let lattice = pad("edinburgh-lattice");
     let sent = truth(&lattice, 5);
     for (layout, rotated, flipped) in [
@@ -143,9 +150,9 @@ fn a_board_that_lists_its_readings_otherwise_is_found_out_by_itself() {
             layout: Some(layout),
             rotated,
             flipped,
-            ..BoardSettings::new(FormatKind::Gelpad)
+            ..BoardSettings::new(WireFormat::Gelpad)
         };
-        let got = over_pty(&lattice, &settings, Format::default(), 5);
+        let got = over_pty(&lattice, &settings, FormatChoice::default(), 5);
         for (got, sent) in got.iter().zip(&sent) {
             for (index, channel) in lattice.protocol.channels.iter().enumerate() {
                 let is_there =
@@ -159,8 +166,8 @@ fn a_board_that_lists_its_readings_otherwise_is_found_out_by_itself() {
     }
 }
 
-/// What a dialect makes of a stream that comes in pieces of another length each time.
-fn decoded(kind: FormatKind, wiring: &Wiring, stream: &[u8]) -> Vec<Vec<f32>> {
+/// The frames of a stream that arrives in pieces of different lengths.
+fn decoded(kind: WireFormat, wiring: &Wiring, stream: &[u8]) -> Vec<Vec<f32>> {
     let mut dialect = kind.dialect(wiring, false);
     let mut found = Vec::new();
     let mut rest = stream;
@@ -179,7 +186,8 @@ fn decoded(kind: FormatKind, wiring: &Wiring, stream: &[u8]) -> Vec<Vec<f32>> {
     found.into_iter().filter_map(frame).collect()
 }
 
-/// A stream with a spell of faults between sound frames: the frames as measured, the bytes, and where the last sound ones begin.
+/// A stream with faults, followed by undamaged frames: the frames as measured, the bytes, and where the
+/// undamaged frames start.
 struct Spell {
     wiring: Wiring,
     sent: Vec<Vec<f32>>,
@@ -189,8 +197,8 @@ struct Spell {
 
 const SOUND_FRAMES: usize = 6;
 
-fn spell(kind: FormatKind, faults: Faults, frames: usize) -> Spell {
-    let name = if kind == FormatKind::OpenEit {
+fn spell(kind: WireFormat, faults: CableFaults, frames: usize) -> Spell {
+    let name = if kind == WireFormat::OpenEit {
         "openeit-lattice"
     } else {
         "edinburgh-lattice"
@@ -198,22 +206,22 @@ fn spell(kind: FormatKind, faults: Faults, frames: usize) -> Spell {
     let pad = pad(name);
     let mut board = Board::new(&pad, &BoardSettings::new(kind)).expect("wired");
     let mut signal = signal(&pad);
-    let mut cable = Cable::new(faults, 5);
+    let mut cable = FaultyCable::new(faults, 5);
     let mut bytes = board.reset();
     let mut sent = Vec::new();
     for n in 0..frames {
-        let volts = signal.read(n as u64 * 10_000_000);
+        let volts = signal.read(n as u64 * SIMULATED_FRAME_NS);
         bytes.extend(cable.carry(board.frame(n as u64 * 10_000, &volts)));
         sent.push(volts);
     }
     let sound_from = bytes.len();
     for n in frames..frames + SOUND_FRAMES {
-        let volts = signal.read(n as u64 * 10_000_000);
+        let volts = signal.read(n as u64 * SIMULATED_FRAME_NS);
         bytes.extend(board.frame(n as u64 * 10_000, &volts));
         sent.push(volts);
     }
     Spell {
-        wiring: Wiring::of_pad(&pad),
+        wiring: Wiring::from_pad(&pad),
         sent,
         bytes,
         sound_from,
@@ -224,33 +232,33 @@ fn bits(frame: &[f32]) -> Vec<u32> {
     frame.iter().map(|value| value.to_bits()).collect()
 }
 
-/// Each kind of damage, so much that hardly a frame comes through.
-fn heavy() -> [Faults; 3] {
+/// Each kind of damage, so heavy that hardly a frame is intact.
+fn heavy() -> [CableFaults; 3] {
     [
-        Faults {
+        CableFaults {
             lost_bytes: 0.01,
-            ..Faults::default()
+            ..CableFaults::default()
         },
-        Faults {
-            turned_bits: 0.001,
-            ..Faults::default()
+        CableFaults {
+            flipped_bits: 0.001,
+            ..CableFaults::default()
         },
-        Faults {
+        CableFaults {
             half_frames: 0.5,
-            ..Faults::default()
+            ..CableFaults::default()
         },
     ]
 }
 
 #[test]
-fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
+fn with_a_check_sum_no_wrong_frame_is_accepted() {
     let damage = heavy().into_iter().chain([
-        // Light enough that many frames come through.
-        Faults {
+        // Light enough that many frames are intact.
+        CableFaults {
             lost_bytes: 5e-4,
-            turned_bits: 5e-5,
+            flipped_bits: 5e-5,
             half_frames: 0.1,
-            ..Faults::default()
+            ..CableFaults::default()
         },
     ]);
     for faults in damage {
@@ -259,9 +267,9 @@ fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
             sent,
             bytes,
             sound_from,
-        } = spell(FormatKind::Gelpad, faults, 3000);
+        } = spell(WireFormat::Gelpad, faults, 3000);
         let known: BTreeSet<Vec<u32>> = sent.iter().map(|frame| bits(frame)).collect();
-        let got = decoded(FormatKind::Gelpad, &wiring, &bytes);
+        let got = decoded(WireFormat::Gelpad, &wiring, &bytes);
         assert!(
             got.iter().all(|frame| known.contains(&bits(frame))),
             "{faults:?}"
@@ -269,20 +277,20 @@ fn with_a_check_sum_no_wrong_frame_is_ever_taken() {
         let last = &sent[sent.len() - SOUND_FRAMES..];
         let tail = &got[got.len() - (SOUND_FRAMES - 1)..];
         assert_eq!(tail, &last[1..], "all but the first frame after the damage");
-        assert!(decoded(FormatKind::Gelpad, &wiring, &bytes[sound_from..]).len() == SOUND_FRAMES);
+        assert!(decoded(WireFormat::Gelpad, &wiring, &bytes[sound_from..]).len() == SOUND_FRAMES);
     }
 }
 
 #[test]
-fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well() {
+fn without_a_check_sum_no_frame_of_a_wrong_count_is_accepted() {
     for kind in [
-        FormatKind::OpenEit,
-        FormatKind::Square,
-        FormatKind::Request,
-        FormatKind::Sciospec,
+        WireFormat::OpenEit,
+        WireFormat::Square,
+        WireFormat::Request,
+        WireFormat::Sciospec,
     ] {
-        // The instrument's cycle is learned from a whole one when the damage lasted.
-        let lost_first = if kind == FormatKind::Sciospec { 2 } else { 1 };
+        // The instrument's cycle is learned again after long damage.
+        let lost_first = if kind == WireFormat::Sciospec { 2 } else { 1 };
         for faults in heavy() {
             let Spell {
                 wiring,
@@ -298,14 +306,15 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
                 whole[whole.len() - tail..] == sound[lost_first..],
                 "{kind:?} {faults:?}: other frames"
             );
-            // A reply's count is judged by whoever knows the pad; half of an instrument's drives are a cycle like another.
+            // The number of values of a reply is checked against the pad; half of an instrument's drives form
+            // a valid cycle.
             let judged = match kind {
-                FormatKind::Square => Some(256),
-                FormatKind::Sciospec if faults.half_frames == 0.0 => Some(208),
+                WireFormat::Square => Some(256),
+                WireFormat::Sciospec if faults.half_frames == 0.0 => Some(208),
                 _ => None,
             };
             if let Some(count) = judged {
-                // Six halves and a whole line hold 32 x 32 values, which no pad of 16 electrodes takes for its own.
+                // Six halves and a whole line hold 32 x 32 values, which no pad of 16 electrodes accepts.
                 let plausible = plausible_counts(&pad("edinburgh-lattice"));
                 let mut taken = whole
                     .iter()
@@ -320,19 +329,19 @@ fn without_one_none_of_a_wrong_count_is_taken_and_two_frames_later_all_is_well()
 }
 
 #[test]
-fn another_format_in_mid_stream_is_no_frame_and_the_former_goes_on() {
+fn another_format_in_mid_stream_gives_no_frame() {
     for kind in [
-        FormatKind::Gelpad,
-        FormatKind::OpenEit,
-        FormatKind::Square,
-        FormatKind::Sciospec,
+        WireFormat::Gelpad,
+        WireFormat::OpenEit,
+        WireFormat::Square,
+        WireFormat::Sciospec,
     ] {
-        for other in FormatKind::ALL {
+        for other in WireFormat::ALL {
             if other == kind {
                 continue;
             }
-            let ours = spell(kind, Faults::default(), 4);
-            let alien = spell(other, Faults::default(), 20);
+            let ours = spell(kind, CableFaults::default(), 4);
+            let alien = spell(other, CableFaults::default(), 20);
             let stream = [&ours.bytes[..], &alien.bytes, &ours.bytes].concat();
             let alone = decoded(kind, &ours.wiring, &ours.bytes);
             let got = decoded(kind, &ours.wiring, &stream);
@@ -353,9 +362,9 @@ fn another_format_in_mid_stream_is_no_frame_and_the_former_goes_on() {
     }
 }
 
-/// The programs themselves: bytes lost, bits turned, half frames, pauses, and a port that hangs up and comes back.
+/// The programs: lost bytes, flipped bits, half frames, pauses, and a port that disappears and comes back.
 #[test]
-fn play_goes_on_through_everything_and_holds_nothing() {
+fn play_continues_through_all_faults_and_holds_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let (port, script) = (
         folder.path().join("port"),
@@ -414,10 +423,10 @@ fn play_goes_on_through_everything_and_holds_nothing() {
     assert!(presses >= 5, "{presses} presses\n{trace}\n{told}");
     for expected in [
         "the board speaks gelpad's own packets",
-        "skipped what is no frame",
-        "has been silent for 500 ms: all keys are up",
-        "the board is gone",
-        "the board is back",
+        "skipped input that is not a frame",
+        "has been silent for 500 ms: all keys are released",
+        "Pad disconnected: waiting for",
+        "pad connected again",
         "frames lost",
     ] {
         assert!(told.contains(expected), "{expected:?} is not in:\n{told}");

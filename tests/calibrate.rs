@@ -1,7 +1,13 @@
-//! `gelpad calibrate` from outside: a robot presses the simulated pad, presses are learned from, files are refused.
+//! `gelpad calibrate` from the command line: a robot presses the simulated pad, presses are learned from, wrong files are refused.
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::Arc;
+
+use gelpad::eit::Reconstruction;
+use gelpad::pad::{Pad, shipped_pad};
+use gelpad::touch::{Detector, Sensing};
+use gelpad::types::{Frame, Method};
 
 fn gelpad(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_gelpad"))
@@ -15,7 +21,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Presses of an instrument that gelpad has no pad for: nine channels, each a bump.
+/// Presses of an instrument without a pad file: nine channels, each a bump.
 fn presses(count: usize, from: usize) -> String {
     let mut text = String::from("x_mm,y_mm,d0,d1,d2,d3,d4,d5,d6,d7,d8\n");
     for i in from..from + count {
@@ -152,7 +158,7 @@ fn presses_of_any_instrument_are_evaluated_as_one_json_object() {
 #[test]
 fn what_is_no_calibration_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (text, told) in [
+    for (text, message) in [
         ("[]", "this is no calibration"),
         ("{\"format\":\"x\"}", "this is no calibration"),
     ] {
@@ -169,13 +175,13 @@ fn what_is_no_calibration_is_refused() {
             ],
         );
         assert_eq!(output.status.code(), Some(1));
-        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{}", stderr(&output));
     }
     let output = gelpad(folder.path(), &["calibrate", "--evaluate", "x.csv"]);
     assert_eq!(output.status.code(), Some(2), "--evaluate needs --presses");
 }
 
-/// A script of a slow hand that does what it is asked for: presses of the regions of super-mario, short ones of half a second.
+/// A script of a slow hand that follows the requests: presses of regions of super-mario, short ones of half a second.
 fn slow_presses(count: usize) -> String {
     let plain = [(75, 9), (13, 57), (37, 57), (25, 15), (67, 93), (32, 93)];
     let (short_ms, long_ms, gap_ms) = (500, 1400, 600);
@@ -229,7 +235,7 @@ fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
         "{said}"
     );
     let text = std::fs::read_to_string(folder.path().join("users/anna.toml")).expect("settings");
-    assert!(text.contains("20 of them come out as meant"), "{text}");
+    assert!(text.contains("20 are right with these settings"), "{text}");
     assert!(text.contains("classify = \"decided\""), "{text}");
     let shown = gelpad(
         folder.path(),
@@ -249,7 +255,7 @@ fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
 }
 
 #[test]
-fn too_few_presses_and_nobody_who_presses_are_said() {
+fn too_few_presses_and_a_missing_script_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let few = gelpad(
         folder.path(),
@@ -257,10 +263,34 @@ fn too_few_presses_and_nobody_who_presses_are_said() {
     );
     assert_eq!(few.status.code(), Some(1));
     assert!(
-        stderr(&few).contains("nobody presses the simulated pad"),
+        stderr(&few).contains("the simulated pad is not pressed"),
         "{}",
         stderr(&few)
     );
     let without = gelpad(folder.path(), &["calibrate", "--recommend", "anna"]);
     assert_eq!(without.status.code(), Some(2));
+}
+
+#[test]
+fn changes_are_not_scaled_by_the_weights_of_the_channels() {
+    let shipped = shipped_pad("openeit-lattice").expect("shipped");
+    let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+    let matrix = Reconstruction::from_pad(&pad, Method::default()).expect("a matrix");
+    let mut sensing = Sensing::by_image(Arc::new(matrix));
+    sensing.image_weights.fill(0.5);
+    let mut detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
+    for index in 0..30 {
+        let volts = (0..pad.channels()).map(|channel| {
+            let noise = 1e-4 * ((index * (channel + 3)) as f32).sin();
+            let pressed = index == 29 && channel == 7;
+            (1.0 + noise) * if pressed { 0.9 } else { 1.0 }
+        });
+        let frame = Frame {
+            t_ns: index as u64 * 10_000_000,
+            volts: volts.collect(),
+        };
+        detector.process_frame(&frame, &mut Vec::new());
+    }
+    let (changes, _) = detector.changes_and_explained();
+    assert!((changes[7] + 0.1).abs() < 1e-3, "{}", changes[7]);
 }

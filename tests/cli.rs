@@ -1,4 +1,4 @@
-//! The command line as a user meets it: endings, exit codes, messages.
+//! The command line: messages and exit codes.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -10,7 +10,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 fn gelpad(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
-    // No display: nothing here may reach a desktop.
+    // No display: the tests must not type into a desktop.
     command
         .args(arguments)
         .env_remove("DISPLAY")
@@ -20,7 +20,7 @@ fn gelpad(arguments: &[&str]) -> Command {
     command
 }
 
-fn ended(arguments: &[&str]) -> (i32, String, String) {
+fn run(arguments: &[&str]) -> (i32, String, String) {
     let Output {
         status,
         stdout,
@@ -67,11 +67,11 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
         ),
         (
             vec!["replay".into(), file("few.csv", b"t_ms,v0\n0,1\n")],
-            "few.csv:1: 1 voltages a frame, but the pad gives 208",
+            "few.csv:1: 1 voltages a frame, but the pad has 208",
         ),
         (
             vec!["replay".into(), file("nan.csv", row("NaN").as_bytes())],
-            "nan.csv:2: column 9 (v7): \"NaN\" is no voltage",
+            "nan.csv:2: column 9 (v7): \"NaN\" is not a voltage",
         ),
         (
             vec![
@@ -105,7 +105,7 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
                     shipped.replacen("min_gap_ms", "min_gap", 1).as_bytes(),
                 ),
             ],
-            "no key is named `min_gap` in a profile",
+            "unknown key `min_gap` at the top of a profile",
         ),
         (
             vec![
@@ -123,7 +123,7 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
                 "check".into(),
                 file("bytes.toml", b"\xff\xfe\x00"),
             ],
-            "bytes.toml: this is no text file",
+            "bytes.toml: not a text file",
         ),
         (
             vec![
@@ -159,12 +159,12 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
         ),
     ];
     for (arguments, said) in &cases {
-        // Where the kernel's devices can be made they would play.
+        // With access to uinput this output opens.
         if said.starts_with("neither") && Path::new("/dev/uinput").exists() {
             continue;
         }
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let (code, stdout, stderr) = ended(&arguments);
+        let (code, stdout, stderr) = run(&arguments);
         assert_eq!(code, 1, "{arguments:?}: {stderr}");
         assert!(
             stderr.contains(said),
@@ -176,7 +176,7 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
 }
 
 #[test]
-fn what_help_forbids_is_code_2() {
+fn wrong_arguments_end_with_code_2() {
     for arguments in [
         ["replay", "--print"].as_slice(),
         &["play", "--source", "carrier-pigeon"],
@@ -184,7 +184,7 @@ fn what_help_forbids_is_code_2() {
         &["play", "--snr", "-3"],
         &["fly"],
     ] {
-        assert_eq!(ended(arguments).0, 2, "{arguments:?}");
+        assert_eq!(run(arguments).0, 2, "{arguments:?}");
     }
 }
 
@@ -201,32 +201,46 @@ fn every_subcommand_has_an_example_in_its_help() {
         &["profile", "show", "--help"],
         &["profile", "check", "--help"],
         &["profile", "schema", "--help"],
+        &["profile", "list", "--help"],
+        &["pad", "list", "--help"],
+        &["recover", "--help"],
+        &["export", "--help"],
+        &["listen", "--help"],
+        &["device", "--help"],
+        &["calibrate", "--help"],
+        &["study", "--help"],
+        &["study", "width", "--help"],
+        &["study", "phantoms", "--help"],
+        &["study", "thickness", "--help"],
+        &["study", "merge", "--help"],
+        &["accuracy", "--help"],
+        &["doctor", "--help"],
     ] {
-        let (code, stdout, _) = ended(arguments);
+        let (code, stdout, _) = run(arguments);
         assert_eq!(code, 0);
         assert!(stdout.contains("Example"), "{arguments:?}\n{stdout}");
     }
 }
 
 #[test]
-fn what_show_prints_can_be_copied_edited_and_used() {
+fn printed_texts_can_be_used_as_files() {
     let folder = tempfile::tempdir().expect("a folder");
     for (kind, name) in [("pad", "round-tank"), ("profile", "super-mario")] {
-        let (_, toml, _) = ended(&[kind, "show", name, "--toml"]);
+        let (_, toml, _) = run(&[kind, "show", name, "--toml"]);
         let path = folder.path().join(format!("{name}.toml"));
         fs::write(&path, toml).expect("written");
-        let (code, stdout, _) = ended(&[kind, "check", &path.display().to_string()]);
+        let (code, stdout, _) = run(&[kind, "check", &path.display().to_string()]);
         assert_eq!(code, 0);
         assert!(stdout.contains("sound"), "{stdout}");
     }
 }
 
 #[test]
-fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
+fn profiles_are_drawn_for_screen_and_printer() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     let [svg, png, print] = ["a.svg", "a.png", "b.svg"].map(path);
-    let drawn = ended(&[
+    let drawn = run(&[
         "profile",
         "show",
         "one-handed",
@@ -241,7 +255,7 @@ fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
     let read = |path: &str| fs::read_to_string(path).expect("drawn");
     assert!(read(&svg).contains(">jump</text>"));
     assert!(fs::read(&png).expect("drawn").starts_with(b"\x89PNG"));
-    // The sheet is counted in millimetres: one unit is one, and the square of this profile is 50 of them wide.
+    // One unit of the drawing is 1 mm; the region of this profile is 50 mm wide.
     let sheet = read(&print);
     assert!(
         sheet.contains("width=\"210mm\" height=\"297mm\" viewBox=\"0 0 210 297\""),
@@ -255,7 +269,7 @@ fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
         sheet.contains("<polygon points=\"80.00,105.00 130.00,105.00"),
         "`down`: from 25 to 75 mm of the pad"
     );
-    let (code, _, stderr) = ended(&["profile", "show", "--print", "/no-such-folder/a.svg"]);
+    let (code, _, stderr) = run(&["profile", "show", "--print", "/no-such-folder/a.svg"]);
     assert_eq!(code, 1);
     assert!(
         stderr.contains("/no-such-folder/a.svg cannot be written"),
@@ -264,22 +278,22 @@ fn a_profile_is_drawn_for_the_screen_and_at_true_scale_for_the_printer() {
 }
 
 #[test]
-fn a_person_lies_over_a_profile_and_show_tells_where_each_value_comes_from() {
+fn show_names_the_text_of_each_value_of_a_profile_with_user_settings() {
     let folder = tempfile::tempdir().expect("a folder");
     let user = folder.path().join("anna.toml");
     fs::write(&user, "slow_keys_ms = 80\nreach_w = 0.5\n").expect("written");
     let user = user.display().to_string();
-    let (code, stdout, stderr) = ended(&["profile", "check", "super-mario", "--user", &user]);
+    let (code, stdout, stderr) = run(&["profile", "check", "super-mario", "--user", &user]);
     assert_eq!(code, 0, "{stderr}");
     assert!(
         stdout.contains("sound") && stdout.contains("warnings"),
         "{stdout}"
     );
     assert!(
-        stderr.contains("the region `jump` lies out of reach"),
+        stderr.contains("the region `jump` is out of reach"),
         "{stderr}"
     );
-    let (_, stdout, _) = ended(&["profile", "show", "one-handed", "--user", &user]);
+    let (_, stdout, _) = run(&["profile", "show", "one-handed", "--user", &user]);
     for line in [
         ("slow_keys_ms = 80", "anna.toml"),
         ("area_x = 0.25", "one-handed"),
@@ -290,14 +304,16 @@ fn a_person_lies_over_a_profile_and_show_tells_where_each_value_comes_from() {
             .any(|text| text.contains(line.0) && text.ends_with(line.1));
         assert!(told, "{line:?} in\n{stdout}");
     }
-    let (code, _, stderr) = ended(&["profile", "check", "super-mario", "--user", "tremro"]);
+    let (code, _, stderr) = run(&["profile", "check", "super-mario", "--user", "tremro"]);
     assert_eq!(code, 1);
+    let known = "no settings called `tremro`; known: tremor, light-touch";
+    assert!(stderr.contains(known), "{stderr}");
     assert!(stderr.contains("did you mean `tremor`?"), "{stderr}");
 }
 
 #[test]
 fn without_a_terminal_the_level_prints_its_events_and_a_summary() {
-    let (code, stdout, stderr) = ended(&[]);
+    let (code, stdout, stderr) = run(&[]);
     assert_eq!(code, 0, "{stderr}");
     let presses = stdout
         .lines()
@@ -323,7 +339,7 @@ fn a_recorded_session_plays_in_real_time_to_its_end() {
         .collect();
     fs::write(&path, head).expect("written");
     let source = format!("replay:{}", path.display());
-    let (code, stdout, stderr) = ended(&[
+    let (code, stdout, stderr) = run(&[
         "play",
         "--source",
         &source,
@@ -348,8 +364,8 @@ fn a_closed_stdout_ends_quietly() {
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
 
-/// A game in which one finger stays down, and its first line of events.
-fn held(folder: &Path) -> (Child, BufReader<std::process::ChildStdout>, String) {
+/// Starts a game in which one finger stays down; returns its first event line.
+fn game_with_a_held_key(folder: &Path) -> (Child, BufReader<std::process::ChildStdout>, String) {
     let script = folder.join("hold.txt");
     let mut file = fs::File::create(&script).expect("a script");
     writeln!(file, "t:150 down 1 80 50\nt:60000 end").expect("written");
@@ -373,7 +389,7 @@ fn held(folder: &Path) -> (Child, BufReader<std::process::ChildStdout>, String) 
 }
 
 #[test]
-fn signals_end_with_keys_up_and_their_code() {
+fn signals_release_all_keys_and_end_with_their_code() {
     for (signal, code) in [
         (Signal::INT, 130),
         (Signal::TERM, 143),
@@ -381,7 +397,7 @@ fn signals_end_with_keys_up_and_their_code() {
         (Signal::QUIT, 131),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
-        let (mut child, mut lines, first) = held(folder.path());
+        let (mut child, mut lines, first) = game_with_a_held_key(folder.path());
         assert!(first.ends_with("press key:f\n"), "{first}");
         std::thread::sleep(Duration::from_millis(100));
         let pid = Pid::from_child(&child);

@@ -1,7 +1,8 @@
-//! Every fault that the doctor names, provoked: with the real thing where it can be had (a kernel without the module, a
-//! user without permission, a display without XTEST, ...), else with a folder that stands for a machine.
+//! Provokes every fault that `gelpad doctor` reports: on real systems where possible (a kernel without the module, a user
+//! without permission, a display without XTEST, ...), else in a folder that stands for a machine.
 //!
-//! What needs a program or a guest that is missing is ignored, and its kind says why; with `GELPAD_TEST_ALL=1` it fails.
+//! A test that needs a missing program or virtual machine is ignored, with the reason as its kind; with
+//! `GELPAD_TEST_ALL=1` it fails.
 
 #[path = "game/process.rs"]
 #[allow(dead_code)]
@@ -20,7 +21,7 @@ use std::process::{Command, ExitCode};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
-use gelpad::doctor::{Boards, Line, Machine, State, examine};
+use gelpad::doctor::{BoardAccess, CheckLine, CheckStatus, Machine, run_checks};
 use libtest_mimic::{Arguments, Trial};
 
 use host::{Guest, Said, trial};
@@ -45,9 +46,13 @@ fn main() -> ExitCode {
                 wrong(said, "X11", "lacks XTEST", "without `-extension XTEST`")
             })
         }),
-        trial("a display that takes keys", xvfb(), || {
+        trial("a display that accepts keys", xvfb(), || {
             on_xvfb(&[], |said| {
-                ok(said, "X11", "takes keys (XTEST); press to reader: median")?;
+                ok(
+                    said,
+                    "X11",
+                    "accepts keys (XTEST); delay to a program: median",
+                )?;
                 ensure!(said.code == 0, "exit code {}", said.code);
                 Ok(())
             })
@@ -61,22 +66,22 @@ fn main() -> ExitCode {
         trial("no permission", Guest::needs(), no_permission),
         trial("the rule is installed", Guest::needs(), install),
         trial("a test gamepad is read back", Guest::needs(), read_back),
-        trial("a port that is held, an adapter that waits", Ok(()), board),
+        trial("a port in use, a slow adapter", Ok(()), board),
         trial("a machine without anything", Ok(()), nothing),
     ];
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-/// The doctor, here, without a desktop but for what is set.
-fn doctor(settings: &[(&str, &str)]) -> Result<Said> {
+/// Runs `gelpad doctor` without a desktop except for these environment variables.
+fn doctor(variables: &[(&str, &str)]) -> Result<Said> {
     let mut command = Command::new(GELPAD);
     for name in ["DISPLAY", "WAYLAND_DISPLAY", "XDG_SESSION_TYPE"] {
         command.env_remove(name);
     }
-    Said::by(command.arg("doctor").envs(settings.iter().copied()))
+    Said::by(command.arg("doctor").envs(variables.iter().copied()))
 }
 
-/// The line about something: its word, what was found, and what mends it, if anything does.
+/// The line about a subject: status, finding, and fix if there is one.
 fn line<'a>(said: &'a Said, subject: &str) -> Result<(&'a str, &'a str, Option<&'a str>)> {
     let mut lines = said.out.lines().peekable();
     while let Some(line) = lines.next() {
@@ -84,20 +89,20 @@ fn line<'a>(said: &'a Said, subject: &str) -> Result<(&'a str, &'a str, Option<&
             continue;
         };
         if let Some(found) = rest.trim_start().strip_prefix(subject) {
-            let mend = lines
+            let fix = lines
                 .peek()
                 .and_then(|next| next.trim_start().strip_prefix("-> "));
-            return Ok((word, found.trim_start(), mend));
+            return Ok((word, found.trim_start(), fix));
         }
     }
     anyhow::bail!("no line about {subject}:\n{}", said.out)
 }
 
-fn wrong(said: &Said, subject: &str, words: &str, mend: &str) -> Result<()> {
+fn wrong(said: &Said, subject: &str, words: &str, fix: &str) -> Result<()> {
     let line = line(said, subject)?;
     ensure!(
-        line.0 == "wrong" && line.1.contains(words) && line.2.is_some_and(|own| own.contains(mend)),
-        "not wrong as it should be: {line:?}"
+        line.0 == "wrong" && line.1.contains(words) && line.2.is_some_and(|own| own.contains(fix)),
+        "should be wrong: {line:?}"
     );
     Ok(())
 }
@@ -108,7 +113,7 @@ fn ok(said: &Said, subject: &str, words: &str) -> Result<()> {
     Ok(())
 }
 
-/// Without a desktop and without the kernel's devices nothing plays, and that is said.
+/// Without a desktop and without kernel devices nothing works, and the report says so.
 fn no_display() -> Result<()> {
     let said = doctor(&[])?;
     let (word, found, _) = line(&said, "session")?;
@@ -137,12 +142,12 @@ fn silent_display() -> Result<()> {
         ("DISPLAY", ":9999"),
         ("WAYLAND_DISPLAY", "/nowhere/wayland-1"),
     ])?;
-    let mend = "from a terminal of the desktop";
-    wrong(&said, "X11", "the display :9999 does not answer", mend)?;
-    wrong(&said, "Wayland", "/nowhere/wayland-1 does not answer", mend)
+    let fix = "from a terminal of the desktop";
+    wrong(&said, "X11", "display :9999 does not answer", fix)?;
+    wrong(&said, "Wayland", "/nowhere/wayland-1 does not answer", fix)
 }
 
-fn on_xvfb(arguments: &[&str], judge: impl Fn(&Said) -> Result<()>) -> Result<()> {
+fn on_xvfb(arguments: &[&str], check: impl Fn(&Said) -> Result<()>) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let answer = folder.path().join("display");
     let mut xvfb = Command::new(tools::program("Xvfb").context("no Xvfb")?);
@@ -155,7 +160,7 @@ fn on_xvfb(arguments: &[&str], judge: impl Fn(&Said) -> Result<()>) -> Result<()
             .strip_suffix('\n')
             .map(str::to_owned))
     })?;
-    judge(&doctor(&[("DISPLAY", &format!(":{number}"))])?)
+    check(&doctor(&[("DISPLAY", &format!(":{number}"))])?)
 }
 
 fn under_weston() -> Result<()> {
@@ -177,12 +182,12 @@ fn under_weston() -> Result<()> {
     wrong(
         &said,
         "Wayland",
-        "lets no program press keys",
+        "does not let programs press keys",
         "--install-rule",
     )
 }
 
-/// The module is there and not loaded; the command that is named mends it.
+/// The module exists and is not loaded; the reported command fixes it.
 fn no_module() -> Result<()> {
     let guest = Guest {
         without: Some("uinput"),
@@ -195,16 +200,16 @@ fn no_module() -> Result<()> {
         "uinput is not loaded",
         "sudo modprobe uinput",
     )?;
-    wrong(&said, "/dev/uinput", "not there", "see the kernel module")?;
+    wrong(
+        &said,
+        "/dev/uinput",
+        "missing",
+        "fix the kernel module first",
+    )?;
     ensure!(said.code == 1, "exit code {}", said.code);
-    let mended = guest.run(&["sh", "-c", &format!("modprobe uinput && {GELPAD} doctor")])?;
-    ok(&mended, "kernel module", "uinput is loaded")?;
-    ensure!(
-        mended.code == 0,
-        "exit code {}\n{}",
-        mended.code,
-        mended.out
-    );
+    let fixed = guest.run(&["sh", "-c", &format!("modprobe uinput && {GELPAD} doctor")])?;
+    ok(&fixed, "kernel module", "uinput is loaded")?;
+    ensure!(fixed.code == 0, "exit code {}\n{}", fixed.code, fixed.out);
     Ok(())
 }
 
@@ -220,23 +225,23 @@ fn no_permission() -> Result<()> {
     wrong(
         &said,
         "/dev/uinput",
-        "not yours to write (root:root 600)",
+        "no write permission (root:root 600)",
         "--install-rule",
     )?;
     let (word, found, _) = line(&said, "test gamepad")?;
-    ensure!(word == "note" && found.contains("not tried"), "{found}");
-    let (word, _, mend) = line(&said, "group dialout")?;
-    let mend = mend.unwrap_or_default();
+    ensure!(word == "note" && found.contains("skipped"), "{found}");
+    let (word, _, fix) = line(&said, "group dialout")?;
+    let fix = fix.unwrap_or_default();
     ensure!(
-        word == "note" && mend.contains("usermod -aG dialout nobody"),
-        "{mend}"
+        word == "note" && fix.contains("usermod -aG dialout nobody"),
+        "{fix}"
     );
     ensure!(said.code == 1, "exit code {}", said.code);
-    // What is named asks for root, and says what it would have done.
+    // The installation needs root, and prints what it would write.
     let install = [&NOBODY[..], &[GELPAD, "doctor", "--install-rule"]].concat();
     let said = Guest::default().run(&install)?;
     ensure!(
-        said.code == 1 && said.err.contains("only root may"),
+        said.code == 1 && said.err.contains("only root can"),
         "{}",
         said.err
     );
@@ -244,7 +249,7 @@ fn no_permission() -> Result<()> {
     Ok(())
 }
 
-/// The rule is written where udev reads it, and udev then does what it says.
+/// The rule is written where udev reads it, and udev applies it.
 fn install() -> Result<()> {
     let guest = Guest {
         udev: true,
@@ -278,12 +283,12 @@ fn install() -> Result<()> {
 fn read_back() -> Result<()> {
     let said = Guest::default().run(&[GELPAD, "doctor"])?;
     println!("{}", said.out);
-    ok(&said, "/dev/uinput", "yours to write")?;
+    ok(&said, "/dev/uinput", "writable")?;
     ok(&said, "test gamepad", "read back; write to read: median")?;
     if cfg!(feature = "gilrs") {
         ok(
             &said,
-            "seen by a game",
+            "seen by games",
             "15 buttons, 2 sticks and 2 triggers (gilrs)",
         )?;
     }
@@ -291,7 +296,7 @@ fn read_back() -> Result<()> {
     Ok(())
 }
 
-/// A board's port that brltty holds, by an adapter of FTDI; ModemManager runs.
+/// The port of a board behind an FTDI adapter, in use by brltty; ModemManager runs.
 fn board() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let write = |path: &str, text: &str| -> Result<()> {
@@ -307,8 +312,8 @@ fn board() -> Result<()> {
     write("proc/4711/comm", "ModemManager\n")?;
     fs::create_dir_all(folder.path().join("proc/812/fd"))?;
     symlink("/dev/ttyUSB0", folder.path().join("proc/812/fd/3"))?;
-    let report = examine(&Machine::under(folder.path(), &[]));
-    let about = |subject: &str| -> Result<Line> {
+    let report = run_checks(&Machine::at_root(folder.path(), &[]));
+    let about = |subject: &str| -> Result<CheckLine> {
         let mut lines = report.sections.iter().flat_map(|section| &section.lines);
         let line = lines.find(|line| line.subject.starts_with(subject));
         line.cloned()
@@ -316,34 +321,34 @@ fn board() -> Result<()> {
     };
     let port = about("/dev/ttyUSB0")?;
     ensure!(
-        port.state == State::Wrong
-            && port.found.ends_with("held by brltty (process 812)")
-            && port.mend.as_deref() == Some("sudo apt remove brltty"),
+        port.state == CheckStatus::Wrong
+            && port.found.ends_with("in use by brltty (process 812)")
+            && port.fix.as_deref() == Some("sudo apt remove brltty"),
         "{port:?}"
     );
     let grabber = about("ModemManager")?;
-    ensure!(grabber.state == State::Note, "{grabber:?}");
+    ensure!(grabber.state == CheckStatus::Note, "{grabber:?}");
     let adapter = about("ttyUSB0 (FTDI)")?;
     ensure!(
-        adapter.state == State::Wrong && adapter.found.contains("16 ms"),
+        adapter.state == CheckStatus::Wrong && adapter.found.contains("16 ms"),
         "{adapter:?}"
     );
     ensure!(
         about("/dev/ttyS0").is_err(),
-        "a port of the mainboard is no board"
+        "a port of the mainboard is not a board"
     );
-    ensure!(report.boards == Boards::Unreadable && !report.plays());
+    ensure!(report.boards == BoardAccess::Unreadable && !report.can_play());
     Ok(())
 }
 
-/// A folder with nothing in it is a machine that cannot play, and no reason to panic.
+/// On an empty machine nothing works, and nothing panics.
 fn nothing() -> Result<()> {
     let folder = tempfile::tempdir()?;
-    let report = examine(&Machine::under(folder.path(), &[]));
-    ensure!(!report.plays() && report.outputs.is_empty());
+    let report = run_checks(&Machine::at_root(folder.path(), &[]));
+    ensure!(!report.can_play() && report.outputs.is_empty());
     let lines = report.sections.iter().flat_map(|section| &section.lines);
-    for line in lines.filter(|line| line.state == State::Wrong) {
-        ensure!(line.mend.is_some(), "wrong, and nothing mends it: {line:?}");
+    for line in lines.filter(|line| line.state == CheckStatus::Wrong) {
+        ensure!(line.fix.is_some(), "wrong without a fix: {line:?}");
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The forward model against EIDORS' numbers on EIDORS' mesh (tests/data/eidors-square-cem).
+//! The forward model compared with EIDORS on the same mesh (tests/data/eidors-square-cem).
 
 use std::fs;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ fn indices(name: &str) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// EIDORS' square, 1 ohm m2 a thousandth, in 2-D units.
+/// EIDORS' square with a contact impedance of 0.001 ohm m2, in 2-D units.
 fn model() -> ForwardModel {
     let nodes_mm = table("nodes_m.csv")
         .into_iter()
@@ -63,12 +63,12 @@ fn model() -> ForwardModel {
         triangles,
         electrodes,
     };
-    ForwardModel::new(mesh, &contacts).expect("a sound mesh")
+    ForwardModel::new(mesh, &contacts).expect("a valid mesh")
 }
 
 fn adjacent() -> Protocol {
-    let pairs = Protocol::stepped(16, 1);
-    Protocol::crossed(16, &pairs, &pairs, false).expect("adjacent")
+    let pairs = Protocol::pairs_with_step(16, 1);
+    Protocol::from_patterns(16, &pairs, &pairs, false).expect("adjacent")
 }
 
 fn worst_relative(ours: &[f64], theirs: &[f64]) -> f64 {

@@ -1,13 +1,13 @@
-//! Plays a real game from end to end: touches on a simulated pad go through the
-//! gelpad binary, its key events through an X server to the emulator fceux, and
-//! fceux plays a game of our own (`game/jump.s`), whose memory tells for every
-//! frame what it saw and what came of it.
+//! Plays a real game from end to end: touches on a simulated pad go through the gelpad binary, its key events
+//! through an X server to the emulator fceux, which plays a game of our own (`game/jump.s`). The game's
+//! memory shows for every frame which buttons it saw and what the figure did.
 //!
-//! Nothing here looks into gelpad: a press that comes too late, too short or not
-//! at all shows as a lower jump, as it would to a player.
+//! The test does not look into gelpad: a press that is late, short or missing shows as a lower jump, as it
+//! would to a player.
 //!
-//! Needs Xvfb, xdotool, cc65, fceux and bash. Where one is missing the trials
-//! are ignored, and their kind says why; with `GELPAD_TEST_ALL=1` they fail.
+//! Needs Xvfb, xdotool, cc65, fceux and bash. If one is missing, the trials are ignored with the reason as
+//! their kind; with `GELPAD_TEST_ALL=1` they fail. `GELPAD_JUMPS` and `GELPAD_PRESSES` set how often is
+//! jumped and pressed; the defaults are small samples.
 
 #[path = "game/log.rs"]
 mod log;
@@ -33,46 +33,47 @@ use crate::script::{Place, Script};
 use crate::stage::Stage;
 use crate::tools::Tools;
 
-// Where the regions of the super-mario profiles lie on the pad, mm.
+// Places in the regions of the super-mario profiles, mm.
 const JUMP: Place = Place { x_mm: 80, y_mm: 50 };
 const RUN: Place = Place { x_mm: 75, y_mm: 9 };
 const LEFT: Place = Place { x_mm: 13, y_mm: 57 };
 const RIGHT: Place = Place { x_mm: 37, y_mm: 57 };
 
-/// Well below and well above the 200 ms that part short from long.
+/// Well below and well above the 200 ms that separate short from long.
 const SHORT_MS: u32 = 80;
 const LONG_MS: u32 = 600;
-/// Short and long presses in turn, so many in all.
-const JUMPS: u32 = 12;
-/// From one press to the next: the highest jump (0.9 s in the air) is over.
+/// Number of presses without `GELPAD_JUMPS`, alternately short and long.
+const JUMPS: usize = 6;
+/// Time between two presses: the highest jump takes 0.9 s.
 const JUMP_PERIOD_MS: u32 = 1200;
-/// Before the first touch: the pad takes its reference without one.
+/// Time before the first touch, for the reference.
 const LEAD_MS: u32 = 1000;
 
-/// A touch begins and ends anywhere between two frames of the pad, and a key
-/// anywhere between two frames of the game: each can cost a frame.
+/// A touch starts and ends at any time between two frames of the pad, and a key at any time between two
+/// frames of the game: each may cost a frame.
 const DIRECT_TOLERANCE_FRAMES: f64 = 2.0;
-/// What the classified profile promises, in frames of the game, and how far the
-/// game's own sampling of the key may move it.
+/// Lengths of the classified profile, in frames of the game, and their tolerance from the game's own sampling
+/// of the key.
 const CLASSIFIED_SHORT_FRAMES: usize = 5;
 const CLASSIFIED_LONG_FRAMES: usize = 32;
 const CLASSIFIED_TOLERANCE_FRAMES: usize = 1;
 
-/// Random presses without `GELPAD_PRESSES`, and how long each and the pause after it last.
+/// Number of random presses without `GELPAD_PRESSES`, and range of their length and of the pause after each.
 const PRESSES: usize = 60;
 const PRESS_MS: Range<u32> = 34..201;
 const PAUSE_MS: Range<u32> = 50..201;
-/// The longest press may be seen so many frames long: none sticks.
+/// Longest time that the game may see a press, frames: no press sticks.
 const LONGEST_FRAMES: usize = 16;
 
-/// A game that draws no frame for so long, ms, has stalled: what it then sees of a press is no longer gelpad's doing.
+/// A game that draws no frame for this time, ms, has stalled: what it sees of a press then does not depend on
+/// gelpad.
 const STALL_MS: f64 = 30.0;
-/// So many jumps at least are judged: the machine is busy, not broken.
-const JUDGED: usize = 8;
+/// Share of jumps that must be free of stalls for a judgement.
+const JUDGED_SHARE: f64 = 2.0 / 3.0;
 
 const WALK_MS: u32 = 600;
 const WALK_PERIOD_MS: u32 = 1200;
-/// B is down this long before and after the arrow key.
+/// B is held for this long before and after the arrow key.
 const RUN_MARGIN_MS: u32 = 200;
 /// The game runs 2.5 and walks 1.5 pixels a frame: 1.67 times as fast.
 const RUN_GAIN: f64 = 1.4;
@@ -92,7 +93,7 @@ fn main() -> ExitCode {
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-/// A trial with a stage of its own, or an ignored one where tools are missing.
+/// A trial with its own stage, or an ignored one if tools are missing.
 fn trial(name: &str, play: fn(&mut Stage) -> Result<()>) -> Trial {
     match Tools::find() {
         Ok(tools) => Trial::test(name, move || {
@@ -110,10 +111,10 @@ fn trial(name: &str, play: fn(&mut Stage) -> Result<()>) -> Trial {
     }
 }
 
-/// Plays, and adds to an error what the emulator said.
+/// Plays, and adds the emulator's messages to an error.
 fn on_stage(tools: &Tools, play: fn(&mut Stage) -> Result<()>) -> Result<()> {
     let mut stage = Stage::start(tools)?;
-    play(&mut stage).map_err(|error| anyhow!("{error:#}\n{}", stage.said()))
+    play(&mut stage).map_err(|error| anyhow!("{error:#}\n{}", stage.emulator_messages()))
 }
 
 /// A is held while the touch is down: the jump is as high as the press is long.
@@ -131,7 +132,7 @@ fn direct(stage: &mut Stage) -> Result<()> {
     ensure_long_jumps_are_higher(&jumps)
 }
 
-/// The paper's short and long press: two heights of jump, whatever the touch.
+/// The paper's short and long press: two heights of jump, independent of the touch.
 fn classified(stage: &mut Stage) -> Result<()> {
     let log = stage.play("super-mario-classified", &jump_script())?;
     let jumps = jumps(&log)?;
@@ -150,7 +151,7 @@ fn classified(stage: &mut Stage) -> Result<()> {
     ensure_long_jumps_are_higher(&jumps)
 }
 
-/// The arrows walk, each its own way, and B together with an arrow runs.
+/// Each arrow walks in its direction, and B with an arrow runs.
 fn walking(stage: &mut Stage) -> Result<()> {
     let log = stage.play("super-mario", &walk_script())?;
     let walks = log.presses(|frame| frame.left || frame.right);
@@ -169,10 +170,9 @@ fn walking(stage: &mut Stage) -> Result<()> {
     Ok(())
 }
 
-/// Two fingers press at random: the game sees each press once, and none that sticks.
+/// Two fingers press at random: the game sees each press once, and none sticks.
 fn presses(stage: &mut Stage) -> Result<()> {
-    let count = std::env::var("GELPAD_PRESSES").ok();
-    let count = count.and_then(|text| text.parse().ok()).unwrap_or(PRESSES);
+    let count = count("GELPAD_PRESSES", PRESSES);
     let mut random = Lcg(1);
     let mut script = Script::default();
     // Jump by one finger; right and left in turn by the other.
@@ -214,7 +214,7 @@ fn presses(stage: &mut Stage) -> Result<()> {
     Ok(())
 }
 
-/// Numbers that look random and are the same in each run (an LCG of Knuth's).
+/// A pseudo-random sequence that is the same in each run (Knuth's LCG).
 struct Lcg(u64);
 
 impl Lcg {
@@ -229,7 +229,7 @@ impl Lcg {
     }
 }
 
-/// The mouse on the window's own pad, while the emulator has the keyboard: that pad takes no focus.
+/// The mouse on the window's own pad while the emulator has the keyboard focus, which that pad does not take.
 #[cfg(feature = "gui")]
 fn window(stage: &mut Stage) -> Result<()> {
     let tools = Tools::find()?;
@@ -250,8 +250,15 @@ fn window(stage: &mut Stage) -> Result<()> {
     Ok(())
 }
 
+/// A count from the environment, or its default.
+fn count(variable: &str, default: usize) -> usize {
+    let text = std::env::var(variable).ok();
+    text.and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
 fn press_lengths_ms() -> impl Iterator<Item = u32> {
-    [SHORT_MS, LONG_MS].into_iter().cycle().take(JUMPS as usize)
+    let jumps = count("GELPAD_JUMPS", JUMPS);
+    [SHORT_MS, LONG_MS].into_iter().cycle().take(jumps)
 }
 
 fn jump_script() -> Script {
@@ -277,28 +284,29 @@ fn walk_script() -> Script {
 fn jumps(log: &Log) -> Result<Vec<Press>> {
     let jumps = log.presses(|frame| frame.a);
     print_jumps(&jumps, log.rate_hz()?);
+    let touches = press_lengths_ms().count();
     ensure!(
-        jumps.len() == JUMPS as usize,
-        "{JUMPS} touches became {} presses of A",
+        jumps.len() == touches,
+        "{touches} touches became {} presses of A",
         jumps.len()
     );
     Ok(jumps)
 }
 
-/// Jumps through which the game drew frame after frame, and how long each was pressed.
+/// The jumps without a stall of the game, with the length of their press.
 fn judged(jumps: &[Press]) -> Result<Vec<(&Press, u32)>> {
-    let sound: Vec<(&Press, u32)> = jumps
+    let without_stall: Vec<(&Press, u32)> = jumps
         .iter()
         .zip(press_lengths_ms())
         .filter(|(jump, _)| jump.gap_ms < STALL_MS)
         .collect();
     ensure!(
-        sound.len() >= JUDGED,
+        without_stall.len() as f64 >= JUDGED_SHARE * jumps.len() as f64,
         "the game stalled in all but {} of {} jumps: the machine is too busy to judge by",
-        sound.len(),
+        without_stall.len(),
         jumps.len()
     );
-    Ok(sound)
+    Ok(without_stall)
 }
 
 fn ensure_long_jumps_are_higher(jumps: &[Press]) -> Result<()> {

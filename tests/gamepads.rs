@@ -1,5 +1,5 @@
-//! A button plays exactly what a touch plays: under random settings, gestures and modes, the same presses of two buttons
-//! and of two regions give the same events. And whatever a gamepad does, nothing is down once it is unplugged.
+//! A button plays exactly what a touch plays: with random settings, gestures and modes, the same presses of two buttons
+//! and of two regions give the same events. When a gamepad is unplugged, nothing stays down.
 
 use std::sync::Arc;
 
@@ -35,8 +35,8 @@ fn settings() -> impl Strategy<Value = String> {
     (times, more).prop_map(|(times, more)| format!("{times}{more}"))
 }
 
-/// What a binding does, once it has a place.
-fn deed() -> impl Strategy<Value = String> {
+/// A binding without its place.
+fn binding() -> impl Strategy<Value = String> {
     let gesture = prop::sample::select(vec![
         "",
         "gesture = \"tap\", ",
@@ -75,9 +75,9 @@ fn deed() -> impl Strategy<Value = String> {
 }
 
 /// The same profile twice: by regions, and by buttons.
-fn profiles(settings: &str, deeds: &[String; 2], chord: bool) -> [Arc<Profile>; 2] {
+fn profiles(settings: &str, bindings: &[String; 2], chord: bool) -> [Arc<Profile>; 2] {
     let whole = |places: [&str; 2], both: &str| {
-        let [first, second] = [0, 1].map(|i| format!("{{ {}, {} }}", places[i], deeds[i]));
+        let [first, second] = [0, 1].map(|i| format!("{{ {}, {} }}", places[i], bindings[i]));
         let chord = match chord {
             true => format!("{{ {both}, gesture = \"chord\", output = \"key:x\" }},"),
             false => String::new(),
@@ -100,7 +100,7 @@ fn profiles(settings: &str, deeds: &[String; 2], chord: bool) -> [Arc<Profile>; 
     ]
 }
 
-/// Which of the two changes, and how long after the last change.
+/// Which of the two buttons changes, and how long after the last change, ms.
 fn script() -> impl Strategy<Value = Vec<(usize, u64)>> {
     prop::collection::vec((0..2usize, 1..250u64), 1..24)
 }
@@ -153,7 +153,7 @@ fn by_buttons(profile: &Arc<Profile>, script: &[(usize, u64)]) -> Vec<Event> {
             false => state.buttons.with(button),
         };
         gestures.control(&state, &mut events);
-        // Said again, it changes nothing.
+        // The same state again changes nothing.
         gestures.control(&state, &mut events);
     }
     finish(gestures, state.t_ns, events)
@@ -178,17 +178,17 @@ proptest! {
 
     #[test]
     fn a_button_plays_what_a_touch_plays(
-        settings in settings(), deeds in [deed(), deed()], chord in any::<bool>(), script in script(),
+        settings in settings(), bindings in [binding(), binding()], chord in any::<bool>(), script in script(),
     ) {
-        let [regions, buttons] = profiles(&settings, &deeds, chord);
+        let [regions, buttons] = profiles(&settings, &bindings, chord);
         prop_assert_eq!(by_touches(&regions, &script), by_buttons(&buttons, &script));
     }
 
     #[test]
     fn nothing_is_down_once_it_is_unplugged(
-        settings in settings(), deeds in [deed(), deed()], states in prop::collection::vec(state(), 1..40),
+        settings in settings(), bindings in [binding(), binding()], states in prop::collection::vec(state(), 1..40),
     ) {
-        let [_, profile] = profiles(&settings, &deeds, true);
+        let [_, profile] = profiles(&settings, &bindings, true);
         let mut gestures = Gestures::new(profile, PAD_MM);
         let mut events = Vec::new();
         let mut t_ns = 0;
@@ -203,6 +203,6 @@ proptest! {
         prop_assert_eq!(gestures.held().count(), 0);
         let still = events.len();
         gestures.tick(t_ns + 60_000 * NANOS_PER_MS, &mut events);
-        prop_assert_eq!(events.len(), still, "something goes on without a gamepad");
+        prop_assert_eq!(events.len(), still, "events without a gamepad");
     }
 }

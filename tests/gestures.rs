@@ -1,4 +1,4 @@
-//! What holds for every profile and every script of touches, on random ones.
+//! Properties of all profiles and touch scripts, tested with random ones.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use proptest::prelude::*;
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
 const MIN_HOLD_NS: Nanos = 34 * NANOS_PER_MS;
-/// Random profiles, each with a random script; every property is asked of each.
+/// Random profiles, each with a random script; every property is tested on each.
 const CASES: u32 = 10_000;
 
-/// Regions that overlap, slide, rest and are stepped on.
+/// Regions that overlap, slide, ignore touches, or count footprints.
 const REGIONS: &[&str] = &[
     "{ name = \"r0\", x = 0, y = 0, w = 0.5, h = 0.5 }",
     "{ name = \"r1\", shape = \"circle\", x = 0.5, y = 0.5, r = 0.3, held_reach = 0.1 }",
@@ -45,6 +45,7 @@ fn binding() -> impl Strategy<Value = String> {
         "gesture = \"tap\", ",
         "gesture = \"hold\", hold_ms = 150, ",
         "gesture = \"double-tap\", ",
+        "gesture = \"triple-tap\", ",
         "gesture = \"swipe\", direction = \"left\", swipe_mm = 6, ",
         "gesture = \"swipe\", direction = \"up\", fingers = 2, swipe_mm = 4, ",
         "gesture = \"contacts\", fingers = 2, ",
@@ -110,7 +111,7 @@ fn settings() -> impl Strategy<Value = String> {
 
 fn profile() -> impl Strategy<Value = String> {
     (settings(), prop::collection::vec(binding(), 1..7)).prop_map(|(settings, bindings)| {
-        // The layer that some outputs name always has a binding on it.
+        // The layer that some outputs switch always has a binding.
         let bindings: String = bindings.iter().map(|binding| format!("  {{ {binding} }},\n")).collect();
         let regions: String = REGIONS.iter().map(|region| format!("  {region},\n")).collect();
         format!(
@@ -119,9 +120,9 @@ fn profile() -> impl Strategy<Value = String> {
     })
 }
 
-/// What one finger may do in a frame: it goes down, or moves or lifts if it is down.
+/// A change of one finger in a frame: it goes down, or if it is down it moves or lifts.
 #[derive(Clone, Copy, Debug)]
-struct Deed {
+struct FingerChange {
     finger: usize,
     lifts: bool,
     at_mm: [f64; 2],
@@ -129,7 +130,7 @@ struct Deed {
     force: f64,
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn finger_change() -> impl Strategy<Value = FingerChange> {
     (
         0..5usize,
         any::<bool>(),
@@ -138,7 +139,7 @@ fn deed() -> impl Strategy<Value = Deed> {
         50.0..300.0f64,
         0.0..1.0f64,
     )
-        .prop_map(|(finger, lifts, x, y, area_mm2, force)| Deed {
+        .prop_map(|(finger, lifts, x, y, area_mm2, force)| FingerChange {
             finger,
             lifts,
             at_mm: [x, y],
@@ -147,19 +148,19 @@ fn deed() -> impl Strategy<Value = Deed> {
         })
 }
 
-/// Frames: their times and what became of the touches.
+/// Frames: their times and the changes of the touches.
 fn script() -> impl Strategy<Value = Vec<(Nanos, Vec<Touch>)>> {
-    let frame = (1..120u64, prop::collection::vec(deed(), 0..3));
+    let frame = (1..120u64, prop::collection::vec(finger_change(), 0..3));
     prop::collection::vec(frame, 1..25).prop_map(|frames| {
         let mut down: [Option<Touch>; 5] = [None; 5];
         let (mut t_ns, mut next_id) = (0, 0);
         frames
             .into_iter()
-            .map(|(ms, deeds)| {
+            .map(|(ms, changes)| {
                 t_ns += ms * NANOS_PER_MS;
-                let changed = deeds
+                let changed = changes
                     .iter()
-                    .map(|deed| change(&mut down[deed.finger], deed, t_ns, &mut next_id))
+                    .map(|one| apply(&mut down[one.finger], one, t_ns, &mut next_id))
                     .collect();
                 (t_ns, changed)
             })
@@ -167,11 +168,11 @@ fn script() -> impl Strategy<Value = Vec<(Nanos, Vec<Touch>)>> {
     })
 }
 
-fn change(slot: &mut Option<Touch>, deed: &Deed, t_ns: Nanos, next_id: &mut u64) -> Touch {
+fn apply(slot: &mut Option<Touch>, change: &FingerChange, t_ns: Nanos, next_id: &mut u64) -> Touch {
     let contact = Contact {
-        centre_mm: deed.at_mm,
-        area_mm2: deed.area_mm2,
-        force: deed.force,
+        centre_mm: change.at_mm,
+        area_mm2: change.area_mm2,
+        force: change.force,
         confidence: 1.0,
     };
     match slot.take() {
@@ -186,7 +187,7 @@ fn change(slot: &mut Option<Touch>, deed: &Deed, t_ns: Nanos, next_id: &mut u64)
             *slot = Some(touch);
             touch
         }
-        Some(touch) if deed.lifts => Touch {
+        Some(touch) if change.lifts => Touch {
             phase: Phase::Up,
             ..touch
         },
@@ -209,7 +210,7 @@ enum Batching {
     Frames,
     /// Every tick at its due time, as the runtime does.
     Ticks,
-    /// One change a call, and a tick at a time that nobody asked for.
+    /// One change per call, and a tick that is not due.
     Changes,
 }
 
@@ -241,7 +242,7 @@ fn play(profile: &Arc<Profile>, script: &[(Nanos, Vec<Touch>)], batching: Batchi
     events
 }
 
-/// What is still down two seconds after every finger has lifted.
+/// The outputs that are down two seconds after every finger has lifted.
 fn left_down(profile: &Arc<Profile>, script: &[(Nanos, Vec<Touch>)]) -> Vec<Output> {
     let mut gestures = Gestures::new(Arc::clone(profile), PAD_MM);
     let mut events = Vec::new();
@@ -269,7 +270,7 @@ fn left_down(profile: &Arc<Profile>, script: &[(Nanos, Vec<Touch>)]) -> Vec<Outp
     gestures.held().collect()
 }
 
-/// What is down after each event; errors where something is pressed twice, released while up, or out of time.
+/// Follows what is down; fails where an output is pressed twice, released while up, or out of order.
 fn follow(events: &[Event], end_ns: Nanos, floor: bool) -> Result<(), TestCaseError> {
     let mut down: Vec<(Output, Nanos)> = Vec::new();
     let mut axes = [0.0f32; Axis::ALL.len()];
@@ -326,18 +327,18 @@ proptest! {
         let events = play(&profile, &script, Batching::Frames);
         // Every press has its release, nothing is pressed twice, nothing is shorter than the floor.
         follow(&events, end_ns, true)?;
-        // What is not meant to outlast its touches comes up with them, not only at the end.
+        // Outputs that should not outlast their touches are released with them, not only at the end.
         if !["toggle", "sticky"].iter().any(|outlasts| toml.contains(outlasts)) {
             prop_assert_eq!(left_down(&profile, &script), vec![]);
         }
-        // The same again, bit for bit, however the frames come.
+        // The same events, bit for bit, however the frames are batched.
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Frames));
         prop_assert_eq!(&events, &play(&profile, &script, Batching::Ticks));
-        // A resting arm is known by its largest part: there a frame is a whole.
+        // A resting arm is recognized by its largest part, so there a frame must stay whole.
         if profile.settings.rest_area_mm2.is_none() {
             prop_assert_eq!(&events, &play(&profile, &script, Batching::Changes));
         }
-        // Ending at any frame leaves nothing held.
+        // Nothing stays held, whichever frame is the last.
         let head = &script[..=cut.index(script.len())];
         let end_ns = head.last().map_or(0, |(t_ns, _)| *t_ns);
         follow(&play(&profile, head, Batching::Ticks), end_ns, true)?;

@@ -1,11 +1,11 @@
-//! What games see of gelpad's devices, and gelpad of gamepads, on a real kernel: in a virtual machine
-//! (`scripts/run-in-guest.sh`), because a container makes no input devices.
+//! gelpad's devices as games see them, and gamepads as gelpad sees them, on a real kernel: in a virtual
+//! machine (`scripts/run-in-guest.sh`), because a container has no input devices.
 //!
-//! This program runs itself again in the guest: `guest --inside NAME` carries out one of the parts below and says by its
-//! exit code how it went. A trial is ignored, and its kind says why, where the guest or a program for it cannot be had;
-//! with `GELPAD_TEST_ALL=1` it fails.
+//! This program runs itself again in the guest: `guest --inside NAME` runs one of the parts below; its exit
+//! code is the result. If the guest or a program for it is missing, a trial is ignored with the reason as its
+//! kind; with `GELPAD_TEST_ALL=1` it fails.
 
-// What the game test has, the guest's game has too, though not all of it.
+// The guest's game shares modules with the game test, though not all items.
 #[path = "game/log.rs"]
 #[allow(dead_code)]
 mod log;
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         return inside(&arguments.next().unwrap_or_default());
     }
     let mut arguments = Arguments::from_args();
-    // Each guest takes a processor.
+    // Each guest uses one processor.
     arguments.test_threads = Some(1);
     libtest_mimic::run(&arguments, trials()).exit_code()
 }
@@ -102,7 +102,7 @@ fn trials() -> Vec<Trial> {
     trials
 }
 
-/// A part, in the guest.
+/// Runs a part in the guest.
 fn inside(part: &str) -> ExitCode {
     let outcome = match part {
         "as-evdev" => as_evdev::read(),

@@ -1,4 +1,4 @@
-//! The practice view by its labels, and the level played through the real gestures.
+//! The practice view by its accessibility labels, and the level played through the gesture engine.
 #![cfg(feature = "gui")]
 
 use std::sync::Arc;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gesture::Gestures;
-use gelpad::gui::practice::{A_WAY, Practice, PracticeTab, PracticeView, Stage};
+use gelpad::gui::practice::{Practice, PracticeTab, PracticeView, RunStage, SOLUTION};
 use gelpad::gui::still;
 use gelpad::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
 use gelpad::types::{Contact, Event, NANOS_PER_MS, Nanos, Phase, PointMm, Touch, TouchId};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
-/// Middles of super-mario's regions, mm.
+/// Centres of super-mario's regions, mm.
 const RIGHT: PointMm = [37.0, 57.0];
 const JUMP: PointMm = [81.0, 52.0];
 
@@ -23,7 +23,7 @@ fn profile(name: &str) -> Profile {
 
 fn practice() -> Practice {
     let mut practice = Practice::default();
-    practice.follow(&profile("super-mario"));
+    practice.set_profile(&profile("super-mario"));
     practice
 }
 
@@ -41,7 +41,7 @@ fn touch(id: u64, phase: Phase, centre_mm: PointMm, since_ns: Nanos) -> Touch {
     }
 }
 
-/// Events of fingers that walk to the right and jump all the way, by a profile on the pad.
+/// Events of a profile while one finger holds right and another one jumps along the solution.
 fn events(name: &str) -> Vec<Event> {
     let mut gestures = Gestures::new(Arc::new(profile(name)), PAD_MM);
     let mut events = Vec::new();
@@ -51,7 +51,7 @@ fn events(name: &str) -> Vec<Event> {
         &[touch(0, Phase::Down, RIGHT, start_ns)],
         &mut events,
     );
-    for (id, (at_ms, long_ms)) in (1..).zip(A_WAY) {
+    for (id, (at_ms, long_ms)) in (1..).zip(SOLUTION) {
         let down_ns = start_ns + at_ms * NANOS_PER_MS;
         let up_ns = down_ns + long_ms * NANOS_PER_MS;
         gestures.touches(
@@ -65,7 +65,7 @@ fn events(name: &str) -> Vec<Event> {
     events
 }
 
-/// Plays events with 60 draws a second until a time.
+/// Plays events for some seconds with 60 repaints a second.
 fn play(practice: &mut Practice, events: &[Event], seconds: f64) {
     let (mut next, mut t_s) = (0, 0.0);
     while t_s < seconds {
@@ -74,7 +74,7 @@ fn play(practice: &mut Practice, events: &[Event], seconds: f64) {
             .get(next)
             .is_some_and(|event| event.t_ns as f64 * 1e-9 <= t_s)
         {
-            practice.event(&events[next]);
+            practice.push_event(&events[next]);
             next += 1;
         }
         practice.advance(1.0 / 60.0);
@@ -103,15 +103,15 @@ fn fingers_on_the_pad_finish_the_level() {
     play(&mut practice, &events("super-mario"), 45.0);
     assert_eq!(
         practice.stage(),
-        Stage::Done { best: true },
+        RunStage::Done { best: true },
         "at {:?}",
-        practice.body().place
+        practice.player_px()
     );
-    assert_eq!(practice.jumps().len(), A_WAY.len());
+    assert_eq!(practice.jumps().len(), SOLUTION.len());
 }
 
 #[test]
-fn before_the_first_press_it_says_which_outputs_play() {
+fn the_first_message_names_the_regions_to_press() {
     let mut harness = harness(practice(), [1000.0, 640.0]);
     harness.run();
     harness.get_by_label_contains("“right” on the pad to walk, “jump” to jump");
@@ -119,14 +119,14 @@ fn before_the_first_press_it_says_which_outputs_play() {
 }
 
 #[test]
-fn it_stands_still_until_something_is_pressed() {
-    // Else `run` would never end.
+fn nothing_is_repainted_before_the_first_press() {
+    // `run` ends when nothing asks for a repaint.
     let mut harness = harness(practice(), [1000.0, 640.0]);
     assert!(harness.run() < 4);
 }
 
 #[test]
-fn the_end_tells_the_time_and_the_best() {
+fn the_end_shows_time_and_best_time() {
     let mut done = practice();
     play(&mut done, &events("super-mario"), 45.0);
     let best = done.best_s().expect("finished");
@@ -137,13 +137,13 @@ fn the_end_tells_the_time_and_the_best() {
 }
 
 #[test]
-fn begin_anew_is_pressed_by_mouse_and_by_keyboard() {
+fn restart_works_by_mouse_and_by_keyboard() {
     for by_keyboard in [false, true] {
         let mut done = practice();
         play(&mut done, &events("super-mario"), 45.0);
         let mut harness = harness(done, [1000.0, 640.0]);
         harness.run();
-        let button = harness.get_by_label("Begin anew");
+        let button = harness.get_by_label("Restart");
         if by_keyboard {
             button.focus();
             harness.run();
@@ -152,7 +152,7 @@ fn begin_anew_is_pressed_by_mouse_and_by_keyboard() {
             button.click();
         }
         harness.run();
-        assert_eq!(harness.state().practice.stage(), Stage::Ready);
+        assert_eq!(harness.state().practice.stage(), RunStage::Ready);
         assert!(
             harness.state().practice.best_s().is_some(),
             "the best time stays"
@@ -161,23 +161,23 @@ fn begin_anew_is_pressed_by_mouse_and_by_keyboard() {
 }
 
 #[test]
-fn walking_by_itself_leaves_only_jumps_to_be_pressed() {
+fn auto_walk_needs_only_jumps() {
     let mut harness = harness(practice(), [1000.0, 640.0]);
     harness.run();
-    harness.get_by_label("Walk by itself").click();
+    harness.get_by_label("Auto-walk").click();
     harness.run();
     harness.get_by_label_contains("Press “jump” on the pad");
     assert!(harness.query_by_label_contains("to walk").is_none());
     let practice = &mut harness.state_mut().practice;
-    assert!(practice.walks());
-    let from = practice.body().place[0];
+    assert!(practice.auto_walk());
+    let from = practice.player_px()[0];
     let jumps: Vec<Event> = events("super-mario").into_iter().skip(1).take(2).collect();
     play(practice, &jumps, 5.0);
-    assert!(practice.body().place[0] > from + 60.0);
+    assert!(practice.player_px()[0] > from + 60.0);
 }
 
 #[test]
-fn the_length_of_the_last_press_stands_beside_the_height_of_its_jump() {
+fn the_last_press_length_is_shown() {
     let mut practice = practice();
     let jump: Vec<Event> = events("super-mario").into_iter().skip(1).take(2).collect();
     play(&mut practice, &jump, 30.0);
@@ -197,7 +197,7 @@ fn every_shipped_profile_and_every_size_is_drawn() {
             [60.0, 40.0],
         ] {
             let mut practice = Practice::default();
-            practice.follow(&profile(shipped.name));
+            practice.set_profile(&profile(shipped.name));
             play(&mut practice, &events("super-mario"), 3.0);
             let mut harness = harness(practice, size);
             harness.run_steps(3);
@@ -206,22 +206,22 @@ fn every_shipped_profile_and_every_size_is_drawn() {
 }
 
 #[test]
-fn a_view_of_the_game_plays_the_level_beside_the_pad() {
+fn events_of_the_game_play_the_level_once() {
     let mut tab = PracticeTab::default();
     let mut view = still::view();
     let events = events("super-mario");
-    tab.take(&view);
+    tab.play_new_events(&view);
     for (count, event) in (1..).zip(&events) {
         view.events = [*event].into();
         view.events_so_far = count;
-        tab.take(&view);
-        tab.take(&view);
+        tab.play_new_events(&view);
+        tab.play_new_events(&view);
     }
     assert_eq!(view.events_so_far as usize, events.len());
     tab.practice.advance(0.1);
-    assert_ne!(tab.practice.stage(), Stage::Ready);
-    // Another game counts its events from none.
+    assert_ne!(tab.practice.stage(), RunStage::Ready);
+    // Another game counts its events from 0.
     view.events = [events[0]].into();
     view.events_so_far = 1;
-    tab.take(&view);
+    tab.play_new_events(&view);
 }

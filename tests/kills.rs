@@ -1,9 +1,10 @@
-//! No key stays down, however gelpad ends: killed, stopped, hanging, panicking, at the source's end, at a profile's switch.
+//! No key stays down when gelpad ends: killed, stopped, hanging, panicking, at the end of the source, at a
+//! change of profile.
 //!
-//! The real binary plays into an X server of the test's own (Xvfb), and another client looks at the keys. So many kills as
-//! `GELPAD_KILLS` says, a sample else; `scripts/kill-a-thousand.sh` does the full count. The kernel's own devices are killed in a
-//! virtual machine. Where Xvfb or the machine is missing the trials are ignored, and their kind says why; with
-//! `GELPAD_TEST_ALL=1` they fail.
+//! The real binary plays into the test's own X server (Xvfb), and another client reads the keys.
+//! `GELPAD_KILLS` sets the number of kills (default: a small sample); `scripts/kill-a-thousand.sh` does the
+//! full count. The kernel's devices are tested in a virtual machine. If Xvfb or the machine is missing, the
+//! trials are ignored with the reason as their kind; with `GELPAD_TEST_ALL=1` they fail.
 
 #![allow(
     clippy::disallowed_methods,
@@ -37,14 +38,14 @@ use crate::gelpad::{Gelpad, Random, one_hold, presses, watchers};
 use crate::process::Process;
 use crate::server::{PATIENCE, start_server};
 
-/// Kills without `GELPAD_KILLS`.
-const SAMPLE: usize = 12;
-/// After a kill no key is down any more by then.
+/// Number of kills without `GELPAD_KILLS`.
+const SAMPLE: usize = 8;
+/// Longest time until all keys are up after a kill.
 const RELEASED: Duration = Duration::from_secs(2);
-/// A parent that is silent for this long is stopped (`src/output/watch`).
+/// A parent that is silent for this long counts as stopped (`src/output/watch`).
 const STOPPED: Duration = Duration::from_secs(2);
-/// The X keycode of the left shift key, which no profile here plays.
-const OTHERS: u8 = 50;
+/// The X keycode of the left shift key, which no profile here uses.
+const OTHER_KEY: u8 = 50;
 
 /// A display and a folder.
 pub struct Stage {
@@ -63,18 +64,21 @@ fn main() -> ExitCode {
             }
         };
     }
-    // A backtrace is looked up before the stack unwinds: with debug information that takes a second or two.
+    // A backtrace is resolved before the stack unwinds, which takes a second or two with debug information.
     std::panic::set_hook(Box::new(|info| eprintln!("{info}")));
     let mut arguments = Arguments::from_args();
-    // One waits for the guest while another goes through the rest, each on a display of its own.
-    arguments.test_threads = Some(2);
+    // Most trials only wait, each on a display of its own.
+    arguments.test_threads = Some(4);
     let trials = vec![
         needing(guest::missing(), "killed_in_the_guest", guest::killed),
         trial("killed", killed),
         trial("aborted", aborted),
         trial("stopped", stopped),
         trial("a_watcher_that_is_killed", without_watcher),
-        trial("signals_of_a_terminal_do_not_end_the_watcher", deaf),
+        trial(
+            "signals_of_a_terminal_do_not_end_the_watcher",
+            ignores_signals,
+        ),
         trial("end_of_the_source", end_of_the_source),
         trial("profile_switch", profile_switch),
         trial("keys_of_another_keyboard_stay_down", keys_of_others),
@@ -93,7 +97,7 @@ fn trial(name: &str, run: fn(&Stage) -> Result<()>) -> Trial {
     })
 }
 
-/// A trial, or an ignored one where something for it is missing.
+/// A trial, or an ignored one if something for it is missing.
 fn needing(
     missing: Option<String>,
     name: &str,
@@ -105,8 +109,8 @@ fn needing(
             run().map_err(|error| Failed::from(format!("{error:#}")))
         }),
         Some(reason) => {
-            let told = reason.clone();
-            Trial::test(name, move || Err(Failed::from(told)))
+            let message = reason.clone();
+            Trial::test(name, move || Err(Failed::from(message)))
                 .with_kind(reason)
                 .with_ignored_flag(!all)
         }
@@ -174,12 +178,12 @@ fn killed(stage: &Stage) -> Result<()> {
                 .with_context(|| format!("kill {round}"))?,
         );
     }
-    eprintln!("\n{}", told(&mut times));
+    eprintln!("\n{}", summary(&mut times));
     Ok(())
 }
 
-/// How long keys stayed down, for people.
-fn told(times: &mut [Duration]) -> String {
+/// Statistics of how long keys stayed down, for people.
+fn summary(times: &mut [Duration]) -> String {
     times.sort();
     let at = |part: f64| {
         let index = (times.len().saturating_sub(1) as f64 * part).round() as usize;
@@ -200,7 +204,7 @@ fn aborted(stage: &Stage) -> Result<()> {
     kill_once(stage, 99, Signal::ABORT).map(drop)
 }
 
-/// Kills a gelpad at a random moment at which a key is down; how long until none is.
+/// Kills gelpad at a random moment when a key is down; returns how long until none is.
 fn kill_once(stage: &Stage, seed: u64, signal: Signal) -> Result<Duration> {
     let mut random = Random(seed);
     let mut gelpad = stage.play(&presses(&mut random))?;
@@ -210,7 +214,7 @@ fn kill_once(stage: &Stage, seed: u64, signal: Signal) -> Result<Duration> {
     gelpad.signal(signal)?;
     let took = stage.display.wait(false, RELEASED)?;
     gelpad.ended(PATIENCE)?;
-    // Nor does one come down after that.
+    // No key goes down after that.
     std::thread::sleep(Duration::from_millis(60));
     let down = stage.display.down()?;
     ensure!(down.is_empty(), "down after all were up: {down:?}");
@@ -220,7 +224,7 @@ fn kill_once(stage: &Stage, seed: u64, signal: Signal) -> Result<Duration> {
 fn stopped(stage: &Stage) -> Result<()> {
     let mut gelpad = stage.play(&one_hold())?;
     stage.display.wait(true, PATIENCE)?;
-    // A short stop is none.
+    // A short stop has no effect.
     gelpad.signal(Signal::STOP)?;
     std::thread::sleep(STOPPED / 4);
     ensure!(!stage.display.down()?.is_empty(), "released too soon");
@@ -257,14 +261,14 @@ fn without_watcher(stage: &Stage) -> Result<()> {
         ensure!(start.elapsed() < PATIENCE, "no other watcher was started");
         std::thread::sleep(Duration::from_millis(50));
     }
-    // It must be ready before its parent is gone.
+    // The watcher must be ready before its parent ends.
     std::thread::sleep(Duration::from_millis(500));
     ensure!(!stage.display.down()?.is_empty(), "the key came up");
     gelpad.signal(Signal::KILL)?;
     stage.display.wait(false, RELEASED).map(drop)
 }
 
-fn deaf(stage: &Stage) -> Result<()> {
+fn ignores_signals(stage: &Stage) -> Result<()> {
     let gelpad = stage.play(&one_hold())?;
     stage.display.wait(true, PATIENCE)?;
     let first = watchers(&stage.display.name);
@@ -305,15 +309,15 @@ fn profile_switch(stage: &Stage) -> Result<()> {
     let mut gelpad = Gelpad::play(stage.folder.path(), name, &one_hold(), &profile)?;
     stage.display.wait(true, PATIENCE)?;
     std::fs::write(&file, text("g"))?;
-    // It waits a second for the finger, and then lets go of what it holds.
+    // The change waits a second for the finger to lift, then releases what is held.
     stage.display.wait(false, RELEASED + RELEASED)?;
     gelpad.signal(Signal::TERM)?;
     gelpad.ended(PATIENCE).map(drop)
 }
 
-/// Who types on a keyboard while the pad plays keeps his keys: the watcher lets go of gelpad's only.
+/// The watcher releases only gelpad's keys: those of a real keyboard stay down.
 fn keys_of_others(stage: &Stage) -> Result<()> {
-    stage.display.press(OTHERS, true)?;
+    stage.display.press(OTHER_KEY, true)?;
     let mut gelpad = stage.play(&one_hold())?;
     let start = Instant::now();
     while stage.display.down()?.len() < 2 {
@@ -323,7 +327,7 @@ fn keys_of_others(stage: &Stage) -> Result<()> {
     gelpad.signal(Signal::KILL)?;
     gelpad.ended(PATIENCE)?;
     let start = Instant::now();
-    while stage.display.down()? != [OTHERS] {
+    while stage.display.down()? != [OTHER_KEY] {
         let down = stage.display.down()?;
         ensure!(start.elapsed() < RELEASED, "after the kill: {down:?}");
         std::thread::sleep(Duration::from_millis(5));
@@ -331,6 +335,6 @@ fn keys_of_others(stage: &Stage) -> Result<()> {
     // It does not come up later either.
     std::thread::sleep(RELEASED / 4);
     let down = stage.display.down()?;
-    ensure!(down == [OTHERS], "half a second later: {down:?}");
-    stage.display.press(OTHERS, false)
+    ensure!(down == [OTHER_KEY], "half a second later: {down:?}");
+    stage.display.press(OTHER_KEY, false)
 }

@@ -49,7 +49,7 @@ fn no_frame_of_the_session_is_worse_than_after_200_accelerated_iterations() {
     let pad = shipped_pad(DEFAULT_PAD).expect("shipped");
     let pad = Pad::from_toml(pad.name, pad.toml).expect("sound");
     let model = L1Model::new(
-        &Linearised::of_pad(&pad).expect("solvable").jacobian,
+        &Linearised::from_pad(&pad).expect("solvable").jacobian,
         LAMBDA,
         true,
     );
@@ -58,17 +58,17 @@ fn no_frame_of_the_session_is_worse_than_after_200_accelerated_iterations() {
     let (mut compared, mut worst, mut most_sweeps) = (0, f64::NEG_INFINITY, 0);
     for (index, volts) in session().iter().enumerate() {
         if index < REFERENCE_FRAMES {
-            reference.begin(index as u64 * 10_000_000, volts);
+            reference.add_first_frame(index as u64 * 10_000_000, volts);
             continue;
         }
-        reference.changes(volts, &mut changes);
+        reference.relative_changes(volts, &mut changes);
         let changes: Vec<f64> = changes.iter().map(|change| f64::from(*change)).collect();
         let quality = model.solve(&changes, reference.change_noise(), &mut state);
         most_sweeps = most_sweeps.max(quality.sweeps);
         if !full && index % 30 != 0 {
             continue;
         }
-        let plain = model.accelerated(&changes, quality.lambda_abs, ITERATIONS);
+        let plain = model.solve_fista(&changes, quality.lambda_abs, ITERATIONS);
         let theirs = objective(&model, &plain, &changes, quality.lambda_abs);
         let ours = objective(&model, state.answer(), &changes, quality.lambda_abs);
         assert!(

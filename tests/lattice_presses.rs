@@ -1,4 +1,4 @@
-//! Touches found in single frames of an independent simulator, noise added: by their images, and in the voltages.
+//! Touches in single frames of an independent simulator with added noise, located in images and in the voltages.
 
 mod lattice;
 
@@ -14,15 +14,15 @@ const FOUND_MM: f64 = 10.0;
 const SEEDS: [u64; 3] = [1, 2, 3];
 const FRAME_NS: Nanos = 10_000_000;
 
-/// What was made of all frames with a number of touches.
+/// Results over all frames with the same number of touches.
 #[derive(Default)]
 struct Score {
     frames: usize,
-    /// Every true touch has a contact within [`FOUND_MM`].
+    /// Frames in which every true touch has a contact within [`FOUND_MM`].
     found: usize,
-    /// As many contacts as touches.
+    /// Frames with as many contacts as touches.
     counted_right: usize,
-    /// Of every true touch that was found.
+    /// Error of every true touch that was found.
     errors_mm: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Score {
     }
 }
 
-/// Scores for one, two and three touches, each frame on its own after a rest.
+/// Scores for one, two and three touches; every frame follows a rest.
 fn scores(fresh: &Detector, snr_db: f64, seed: u64, label: &str) -> [Score; 3] {
     let frames = static_frames();
     let mut noise = Noise::new(snr_db, seed);
@@ -47,16 +47,16 @@ fn scores(fresh: &Detector, snr_db: f64, seed: u64, label: &str) -> [Score; 3] {
     for frame in 0..REFERENCE_FRAMES as Nanos {
         let volts = noise.read(&frames[0]);
         let t_ns = frame * FRAME_NS;
-        rested.frame(&Frame { t_ns, volts }, &mut none);
+        rested.process_frame(&Frame { t_ns, volts }, &mut none);
     }
     let t_ns = REFERENCE_FRAMES as Nanos * FRAME_NS;
     let mut scores: [Score; 3] = Default::default();
     for (volts, truth) in frames.iter().zip(static_truths()).skip(1) {
         let mut detector = rested.clone();
         let volts = noise.read(volts);
-        detector.frame(&Frame { t_ns, volts }, &mut none);
+        detector.process_frame(&Frame { t_ns, volts }, &mut none);
         let score = &mut scores[truth.touches.len() - 1];
-        let contacts = detector.state().down;
+        let contacts = detector.frame_touches().down;
         let errors_mm = truth.touches.iter().map(|touch| {
             contacts
                 .iter()
@@ -88,13 +88,13 @@ fn scores(fresh: &Detector, snr_db: f64, seed: u64, label: &str) -> [Score; 3] {
 }
 
 fn by_image(method: Method) -> Detector {
-    let matrix = Reconstruction::of_pad(&pad(), method).expect("a matrix");
+    let matrix = Reconstruction::from_pad(&pad(), method).expect("a matrix");
     Detector::new(Arc::new(matrix))
 }
 
 fn located() -> Detector {
-    let sensing = builder().first().expect("a matrix");
-    Detector::of_pad(Arc::new(sensing), &pad().protocol)
+    let sensing = builder().build_initial().expect("a matrix");
+    Detector::for_pad(Arc::new(sensing), &pad().protocol)
 }
 
 #[test]
@@ -130,10 +130,10 @@ fn voltages_place_touches_to_a_few_tenths_of_a_millimetre_and_count_them() {
     }
 }
 
-/// One of the hundred lies over a hole of the lattice: at 40 dB a single frame holds no more of it than 4.4 deviations, so it is
-/// found in the mean of several.
+/// One of the hundred lies over a hole of the lattice: at 40 dB it reaches only 4.4 standard deviations in a single frame, so
+/// it is found in the mean of several.
 #[test]
-fn at_forty_decibels_every_touch_is_found_within_five_frames_and_the_untouched_pad_stays_quiet() {
+fn at_40_db_every_touch_is_found_within_five_frames_and_the_untouched_pad_stays_quiet() {
     for seed in SEEDS {
         let [one, _, _] = scores(&located(), 40.0, seed, "located");
         assert!(one.found >= 99 && one.mean_mm() <= 1.2);
@@ -147,7 +147,7 @@ fn at_forty_decibels_every_touch_is_found_within_five_frames_and_the_untouched_p
             for _ in 0..count {
                 let volts = noise.read(volts);
                 t_ns += FRAME_NS;
-                detector.frame(&Frame { t_ns, volts }, &mut changed);
+                detector.process_frame(&Frame { t_ns, volts }, &mut changed);
             }
             changed.len()
         };
@@ -155,7 +155,7 @@ fn at_forty_decibels_every_touch_is_found_within_five_frames_and_the_untouched_p
         let found = frames[1..=100].iter().filter(|volts| {
             let mut detector = rested.clone();
             play(&mut detector, volts, 5);
-            !detector.state().down.is_empty()
+            !detector.frame_touches().down.is_empty()
         });
         assert_eq!(found.count(), 100, "seed {seed}");
     }

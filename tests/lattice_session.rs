@@ -1,4 +1,4 @@
-//! Thirty seconds of play of an independent simulator, as they are and worse: every press found, none made up.
+//! Thirty seconds of play from an independent simulator, unchanged and degraded: every press is found and no other.
 
 mod lattice;
 
@@ -9,7 +9,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use gelpad::pad::DEFAULT_PAD;
-use gelpad::source::{FramesCsv, Noise, Reading, Source};
+use gelpad::source::{FramesCsv, Noise, Source, SourceReading};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Nanos, TouchId};
 use lattice::{Press, builder, data, pad, session_presses};
@@ -18,15 +18,15 @@ use serde::Deserialize;
 /// A touch within this distance of a press is that press, mm.
 const FOUND_MM: f64 = 10.0;
 const NANOS_PER_MS: f64 = 1e6;
-/// When an electrode comes off.
-const HALF_WAY_NS: Nanos = 15_000_000_000;
-/// Presses that overlap this long after it need not be found.
+/// Time at which an electrode comes off.
+const HALFWAY_NS: Nanos = 15_000_000_000;
+/// Presses within this time after it need not be found.
 const EXEMPT_S: f64 = 1.0;
 
 fn session() -> Vec<Frame> {
     let mut source = FramesCsv::open(&data("session.csv"), pad().channels()).expect("the session");
     let mut frames = Vec::new();
-    while let Reading::Frame(frame) = source.read().expect("a frame") {
+    while let SourceReading::Frame(frame) = source.read().expect("a frame") {
         frames.push(frame);
     }
     frames
@@ -48,28 +48,28 @@ impl Track {
     }
 }
 
-/// Electrodes that are out, from a time on, ms.
+/// Lost electrodes from a time on, ms.
 type Lost = Vec<(f64, Vec<usize>)>;
 
-/// What the detector makes of frames.
+/// The touches and lost electrodes that the detector reports.
 fn played(frames: &[Frame]) -> (BTreeMap<TouchId, Track>, Lost) {
-    let first = builder().first().expect("a matrix");
-    let mut detector = Detector::of_pad(Arc::new(first), &pad().protocol);
+    let first = builder().build_initial().expect("a matrix");
+    let mut detector = Detector::for_pad(Arc::new(first), &pad().protocol);
     let mut tracks = BTreeMap::new();
     let mut lost = Lost::new();
     let mut changed = Vec::new();
     for frame in frames {
-        detector.frame(frame, &mut changed);
+        detector.process_frame(frame, &mut changed);
         if let Some(deviations) = detector.wanted() {
             let sensing = builder().build(deviations).expect("a matrix");
-            detector.take(Arc::new(sensing));
+            detector.set_sensing(Arc::new(sensing));
         }
         let t_ms = frame.t_ns as f64 / NANOS_PER_MS;
         let out = detector.lost_electrodes();
         if lost.last().map(|(_, out)| out) != Some(&out) {
             lost.push((t_ms, out));
         }
-        for touch in detector.state().down {
+        for touch in detector.frame_touches().down {
             let track = tracks.entry(touch.id).or_insert(Track {
                 first_ms: t_ms,
                 last_ms: t_ms,
@@ -86,9 +86,9 @@ fn played(frames: &[Frame]) -> (BTreeMap<TouchId, Track>, Lost) {
     (tracks, lost)
 }
 
-/// Holds the tracks of frames at these times against the presses: each is one track, in the frames in which it was down,
-/// give or take one at either end; no track is left over.
-fn hold_against(
+/// Compares tracks with presses: each press is one track in the frames in which it was down, give or take one frame at
+/// either end, and no track is left over.
+fn compare_with_presses(
     label: &str,
     frames: &[Frame],
     mut tracks: BTreeMap<TouchId, Track>,
@@ -148,27 +148,27 @@ fn hold_against(
     assert!(tracks.is_empty(), "{label}: made up: {tracks:?}");
 }
 
-fn holds(label: &str, frames: &[Frame]) {
+fn check_session(label: &str, frames: &[Frame]) {
     let (tracks, lost) = played(frames);
     assert!(
         lost.iter().all(|(_, out)| out.is_empty()),
         "{label}: {lost:?}"
     );
-    hold_against(label, frames, tracks, &session_presses(), |_| false);
+    compare_with_presses(label, frames, tracks, &session_presses(), |_| false);
 }
 
 #[test]
-fn as_it_is_also_through_the_command() {
+fn unchanged_and_through_the_command_line() {
     let frames = session();
-    holds("as it is", &frames);
+    check_session("unchanged", &frames);
 
     #[derive(Deserialize)]
     struct Line {
         t_ms: f64,
-        touches: Vec<Seen>,
+        touches: Vec<SeenTouch>,
     }
     #[derive(Deserialize)]
-    struct Seen {
+    struct SeenTouch {
         id: u64,
         x_mm: f64,
         y_mm: f64,
@@ -199,13 +199,13 @@ fn as_it_is_also_through_the_command() {
             track.sum_mm[1] += seen.y_mm;
         }
     }
-    hold_against("gelpad replay", &frames, tracks, &session_presses(), |_| {
+    compare_with_presses("gelpad replay", &frames, tracks, &session_presses(), |_| {
         false
     });
 }
 
 #[test]
-fn with_forty_five_decibels() {
+fn with_45_db() {
     for seed in [1, 2, 3] {
         let mut noise = Noise::new(45.0, seed);
         let frames: Vec<Frame> = session()
@@ -221,12 +221,12 @@ fn with_forty_five_decibels() {
                 ..frame
             })
             .collect();
-        holds(&format!("45 dB, seed {seed}"), &frames);
+        check_session(&format!("45 dB, seed {seed}"), &frames);
     }
 }
 
 #[test]
-fn with_ten_per_cent_of_drift_a_minute() {
+fn with_ten_percent_of_drift_per_minute() {
     let drifting = |of_channel: &dyn Fn(usize) -> f64| -> Vec<Frame> {
         let drifted = |frame: Frame| {
             let minutes = frame.t_ns as f64 / NANOS_PER_MS / 60e3;
@@ -241,11 +241,11 @@ fn with_ten_per_cent_of_drift_a_minute() {
         };
         session().into_iter().map(drifted).collect()
     };
-    holds("a gain that all channels share", &drifting(&|_| 1.0));
-    holds("a gain that all channels lose", &drifting(&|_| -1.0));
-    // Somewhere between -1 and 1 for each channel, in no order.
+    check_session("a common gain rises", &drifting(&|_| 1.0));
+    check_session("a common gain falls", &drifting(&|_| -1.0));
+    // A different value between -1 and 1 for each channel.
     let own = |channel: usize| ((channel * 7919) % 208) as f64 / 104.0 - 1.0;
-    holds("each channel its own", &drifting(&own));
+    check_session("each channel differently", &drifting(&own));
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn thinned_to_slow_boards() {
     for step in [2, 5, 10] {
         for first in 0..step {
             let frames: Vec<Frame> = all.iter().skip(first).step_by(step).cloned().collect();
-            holds(
+            check_session(
                 &format!("{} frames/s, from frame {first}", 100 / step),
                 &frames,
             );
@@ -263,17 +263,17 @@ fn thinned_to_slow_boards() {
 }
 
 #[test]
-fn with_any_electrode_of_the_first_half_disconnected_half_way() {
-    disconnected_half_way(0..pad().protocol.electrodes / 2);
+fn with_any_electrode_of_the_first_half_disconnected_halfway() {
+    disconnected_halfway(0..pad().protocol.electrodes / 2);
 }
 
 #[test]
-fn with_any_electrode_of_the_second_half_disconnected_half_way() {
+fn with_any_electrode_of_the_second_half_disconnected_halfway() {
     let electrodes = pad().protocol.electrodes;
-    disconnected_half_way(electrodes / 2..electrodes);
+    disconnected_halfway(electrodes / 2..electrodes);
 }
 
-fn disconnected_half_way(electrodes: Range<usize>) {
+fn disconnected_halfway(electrodes: Range<usize>) {
     let all = session();
     let protocol = pad().protocol;
     let full_scale = all[0]
@@ -281,13 +281,13 @@ fn disconnected_half_way(electrodes: Range<usize>) {
         .iter()
         .fold(0.0f32, |most, volt| most.max(volt.abs()));
     for electrode in electrodes {
-        // Readings of one with noise of one, less one: noise alone.
+        // A reading of one with noise, minus one: noise alone.
         let mut noise = Noise::new(0.0, electrode as u64);
         let frames: Vec<Frame> = all
             .iter()
             .cloned()
             .map(|mut frame| {
-                if frame.t_ns >= HALF_WAY_NS {
+                if frame.t_ns >= HALFWAY_NS {
                     let wild = noise.read(&vec![1.0; frame.volts.len()]);
                     for (index, channel) in protocol.channels.iter().enumerate() {
                         let pairs = [channel.drive, channel.measure];
@@ -304,7 +304,7 @@ fn disconnected_half_way(electrodes: Range<usize>) {
             .collect();
         let (tracks, lost) = played(&frames);
         let label = format!("electrode {electrode}");
-        let half_way_ms = HALF_WAY_NS as f64 / NANOS_PER_MS;
+        let half_way_ms = HALFWAY_NS as f64 / NANOS_PER_MS;
         let [(_, before), (at_ms, after)] = &lost[..] else {
             panic!("{label}: {lost:?}");
         };
@@ -320,12 +320,12 @@ fn disconnected_half_way(electrodes: Range<usize>) {
             let half_way_s = half_way_ms / 1e3;
             press.t0 < half_way_s + EXEMPT_S && press.t1 > half_way_s
         };
-        hold_against(&label, &frames, tracks, &session_presses(), exempt);
+        compare_with_presses(&label, &frames, tracks, &session_presses(), exempt);
     }
 }
 
 #[test]
-fn the_session_is_where_it_should_be() {
+fn the_session_is_complete() {
     assert!(Path::new(&data("session.csv")).is_file());
     assert_eq!((session().len(), session_presses().len()), (3000, 42));
 }

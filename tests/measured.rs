@@ -1,8 +1,8 @@
-//! gelpad on data that others measured: tanks and skins that it was not made for.
+//! gelpad on published measurements: tanks and skins that it was not made for.
 //!
-//! The data has no licence, so it is no part of the repository: it is read from `GELPAD_DATA`. Where that is not set the
-//! trials are ignored, and their kind says why; with `GELPAD_TEST_ALL=1` they fail, unless it is set to nothing: then it is
-//! known that there is no data. `GELPAD_FULL=1` runs all five splits of the skins at all sizes instead of a sample (minutes;
+//! The data has no licence, so it is not in the repository: it is read from `GELPAD_DATA`. If that is not set, the trials are
+//! ignored, with the reason as their kind; with `GELPAD_TEST_ALL=1` they fail, unless it is set to an empty text.
+//! `GELPAD_FULL=1` runs all five splits of the skins at all sizes instead of a sample (minutes;
 //! `scripts/hydrogel-presses.sh` does the same through the command line).
 
 use std::env;
@@ -13,11 +13,11 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
 use gelpad::calibrate::{Press, Presses, Regression};
-use gelpad::eit::order::{Layout, recognise};
+use gelpad::eit::order::{Layout, recognise_order};
 use gelpad::eit::{Imager, Reconstruction};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
 use gelpad::source::eit_text::EitFrame;
-use gelpad::source::{Reading, open_file};
+use gelpad::source::{SourceReading, open_file};
 use gelpad::types::{Frame, Image, Method};
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -69,26 +69,26 @@ fn tank(touch_sign: TouchSign) -> Result<(Pad, Imager)> {
         touch_sign,
         ..Pad::from_toml(shipped.name, shipped.toml)?
     };
-    let matrix = Reconstruction::of_pad(&pad, Method::Smooth)?;
+    let matrix = Reconstruction::from_pad(&pad, Method::Smooth)?;
     Ok((pad, Imager::new(Arc::new(matrix))))
 }
 
-/// Frames of a file or folder that nothing is told about.
+/// Frames of a file or folder, without any further information.
 fn frames_of(path: &Path) -> Result<Vec<Frame>> {
     let (pad, _) = tank(TouchSign::Fall)?;
     let mut source = open_file(path, &pad)?;
     let mut frames = Vec::new();
     loop {
         match source.read()? {
-            Reading::Frame(frame) => frames.push(frame),
-            Reading::End => return Ok(frames),
+            SourceReading::Frame(frame) => frames.push(frame),
+            SourceReading::End => return Ok(frames),
             other => bail!("{other:?}"),
         }
     }
 }
 
-/// As sources: order, sign and frame rate come out right by themselves, so readings agree with their reciprocal twins and
-/// those of an empty tank are positive.
+/// As sources: order, sign and frame rate are recognised, so readings agree with their reciprocal ones and those of an empty
+/// tank are positive.
 fn sciospec_source(folder: &Path) -> Result<()> {
     let frames = frames_of(folder)?;
     ensure!(frames.len() == 255, "{} frames", frames.len());
@@ -108,7 +108,7 @@ fn pyeidors_source(folder: &Path) -> Result<()> {
 
 fn is_in_order(frame: &Frame) -> Result<()> {
     let volts: Vec<f64> = frame.volts.iter().map(|volt| f64::from(*volt)).collect();
-    let order = recognise(&volts, ELECTRODES)?;
+    let order = recognise_order(&volts, ELECTRODES)?;
     ensure!(
         !order.rotated && !order.flipped && order.layout == Layout::Adjacent,
         "{order:?}"
@@ -126,8 +126,8 @@ fn changes(volts: &[f64], reference: &[f64]) -> Vec<f32> {
         .collect()
 }
 
-/// Metal and plastic stand in a tank, in files whose order gelpad is not told: each is found beside the electrode that the
-/// file's name says, metal as a rise and plastic as a fall of the same image.
+/// Metal and plastic in a tank, in files of unknown order: each is found next to the electrode in the file's name, metal as a
+/// rise and plastic as a fall of the same image.
 fn pyeidors_tank(folder: &Path) -> Result<()> {
     let (pad, mut imager) = tank(TouchSign::Rise)?;
     let mut files: Vec<PathBuf> = fs::read_dir(folder)?
@@ -154,7 +154,7 @@ fn pyeidors_tank(folder: &Path) -> Result<()> {
             columns[0].push(reference);
             columns[1].push(target);
         }
-        let order = recognise(&columns[0], ELECTRODES)?;
+        let order = recognise_order(&columns[0], ELECTRODES)?;
         let error = order.error.context("208 readings show reciprocity")?;
         ensure!(
             order.rotated && order.layout == Layout::Adjacent,
@@ -163,7 +163,7 @@ fn pyeidors_tank(folder: &Path) -> Result<()> {
         ensure!(error < 0.05, "{name}: reciprocity error {error}");
         let [reference, target] = columns.map(|volts| order.apply(&volts));
         let mut image = Image::blank(imager.reconstruction().grid);
-        imager.uncut(&changes(&target, &reference), 0.0, &mut image);
+        imager.signed_image(&changes(&target, &reference), 0.0, &mut image);
         let expected = |material: &str| -> Vec<usize> {
             let words: Vec<&str> = name.split('_').collect();
             let mut electrodes: Vec<usize> = words
@@ -191,7 +191,7 @@ fn pyeidors_tank(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The electrodes (from 1) next to an image's highest places, or lowest for a sign of -1, that lie apart.
+/// The electrodes (from 1) next to separate maxima of an image, or minima for a sign of -1.
 fn nearest_electrodes(pad: &Pad, image: &Image, sign: f32, count: usize) -> Vec<usize> {
     const APART_MM: f64 = 50.0;
     let mut values: Vec<f32> = image.values.iter().map(|value| sign * value).collect();
@@ -218,11 +218,11 @@ fn nearest_electrodes(pad: &Pad, image: &Image, sign: f32, count: usize) -> Vec<
         .collect()
 }
 
-/// A glass cup is moved about in a tank by hand: its track is smooth. Smooth means that each place lies near the middle of
-/// the places one frame before and after: a hand hardly changes its speed in 50 ms, while noise and wrong peaks do.
+/// A glass cup is moved in a tank by hand: its track is smooth, i.e. each place lies near the middle of the places one frame
+/// before and after. A hand hardly changes its speed in 50 ms; noise and wrong peaks do.
 fn sciospec_tank(folder: &Path) -> Result<()> {
     const EMPTY_FRAMES: usize = 20;
-    /// An object is there where the image's peak is this many times the empty tank's.
+    /// Least ratio of the image's peak with an object to that of the empty tank.
     const THERE: f32 = 10.0;
     let (pad, mut imager) = tank(TouchSign::Fall)?;
     let radius_mm = pad.outline.size_mm()[0] / 2.0;
@@ -238,7 +238,7 @@ fn sciospec_tank(folder: &Path) -> Result<()> {
         .map(|path| Ok(EitFrame::open(path)?.adjacent()))
         .collect::<Result<_>>()?;
     ensure!(frames.len() == 255, "{} frames", frames.len());
-    let order = recognise(&frames[0], ELECTRODES)?;
+    let order = recognise_order(&frames[0], ELECTRODES)?;
     let error = order.error.context("208 readings show reciprocity")?;
     ensure!(!order.rotated && error < 0.05, "{order:?}");
     let frames: Vec<Vec<f64>> = frames.iter().map(|frame| order.apply(frame)).collect();
@@ -298,7 +298,7 @@ fn sciospec_tank(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Middle of the pixels over half of the peak.
+/// Centre of the pixels above half of the peak.
 fn centroid(image: &Image) -> [f64; 2] {
     let floor = 0.5 * image.peak();
     let mut sums = [0.0; 3];
@@ -318,13 +318,13 @@ fn centroid(image: &Image) -> [f64; 2] {
 /// Training presses of a skin.
 const TRAINED: [usize; 3] = [50, 500, 2000];
 
-/// A measured skin with other electrodes, drive and unit: random splits, mean errors of presses never seen, mm, against the
-/// largest allowed for each of [`TRAINED`].
+/// A measured skin with other electrodes, drive and unit: over random splits, the mean error of unseen presses, mm, stays below
+/// the limit for each of [`TRAINED`].
 fn skin(folder: &Path, name: &str, goals_mm: [f64; 3]) -> Result<()> {
     let full = env::var_os("GELPAD_FULL").is_some_and(|value| value == "1");
     let all = skin_presses(folder, name)?;
     for (count, goal_mm) in TRAINED.into_iter().zip(goals_mm) {
-        // Two thousand take half a minute a split; fifty scatter most, and cost nothing.
+        // 2000 presses take half a minute for a split; 50 scatter most and are quick.
         let splits = match (full, count) {
             (true, _) | (_, 50) => 5,
             (false, 500) => 1,
@@ -339,7 +339,7 @@ fn skin(folder: &Path, name: &str, goals_mm: [f64; 3]) -> Result<()> {
         if splits > 0 {
             let mean = errors.iter().sum::<f64>() / errors.len() as f64;
             println!("{name}, {count} presses: mean error {mean:.2} mm of {errors:.2?}");
-            // One split scatters about the mean of five.
+            // A single split scatters around the mean of five.
             let allowed = if splits == 5 { 1.0 } else { 1.05 };
             ensure!(
                 mean <= allowed * goal_mm,
@@ -370,12 +370,12 @@ fn skin_presses(folder: &Path, name: &str) -> Result<Vec<Press>> {
         .collect())
 }
 
-/// Shuffles and parts presses: the same seed gives the same split.
+/// Shuffles and splits presses: the same seed gives the same split.
 fn split(all: &[Press], count: usize, seed: u64) -> Result<(Presses, Presses)> {
     let mut presses = all.to_vec();
     let mut state = seed;
     for last in (1..presses.len()).rev() {
-        // Knuth's MMIX generator; its high bits are good enough to shuffle with.
+        // Knuth's MMIX generator; its high bits suffice for shuffling.
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);

@@ -1,15 +1,16 @@
-//! Which way round a pad is wired: found from three presses of the simulated pad, whose board numbers the electrodes its own
-//! way.
+//! Orientation of a pad, found from three presses of the simulated pad whose board numbers the electrodes differently.
 
 use gelpad::calibrate::orientation::{
-    Orienter, Progress, ThreePresses, WhichWay, WhichWayError, numbered, shown_places,
+    GuidedPressRecorder, Orientation, OrientationError, OrientationSolver, Progress, shown_places,
+    with_numbering,
 };
+use gelpad::eit::Press;
 use gelpad::pad::{Direction, Numbering, Pad, shipped_pad};
-use gelpad::source::{Finger, Noise, SimulatedPad};
+use gelpad::source::{Noise, SimulatedPad};
 use gelpad::types::Frame;
 
 const FRAME_NS: u64 = 10_000_000;
-/// Radius, mm, and rise of the conductivity: a light, a usual and a hard press.
+/// Radius, mm, and rise of the conductivity: a light, a normal and a hard press.
 const PRESSES: [(f64, f64); 3] = [(6.0, 0.6), (7.0, 1.2), (8.0, 2.5)];
 
 fn text(name: &str) -> &'static str {
@@ -20,29 +21,28 @@ fn pad(text: &str) -> Pad {
     Pad::from_toml("pad", text).expect("sound")
 }
 
-/// What a person who misses by some millimetres presses, as the board tells it.
+/// The readings of presses that miss their targets by some millimetres, as the board numbers them.
 struct Wired {
     pad: Pad,
     rest: Vec<f64>,
-    /// By force, by shown place.
+    /// By force, then by target.
     pressed: Vec<[Vec<f64>; 3]>,
 }
 
 impl Wired {
     fn new(text: &str, numbering: Numbering, scale: f64) -> Self {
-        let pad = pad(&numbered(text, numbering).expect("a pad"));
+        let pad = pad(&with_numbering(text, numbering).expect("a pad"));
         let simulated = SimulatedPad::new(&pad).expect("solvable");
         let places = shown_places(&pad.outline);
         let misses = [[3.0, -2.0], [-4.0, 1.0], [2.0, 4.0]];
         let press = |place: usize, (radius_mm, rise): (f64, f64)| {
             let centre_mm = [0, 1].map(|axis| places[place][axis] + scale * misses[place][axis]);
-            let finger = Finger {
-                id: 1,
+            let press = Press {
                 centre_mm,
                 radius_mm: scale * radius_mm,
                 rise,
             };
-            simulated.volts(&[finger]).expect("solved")
+            simulated.volts(&[press]).expect("solved")
         };
         Self {
             rest: simulated.volts(&[]).expect("solved"),
@@ -54,20 +54,20 @@ impl Wired {
         }
     }
 
-    /// Frames of three presses of one force, taken as the wizard does.
+    /// Frames of three presses of one force, recorded as in the wizard.
     fn take(
         &self,
-        mut presses: ThreePresses,
+        mut presses: GuidedPressRecorder,
         force: usize,
         snr_db: f64,
         seed: u64,
-    ) -> Result<WhichWay, WhichWayError> {
+    ) -> Result<Orientation, OrientationError> {
         let mut noise = Noise::new(snr_db, seed);
         let mut t_ns = 0;
         let mut play = |volts: &Vec<f64>, frames: u64| {
             let mut last = Progress::Resting;
             for _ in 0..frames {
-                last = presses.frame(&Frame {
+                last = presses.take_frame(&Frame {
                     t_ns,
                     volts: noise.read(volts),
                 });
@@ -90,7 +90,7 @@ impl Wired {
     }
 }
 
-/// Every numbering is found under every noise, force and seed.
+/// Every numbering is found at every noise, force and seed.
 fn all_found(
     text: &str,
     declared: Numbering,
@@ -98,8 +98,8 @@ fn all_found(
     snrs: &[f64],
     scale: f64,
 ) -> (f64, f64) {
-    let orienter =
-        Orienter::new(&pad(&numbered(text, declared).expect("a pad"))).expect("solvable");
+    let orienter = OrientationSolver::new(&pad(&with_numbering(text, declared).expect("a pad")))
+        .expect("solvable");
     let (mut least_fit, mut least_ratio) = (f64::INFINITY, f64::INFINITY);
     for numbering in numberings {
         let wired = Wired::new(text, *numbering, scale);
@@ -107,7 +107,12 @@ fn all_found(
             for force in 0..PRESSES.len() {
                 for seed in 1..=3 {
                     let found = wired
-                        .take(ThreePresses::new(orienter.clone()), force, *snr_db, seed)
+                        .take(
+                            GuidedPressRecorder::new(orienter.clone()),
+                            force,
+                            *snr_db,
+                            seed,
+                        )
                         .unwrap_or_else(|error| {
                             panic!("{numbering:?}, {snr_db} dB, force {force}: {error}")
                         });
@@ -125,7 +130,7 @@ fn all_found(
     (least_fit, least_ratio)
 }
 
-/// The turns and mirrors that map a square with four electrodes a side onto itself.
+/// The rotations and reflections that map a square with four electrodes per side onto itself.
 fn turns_and_mirrors() -> Vec<Numbering> {
     let of = |direction, first| Numbering { first, direction };
     [0, 4, 8, 12]
@@ -140,7 +145,7 @@ fn turns_and_mirrors() -> Vec<Numbering> {
 }
 
 #[test]
-fn four_turns_and_two_mirrors_of_the_papers_pad_are_found() {
+fn four_rotations_and_two_reflections_of_the_papers_pad_are_found() {
     let text = text("edinburgh-lattice");
     all_found(
         text,
@@ -152,7 +157,7 @@ fn four_turns_and_two_mirrors_of_the_papers_pad_are_found() {
 }
 
 #[test]
-fn a_board_that_begins_in_the_middle_of_a_side_is_found() {
+fn a_board_that_starts_in_the_middle_of_a_side_is_found() {
     let numberings = [
         Numbering {
             first: 1,
@@ -173,7 +178,7 @@ fn a_board_that_begins_in_the_middle_of_a_side_is_found() {
 }
 
 #[test]
-fn a_pad_that_was_set_up_for_another_board_is_set_right() {
+fn a_pad_set_up_for_another_board_is_corrected() {
     let declared = Numbering {
         first: 7,
         direction: Direction::Clockwise,
@@ -198,7 +203,7 @@ fn every_numbering_of_a_round_tank_is_found() {
 }
 
 #[test]
-fn opposite_drives_and_half_the_readings_do_as_well() {
+fn opposite_drives_and_half_readings_work_too() {
     all_found(
         text("openeit-lattice"),
         Numbering::default(),
@@ -220,9 +225,9 @@ fn opposite_drives_and_half_the_readings_do_as_well() {
 fn presses_in_one_place_are_refused() {
     let text = text("edinburgh-lattice");
     let mut wired = Wired::new(text, Numbering::default(), 1.0);
-    let orienter = Orienter::new(&wired.pad).expect("solvable");
+    let orienter = OrientationSolver::new(&wired.pad).expect("solvable");
     let first = wired.pressed[1][0].clone();
     wired.pressed[1] = [first.clone(), first.clone(), first];
-    let refused = wired.take(ThreePresses::new(orienter), 1, 60.0, 1);
+    let refused = wired.take(GuidedPressRecorder::new(orienter), 1, 60.0, 1);
     assert!(refused.is_err(), "{refused:?}");
 }

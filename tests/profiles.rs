@@ -1,13 +1,13 @@
-//! Profiles as texts: what is wrong with them is told at its word; the schema is what the reader reads.
+//! Texts of profiles: mistakes are reported at their place; schema and guide match the reader.
 
 use std::path::Path;
 use std::process::Command;
 
-use gelpad::profile::{Kind, Source, Table, find_shipped, keys, read, schema};
+use gelpad::profile::{KeyKind, Source, Table, find_shipped, keys, read, schema};
 use gelpad::types::Key;
 
-/// Profiles with one thing wrong each: what is put in, and then `line:column`, the words that are underlined, and a part
-/// of what is said.
+/// Profiles with one mistake each: the replacement that makes it, then `line:column`, the underlined text, and a part of
+/// the message.
 const BASE: &str = "schema = 1\nname = \"p\"\n[[region]]\nname = \"jump\"\nx = 0.1\ny = 0.1\nw = 0.4\nh = 0.4\n[[region]]\nname = \"run\"\nx = 0.6\ny = 0.6\nw = 0.4\nh = 0.4\n[[binding]]\nregion = \"jump\"\noutput = \"key:f\"\n";
 
 struct Case {
@@ -36,46 +36,46 @@ const fn case(
 
 #[rustfmt::skip]
 const CASES: &[Case] = &[
-    // What TOML forbids.
+    // TOML syntax.
     case("name = \"p\"", "name = \"p", "2:10", "", "invalid basic string"),
     case("x = 0.1", "x = ", "5:5", "", "string values must be quoted, expected literal string"),
     case("[[region]]", "[[region]", "3:10", "", "unclosed array table, expected `]`"),
     case("schema = 1", "schema = 1\nschema = 1", "2:1", "schema", "duplicate key"),
     // Keys.
-    case("x = 0.1", "z = 0.1", "5:1", "z", "no key is named `z` of a region | did you mean `order`"),
-    case("output = ", "outptu = ", "17:1", "outptu", "no key is named `outptu` of a binding | did you mean `output`"),
+    case("x = 0.1", "z = 0.1", "5:1", "z", "unknown key `z` in a region | did you mean `order`"),
+    case("output = ", "outptu = ", "17:1", "outptu", "unknown key `outptu` in a binding | did you mean `output`"),
     case("output = ", "key = ", "17:1", "key", "did you mean `output`"),
     case("name = \"p\"", "name = \"p\"\ntaping_term_ms = 200", "3:1", "taping_term_ms", "did you mean `tapping_term_ms`? (a touch that lifts sooner is a tap)"),
     case("name = \"p\"", "name = \"p\"\ndebounce_ms = 20", "3:1", "debounce_ms", "did you mean `bounce_keys_ms`"),
-    case("name = \"p\"", "name = \"p\"\nqwertyuiop = 20", "3:1", "qwertyuiop", "known are schema, name"),
-    case("[[binding]]", "[[bindings]]", "15:3", "bindings", "no key is named `bindings` in a profile | did you mean `binding`"),
+    case("name = \"p\"", "name = \"p\"\nqwertyuiop = 20", "3:1", "qwertyuiop", "known keys: schema, name"),
+    case("[[binding]]", "[[bindings]]", "15:3", "bindings", "unknown key `bindings` at the top of a profile | did you mean `binding`"),
     case("[[region]]\nname = \"run\"", "[region2]\nname = \"run\"", "9:2", "region2", "did you mean `region`"),
     case("w = 0.4", "width = 0.4", "7:1", "width", "did you mean `w`? (width)"),
     // Kinds.
-    case("x = 0.1", "x = \"0.1\"", "5:5", "\"0.1\"", "`x` is a number, without quotes, and this is a text"),
-    case("x = 0.1", "x = true", "5:5", "true", "`x` is a number, without quotes, and this is true or false"),
-    case("x = 0.1", "x = [0.1]", "5:5", "[0.1]", "`x` is a number, without quotes, and this is a list"),
-    case("output = \"key:f\"", "output = 5", "17:10", "5", "`output` is a text in quotes, or a list of them"),
-    case("region = \"jump\"", "region = 1", "16:10", "1", "`region` is a text in quotes, or a list of them"),
-    case("name = \"p\"", "name = \"p\"\nsticky_keys = \"yes\"", "3:15", "\"yes\"", "`sticky_keys` is true or false, without quotes"),
-    case("name = \"p\"", "name = 7", "2:8", "7", "`name` is a text in quotes"),
-    case("name = \"p\"", "name = \"p\"\nvars = 3", "3:8", "3", "`vars` is a table"),
-    case("schema = 1", "schema = 1.5", "1:10", "1.5", "`schema` = 1.5 is not known: it is 1"),
+    case("x = 0.1", "x = \"0.1\"", "5:5", "\"0.1\"", "`x` must be a number without quotes, but this is a text"),
+    case("x = 0.1", "x = true", "5:5", "true", "`x` must be a number without quotes, but this is true or false"),
+    case("x = 0.1", "x = [0.1]", "5:5", "[0.1]", "`x` must be a number without quotes, but this is a list"),
+    case("output = \"key:f\"", "output = 5", "17:10", "5", "`output` must be a text in quotes, or a list of them"),
+    case("region = \"jump\"", "region = 1", "16:10", "1", "`region` must be a text in quotes, or a list of them"),
+    case("name = \"p\"", "name = \"p\"\nsticky_keys = \"yes\"", "3:15", "\"yes\"", "`sticky_keys` must be true or false without quotes"),
+    case("name = \"p\"", "name = 7", "2:8", "7", "`name` must be a text in quotes"),
+    case("name = \"p\"", "name = \"p\"\nvars = 3", "3:8", "3", "`vars` must be a table"),
+    case("schema = 1", "schema = 1.5", "1:10", "1.5", "`schema` = 1.5 is out of range: it must be 1"),
     // Ranges.
-    case("schema = 1", "schema = 7", "1:10", "7", "`schema` = 7 is not known: it is 1"),
-    case("x = 0.1", "x = 1.1", "5:5", "1.1", "`x` = 1.1 of the pad is out of its range: 0 to 1"),
-    case("x = 0.1", "x = nan", "5:5", "nan", "out of its range"),
-    case("w = 0.4", "w = 0", "7:5", "0", "out of its range"),
+    case("schema = 1", "schema = 7", "1:10", "7", "`schema` = 7 is out of range: it must be 1"),
+    case("x = 0.1", "x = 1.1", "5:5", "1.1", "`x` = 1.1 is out of range: it must be 0 to 1 of the pad"),
+    case("x = 0.1", "x = nan", "5:5", "nan", "out of range"),
+    case("w = 0.4", "w = 0", "7:5", "0", "out of range"),
     case("w = 0.4", "w = 0.95", "7:5", "0.95", "the region ends at 1.050, off the pad on the right"),
     case("h = 0.4", "h = 0.95", "8:5", "0.95", "off the pad on the top"),
-    case("name = \"p\"", "name = \"p\"\nmin_hold_ms = -1", "3:15", "-1", "`min_hold_ms` = -1 ms is out of its range: 0 to 60000 ms"),
-    case("name = \"p\"", "name = \"p\"\npanic_contacts = 2.5", "3:18", "2.5", "a whole number, 0 to 20"),
-    case("name = \"p\"", "name = \"p\"\nrotate = 45", "3:10", "45", "no quarter turn: 0, 90, 180 or 270"),
+    case("name = \"p\"", "name = \"p\"\nmin_hold_ms = -1", "3:15", "-1", "`min_hold_ms` = -1 is out of range: it must be 0 to 60000 ms"),
+    case("name = \"p\"", "name = \"p\"\npanic_contacts = 2.5", "3:18", "2.5", "a whole number from 0 to 20"),
+    case("name = \"p\"", "name = \"p\"\nrotate = 45", "3:10", "45", "not a quarter turn: write 0, 90, 180 or 270"),
     case("name = \"p\"", "name = \"p\"\narea_x = 0.6\narea_w = 0.6", "4:10", "0.6", "ends at 1.200, off the pad on the right"),
     // Words.
-    case("name = \"p\"", "name = \"p\"\nmethod = \"nosr\"", "3:10", "\"nosr\"", "`nosr` is no method | did you mean `noser`"),
+    case("name = \"p\"", "name = \"p\"\nmethod = \"nosr\"", "3:10", "\"nosr\"", "unknown method `nosr` | did you mean `noser`"),
     case("name = \"p\"", "name = \"p\"\nactivate = \"UP\"", "3:12", "\"UP\"", "did you mean `up`"),
-    case("x = 0.1", "shape = \"circel\"", "5:9", "\"circel\"", "`circel` is no shape | did you mean `circle`"),
+    case("x = 0.1", "shape = \"circel\"", "5:9", "\"circel\"", "unknown shape `circel` | did you mean `circle`"),
     case("output = \"key:f\"", "gesture = \"doubletap\"\noutput = \"key:f\"", "17:11", "\"doubletap\"", "did you mean `double-tap`"),
     case("output = \"key:f\"", "mode = \"drect\"\noutput = \"key:f\"", "17:8", "\"drect\"", "did you mean `direct`"),
     case("output = \"key:f\"", "gesture = \"tap-hold\"\ntap = \"key:f\"\nhold = \"key:g\"\nflavour = \"permissive\"", "20:11", "\"permissive\"", "`flavour` is one of speculative, tap-preferred, balanced, hold-preferred"),
@@ -87,30 +87,30 @@ const CASES: &[Case] = &[
     case("output = \"key:f\"", "output = \"pad:lefft\"", "17:10", "\"pad:lefft\"", "no gamepad button is named `lefft` | did you mean `left`"),
     case("output = \"key:f\"", "output = [\"key:f\", \"key:spcae\"]", "17:20", "\"key:spcae\"", "did you mean `space`"),
     case("output = \"key:f\"", "output = \"gelpad:pasue\"", "17:10", "\"gelpad:pasue\"", "write `gelpad:pause`"),
-    case("output = \"key:f\"", "output = \"layer:aim\"", "17:10", "\"layer:aim\"", "no binding lies on a layer `aim`"),
-    case("x = 0.1", "x = \"$edge\"", "5:5", "\"$edge\"", "no variable is named `edge` | write `edge = ...` under [vars]"),
+    case("output = \"key:f\"", "output = \"layer:aim\"", "17:10", "\"layer:aim\"", "no binding is on the layer `aim`"),
+    case("x = 0.1", "x = \"$edge\"", "5:5", "\"$edge\"", "unknown variable `$edge` | add `edge = ...` under [vars]"),
     case("name = \"p\"", "name = \"p\"\nextends = \"super-maria\"", "3:11", "\"super-maria\"", "no shipped profile is named `super-maria`"),
-    // What is missing or does not belong together.
+    // Missing or contradictory values.
     case("w = 0.4\n", "", "4:8", "\"jump\"", "the region `jump` needs `w`"),
     case("output = \"key:f\"\n", "", "15:1", "[[binding]]", "the binding has no `output`"),
-    case("schema = 1\n", "", "1:1", "name", "does not say its `schema`"),
+    case("schema = 1\n", "", "1:1", "name", "has no `schema`"),
     case("name = \"p\"\n", "", "1:1", "schema", "the profile has no `name`"),
-    case("x = 0.1", "x = 0.1\nr = 0.1", "6:5", "0.1", "a rect has no `r`"),
-    case("output = \"key:f\"", "turbo_hz = 8\noutput = \"key:f\"", "17:12", "8", "a press in mode direct has no `turbo_hz`"),
+    case("x = 0.1", "x = 0.1\nr = 0.1", "6:5", "0.1", "`r` does not apply to a rect"),
+    case("output = \"key:f\"", "turbo_hz = 8\noutput = \"key:f\"", "17:12", "8", "`turbo_hz` does not apply to the gesture press in mode direct"),
     case("output = \"key:f\"", "gesture = \"swipe\"\noutput = \"key:f\"", "15:1", "[[binding]]", "a swipe needs a `direction`"),
-    case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up-left\"\nways = 4\noutput = \"key:f\"", "18:13", "\"up-left\"", "4 ways have no diagonals"),
-    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord has two regions or more, or buttons"),
-    case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-z\"", "18:10", "\"pad:left-z\"", "no axis is named `pad:left-z`"),
-    case("output = \"key:f\"", "gesture = \"force\"\nforce = 0.3\nforce_release = 0.5\noutput = \"key:f\"", "19:17", "0.5", "`force_release` lies above `force`"),
+    case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up-left\"\nways = 4\noutput = \"key:f\"", "18:13", "\"up-left\"", "a swipe with `ways = 4` cannot be diagonal"),
+    case("output = \"key:f\"", "gesture = \"chord\"\noutput = \"key:f\"", "16:10", "\"jump\"", "a chord needs at least two regions or buttons"),
+    case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-z\"", "18:10", "\"pad:left-z\"", "unknown axis `pad:left-z`"),
+    case("output = \"key:f\"", "gesture = \"force\"\nforce = 0.3\nforce_release = 0.5\noutput = \"key:f\"", "19:17", "0.5", "`force_release` must not be above `force`"),
     case("output = \"key:f\"", "from = \"pad:strat\"\noutput = \"key:f\"", "17:8", "\"pad:strat\"", "no part of a gamepad is named `pad:strat` | did you mean `pad:start`"),
-    case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up\"\nfrom = \"pad:a\"\noutput = \"key:f\"", "19:8", "\"pad:a\"", "no part of a gamepad makes a swipe"),
-    case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-x\"\nfrom = \"pad:a\"", "19:8", "\"pad:a\"", "`pad:a` has no directions, as a stick wants"),
-    case("output = \"key:f\"", "gesture = \"force\"\nfrom = \"stick:left\"\noutput = \"key:f\"", "18:8", "\"stick:left\"", "`stick:left` is not pressed more or less, as a force wants"),
-    case("output = \"key:f\"", "gesture = \"stick\"\nstick = \"floating\"\naxis_x = \"pad:left-x\"\nfrom = \"stick:left\"", "18:9", "\"floating\"", "a gamepad's stick has its own middle"),
-    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"press key:a\"]", "18:9", "[\"press key:a\"]", "the macro ends with something pressed"),
-    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"wait soon\"]", "18:10", "\"wait soon\"", "`soon` is no time to wait"),
-    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"jump key:a\"]", "18:10", "\"jump key:a\"", "a macro does not `jump`"),
-    case("x = 0.1\ny = 0.1\nw = 0.4\nh = 0.4\n[[region]]", "shape = \"polygon\"\npoints = [[0.1, 0.1], [0.2]]\n[[region]]", "6:23", "[0.2]", "a corner is two numbers"),
+    case("output = \"key:f\"", "gesture = \"swipe\"\ndirection = \"up\"\nfrom = \"pad:a\"\noutput = \"key:f\"", "19:8", "\"pad:a\"", "a gamepad cannot play the gesture swipe"),
+    case("output = \"key:f\"", "gesture = \"stick\"\naxis_x = \"pad:left-x\"\nfrom = \"pad:a\"", "19:8", "\"pad:a\"", "the gesture stick needs directions, and `pad:a` has none"),
+    case("output = \"key:f\"", "gesture = \"force\"\nfrom = \"stick:left\"\noutput = \"key:f\"", "18:8", "\"stick:left\"", "the gesture force needs pressure, and `stick:left` has none"),
+    case("output = \"key:f\"", "gesture = \"stick\"\nstick = \"floating\"\naxis_x = \"pad:left-x\"\nfrom = \"stick:left\"", "18:9", "\"floating\"", "the stick of a gamepad cannot be floating"),
+    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"press key:a\"]", "18:9", "[\"press key:a\"]", "the macro ends with an output still pressed"),
+    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"wait soon\"]", "18:10", "\"wait soon\"", "`soon` is not a time to wait"),
+    case("output = \"key:f\"", "mode = \"macro\"\nmacro = [\"jump key:a\"]", "18:10", "\"jump key:a\"", "unknown macro step `jump`"),
+    case("x = 0.1\ny = 0.1\nw = 0.4\nh = 0.4\n[[region]]", "shape = \"polygon\"\npoints = [[0.1, 0.1], [0.2]]\n[[region]]", "6:23", "[0.2]", "a corner must be two numbers"),
 ];
 
 fn source(toml: String) -> Source {
@@ -121,7 +121,7 @@ fn source(toml: String) -> Source {
 }
 
 #[test]
-fn each_mistake_is_told_at_its_word() {
+fn each_mistake_is_reported_at_its_place() {
     assert!(CASES.len() >= 40);
     let mut wrong = Vec::new();
     for case in CASES {
@@ -132,7 +132,7 @@ fn each_mistake_is_told_at_its_word() {
             &find_shipped,
         )
         .expect_err(case.to);
-        let found = faulty.faults.iter().any(|fault| {
+        let found = faulty.diagnostics.iter().any(|fault| {
             let (line, column) = faulty.line_column(fault.span.start);
             let help = fault.help.as_deref().unwrap_or_default();
             let said = format!("{} | {help}", fault.message);
@@ -142,7 +142,7 @@ fn each_mistake_is_told_at_its_word() {
         });
         if !found {
             let got: Vec<String> = faulty
-                .faults
+                .diagnostics
                 .iter()
                 .map(|fault| {
                     let (line, column) = faulty.line_column(fault.span.start);
@@ -181,7 +181,7 @@ fn the_command_line_shows_each_mistake_and_fails() {
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{}: {stderr}", case.to);
         let place = format!("{}:{}: ", file.display(), case.at);
-        // Long lines are broken: the place stands at the beginning of one, whatever follows.
+        // Long messages are wrapped; the place stays at the start of a line.
         let whole = stderr.replace("\n  │ ", "");
         assert!(
             whole.contains(&place) && !stderr.contains("panicked"),
@@ -192,7 +192,7 @@ fn the_command_line_shows_each_mistake_and_fails() {
 }
 
 #[test]
-fn every_mistake_is_told_at_once() {
+fn all_mistakes_are_reported_together() {
     let text = BASE.replacen("x = 0.1", "x = 1.1", 1).replacen(
         "output = \"key:f\"",
         "output = \"key:b1\"\nmoed = \"direct\"",
@@ -201,7 +201,7 @@ fn every_mistake_is_told_at_once() {
     let faulty = read(source(text), None, &find_shipped).expect_err("a mistake");
     assert_eq!(
         faulty.to_string(),
-        "p.toml:18:1: no key is named `moed` of a binding",
+        "p.toml:18:1: unknown key `moed` in a binding",
         "keys first: what they hold is read next"
     );
     let text = BASE
@@ -209,11 +209,11 @@ fn every_mistake_is_told_at_once() {
         .replacen("\"key:f\"", "\"key:b1\"", 1)
         .replacen("region = \"jump\"", "region = \"jmup\"", 1);
     let faulty = read(source(text), None, &find_shipped).expect_err("three mistakes");
-    assert_eq!(faulty.faults.len(), 3, "{faulty}");
+    assert_eq!(faulty.diagnostics.len(), 3, "{faulty}");
 }
 
 #[test]
-fn a_mistake_in_a_base_is_told_in_the_base() {
+fn a_mistake_in_a_base_is_reported_in_the_base() {
     let base = BASE.replacen("x = 0.1", "x = 2", 1);
     let find = |_: &str| -> Result<Source, String> {
         Ok(Source {
@@ -225,7 +225,7 @@ fn a_mistake_in_a_base_is_told_in_the_base() {
     let faulty = read(top, None, &find).expect_err("a mistake in the base");
     assert_eq!(
         faulty.to_string(),
-        "base.toml:5:5: `x` = 2 of the pad is out of its range: 0 to 1 of the pad"
+        "base.toml:5:5: `x` = 2 is out of range: it must be 0 to 1 of the pad"
     );
     let itself = source("schema = 1\nname = \"top\"\nextends = \"./p.toml\"\n".to_owned());
     let again = itself.clone();
@@ -239,7 +239,7 @@ fn a_mistake_in_a_base_is_told_in_the_base() {
 }
 
 #[test]
-fn odd_profiles_are_warned_of_and_played() {
+fn warnings_do_not_stop_a_profile() {
     let warned = |from: &str, to: &str| -> String {
         let text = BASE.replacen(from, to, 1);
         let checked = read(source(text), None, &find_shipped).expect("sound");
@@ -274,7 +274,7 @@ fn odd_profiles_are_warned_of_and_played() {
         (
             "w = 0.4",
             "w = 0.4\nrest = true",
-            "this binding can never fire: its region is one to rest on",
+            "this binding can never fire: its region ignores touches",
         ),
         (
             "output = ",
@@ -284,7 +284,7 @@ fn odd_profiles_are_warned_of_and_played() {
         (
             "region = \"jump\"\n",
             "gesture = \"contacts\"\nfingers = 5\n",
-            "so many contacts are the panic gesture",
+            "this many contacts are the panic gesture",
         ),
     ] {
         let warnings = warned(from, to);
@@ -293,7 +293,7 @@ fn odd_profiles_are_warned_of_and_played() {
 }
 
 #[test]
-fn the_schema_in_the_repository_is_the_one_that_is_printed() {
+fn the_schema_in_the_repository_is_current() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/profile.schema.json");
     if std::env::var_os("GELPAD_BLESS").is_some() {
         std::fs::write(&path, schema()).expect("written");
@@ -324,15 +324,15 @@ fn key_table() -> String {
         text.push_str(&format!("\n### {title}\n\n| key | value | without it | what it is for |\n| --- | --- | --- | --- |\n"));
         for key in keys().iter().filter(|key| key.table == table) {
             let value = match key.kind {
-                Kind::Number(least, most, unit) => {
+                KeyKind::Number(least, most, unit) => {
                     format!("{least} to {most} {unit}").trim().to_owned()
                 }
-                Kind::Count(least, most) => format!("{least} to {most}"),
-                Kind::Word(words) => words.join(", "),
-                Kind::Text => "text".to_owned(),
-                Kind::Texts => "text or list".to_owned(),
-                Kind::Flag => "true or false".to_owned(),
-                Kind::Points => "list of [x, y]".to_owned(),
+                KeyKind::Count(least, most) => format!("{least} to {most}"),
+                KeyKind::Word(words) => words.join(", "),
+                KeyKind::Text => "text".to_owned(),
+                KeyKind::Texts => "text or list".to_owned(),
+                KeyKind::Flag => "true or false".to_owned(),
+                KeyKind::Points => "list of [x, y]".to_owned(),
             };
             let only = if key.only.is_empty() {
                 String::new()

@@ -1,46 +1,47 @@
-//! Settings recommended from a person's own presses, against the best settings that are the same for everybody.
+//! Settings recommended from a person's own presses, compared with the best fixed settings.
 //!
-//! Simulated people (tests/recommend/people.rs), ten of each kind or twenty with `GELPAD_FULL=1`, press what they are asked
-//! for, once to be learned from and once to be judged. The fixed settings are the best that the same search finds when it is
-//! shown the presses that are judged, of all people together: no other choice of one setting for all does better there, as far
-//! as the search sees. Beside them stand the best that do not spoil the pad for steady hands.
+//! Simulated people (tests/recommend/people.rs), ten of each kind or twenty with `GELPAD_FULL=1`, make requested presses, once
+//! for learning and once for the test. The fixed settings are the best that the same search finds on the test presses of all
+//! people together, so no other fixed settings are known to be better. The second fixed settings are the best of those that
+//! do not harm steady hands.
 //!
 //! `GELPAD_FULL=1 cargo test --test recommend -- --nocapture` prints the table of docs/calibration.md. `GELPAD_TUNING=1`
-//! takes the people on whom the search was tuned instead of those who were held out.
+//! takes the people of the tuning instead of those held out.
 
 #[path = "recommend/people.rs"]
 mod people;
 
 use gelpad::calibrate::recommend::{
-    Judge, Outcome, Overlay, Recommendation, Trial, climb, recommend,
+    PressTrial, Recommendation, RecommendedSettings, TrialScore, TrialScorer, recommend,
+    search_settings,
 };
 use gelpad::profile::{Source, find_shipped};
 use people::{KINDS, Kind, Person};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
-/// Presses that a person is asked for before settings are recommended, and presses that are judged.
+/// Presses of a person for learning and for the test.
 const LEARNED: usize = 60;
 const JUDGED: usize = 120;
-/// What own settings are worth to slow and to trembling hands, at least, in 100 presses.
+/// Least gain of recommended settings for slow and trembling hands, percentage points.
 const GAIN_POINTS: f64 = 15.0;
-/// People on whom the search was tuned, and people whom nobody looked at then.
+/// Seeds of the people used for tuning, and of those held out.
 const TUNED: std::ops::RangeInclusive<u64> = 1..=20;
 const HELD_OUT: std::ops::RangeInclusive<u64> = 1001..=1020;
-/// Without `GELPAD_FULL`: so many of each kind.
+/// People of each kind without `GELPAD_FULL`.
 const SAMPLE: usize = 10;
 
 fn profile() -> Source {
     find_shipped("super-mario-classified").expect("shipped")
 }
 
-fn judge() -> Judge<'static> {
-    Judge::new(&profile(), &find_shipped, PAD_MM)
+fn judge() -> TrialScorer<'static> {
+    TrialScorer::new(&profile(), &find_shipped, PAD_MM)
 }
 
-/// A person's presses that are judged, and what is recommended to that person.
+/// The test presses of a person, and the recommendation for that person.
 struct Case {
     kind: Kind,
-    judged: Vec<Trial>,
+    judged: Vec<PressTrial>,
     minutes: f64,
     recommended: Recommendation,
 }
@@ -58,20 +59,20 @@ fn case(kind: Kind, seed: u64) -> Case {
     }
 }
 
-/// The same settings for everybody: the best for all of these presses together, or the best of those under which steady
-/// hands fare no worse than with the profile as it is shipped.
-fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
-    let plain = Overlay::of_profile(&judge().profile(None).expect("sound"));
-    let of = |steady: bool| -> Vec<Trial> {
+/// Fixed settings: the best for all of these presses together, or the best of those with which steady hands are no worse than
+/// with the shipped profile.
+fn best_fixed(cases: &[Case], spares_steady: bool) -> RecommendedSettings {
+    let plain = RecommendedSettings::from_profile(&judge().profile(None).expect("sound"));
+    let of = |steady: bool| -> Vec<PressTrial> {
         cases
             .iter()
             .filter(|case| (case.kind == Kind::Steady) == steady)
-            .flat_map(|case| case.judged.iter().map(Trial::thinned))
+            .flat_map(|case| case.judged.iter().map(PressTrial::thinned))
             .collect()
     };
     let (steady, others) = (of(true), of(false));
     let shipped = outcome(&steady, None).share();
-    let mut value = |overlay: &Overlay| {
+    let mut value = |overlay: &RecommendedSettings| {
         let mut all = outcome(&steady, Some(overlay));
         let lost = if spares_steady {
             (shipped - all.share()).max(0.0)
@@ -81,8 +82,8 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
         all += outcome(&others, Some(overlay));
         Ok::<f64, std::convert::Infallible>(all.share() - 100.0 * lost)
     };
-    // Two settings come out nearly alike: the search begins at both.
-    let joining = Overlay {
+    // Two settings are nearly equal: the search starts at both.
+    let joining = RecommendedSettings {
         long_ms: 700,
         when_decided: true,
         tremor_ms: 130,
@@ -91,10 +92,10 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
         bounce_keys_ms: 200,
         ..plain.clone()
     };
-    let mut found: Vec<(f64, Overlay)> = [plain, joining]
+    let mut found: Vec<(f64, RecommendedSettings)> = [plain, joining]
         .into_iter()
         .map(|from| {
-            let best = climb(from, &mut value).expect("found");
+            let best = search_settings(from, &mut value).expect("found");
             (value(&best).expect("judged"), best)
         })
         .collect();
@@ -102,19 +103,23 @@ fn best_fixed(cases: &[Case], spares_steady: bool) -> Overlay {
     found.pop().expect("two").1
 }
 
-fn outcome(part: &[Trial], overlay: Option<&Overlay>) -> Outcome {
+fn outcome(part: &[PressTrial], overlay: Option<&RecommendedSettings>) -> TrialScore {
     judge()
-        .outcome(part, overlay)
+        .score(part, overlay)
         .expect("the profile's own regions")
 }
 
-/// Share that came out right, and wrong presses a minute, of one kind of people.
-fn figures(cases: &[Case], kind: Kind, overlay: impl Fn(&Case) -> Option<Overlay>) -> (f64, f64) {
+/// Share of right presses, and wrong presses per minute, of one kind of people.
+fn figures(
+    cases: &[Case],
+    kind: Kind,
+    overlay: impl Fn(&Case) -> Option<RecommendedSettings>,
+) -> (f64, f64) {
     let judge = judge();
-    let (mut all, mut minutes) = (Outcome::default(), 0.0);
+    let (mut all, mut minutes) = (TrialScore::default(), 0.0);
     for case in cases.iter().filter(|case| case.kind == kind) {
         all += judge
-            .outcome(&case.judged, overlay(case).as_ref())
+            .score(&case.judged, overlay(case).as_ref())
             .expect("sound");
         minutes += case.minutes;
     }
@@ -163,15 +168,15 @@ fn own_settings_beat_the_best_fixed_ones_for_slow_and_for_trembling_hands() {
         let same = figures(&cases, kind, |_| Some(fixed.clone()));
         let spared = figures(&cases, kind, |_| Some(sparing.clone()));
         let own = figures(&cases, kind, |case| Some(case.recommended.overlay.clone()));
-        let told = |(share, wrong): (f64, f64)| format!("{share:.1} %, {wrong:.2}");
+        let cell = |(share, wrong): (f64, f64)| format!("{share:.1} %, {wrong:.2}");
         println!(
             "| {kind:?} | {} | {} | {} | {} |",
-            told(shipped),
-            told(same),
-            told(spared),
-            told(own)
+            cell(shipped),
+            cell(same),
+            cell(spared),
+            cell(own)
         );
-        // The best for all swallow presses of steady hands, wrong ones too.
+        // The best settings for all drop presses of steady hands, including wrong ones.
         let gains = match kind {
             Kind::Steady => own.0 >= same.0 && own.1 <= shipped.1,
             Kind::Slow | Kind::Tremor => {

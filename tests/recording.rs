@@ -1,8 +1,9 @@
-//! Recordings from end to end: sessions that replay to the bit wherever they are replayed, files that are killed, cut, full, forged or old,
-//! and what other people's programs make of them.
+//! Recordings end to end: exact replay on any processor, killed, cut, full, forged and old files, and other programs that read
+//! them.
 //!
-//! Some trials need programs that may be missing (a guest, fceux, packages of Python): they are ignored then, and their kind says
-//! why; with `GELPAD_TEST_ALL=1` they fail. By hand: `GELPAD_KILLS=100` kills as often, and `-- --ignored hour` replays an hour.
+//! Some trials need programs that may be missing (a virtual machine, fceux, Python packages): then they are ignored, with the
+//! reason as their kind; with `GELPAD_TEST_ALL=1` they fail. By hand: `GELPAD_KILLS=100` sets the number of kills,
+//! `-- --ignored hour` replays an hour.
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
@@ -42,7 +43,7 @@ fn main() -> ExitCode {
         _ => trial(name, run),
     };
     let trials = vec![
-        // Those that take longest first: two run at a time.
+        // The longest first, since two run at a time.
         needs(
             "in_a_guest_without_avx2",
             replays::no_guest(),
@@ -50,10 +51,14 @@ fn main() -> ExitCode {
         ),
         needs("a_movie_in_fceux", exports::no_fceux(), exports::movie),
         trial("a_session_replays_to_the_bit", replays::to_the_bit),
-        trial("another_profile_plays_the_same_touches", replays::anew),
+        trial(
+            "another_profile_plays_the_same_touches",
+            replays::with_another_profile,
+        ),
+        trial("uncorrected_contacts", replays::uncorrected_contacts),
         trial("expectations", replays::expectations),
         trial("a_stretch_of_time", replays::stretch),
-        trial("too_few_frames_are_told", replays::too_few),
+        trial("too_few_frames_are_reported", replays::too_few),
         trial("play_takes_a_recording_as_source", replays::as_source),
         trial("size_of_a_frame", replays::size),
         trial("killed_while_recording", failures::killed),
@@ -76,7 +81,7 @@ fn trial(name: &str, run: fn() -> Result<()>) -> Trial {
     })
 }
 
-/// The Python that has the packages: a virtual environment's, if one is named.
+/// The Python with the packages: that of `GELPAD_PYTHON`, if set.
 fn python() -> Command {
     Command::new(std::env::var_os("GELPAD_PYTHON").unwrap_or("python3".into()))
 }
@@ -87,7 +92,7 @@ fn no_python(package: &str) -> Option<String> {
     (!has).then(|| format!("no Python package {package}"))
 }
 
-/// gelpad with arguments, in a folder.
+/// Runs gelpad with arguments in a folder.
 fn gelpad(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
     command
@@ -98,7 +103,7 @@ fn gelpad(folder: &Path, arguments: &[&str]) -> Output {
     command.output().expect("gelpad starts")
 }
 
-/// The same, and it ends with this code.
+/// Runs gelpad and checks its exit code.
 fn gelpad_ends(folder: &Path, arguments: &[&str], code: i32) -> Result<Output> {
     let output = gelpad(folder, arguments);
     ensure!(
@@ -119,7 +124,7 @@ fn printed(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// What the sessions' engine is made of, as a recording keeps it.
-fn kit_setup() -> gelpad::session::Setup {
-    sessions::kit().to_setup()
+/// The setup of the sessions' engine.
+fn config_setup() -> gelpad::session::Setup {
+    sessions::config().to_setup()
 }

@@ -1,4 +1,4 @@
-//! A saved profile goes live while gelpad plays: over a real file, through the binary.
+//! Hot reload: saved profiles are played, with real files and the binary.
 
 #![allow(
     clippy::disallowed_methods,
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What the issue asks for; a busy machine keeps it with room.
+/// Longest time from saving a profile to playing it.
 const LONGEST: Duration = Duration::from_secs(2);
 const SAVES: usize = 20;
 
@@ -21,7 +21,7 @@ fn profile(key: &str) -> String {
     )
 }
 
-/// Plays a script with a profile of that folder; returns what it says on stderr, line by line.
+/// Plays a script with the profile `mine.toml` of a folder; returns its stderr.
 fn play(folder: &Path, script: &str, more: &[&str]) -> (Child, BufReader<ChildStderr>) {
     let touches = folder.join("touches.txt");
     fs::write(&touches, script).expect("written");
@@ -42,15 +42,15 @@ fn play(folder: &Path, script: &str, more: &[&str]) -> (Child, BufReader<ChildSt
     (child, stderr)
 }
 
-/// Reads until a line holds some words.
-fn wait_for(stderr: &mut BufReader<ChildStderr>, words: &str) -> String {
+/// Reads lines until one contains a text; returns all of them.
+fn wait_for(stderr: &mut BufReader<ChildStderr>, expected: &str) -> String {
     let mut said = String::new();
     loop {
         let mut line = String::new();
         let read = stderr.read_line(&mut line).expect("a line");
-        assert!(read > 0, "ended without `{words}`; said\n{said}");
+        assert!(read > 0, "ended without `{expected}`; printed\n{said}");
         said.push_str(&line);
-        if line.contains(words) {
+        if line.contains(expected) {
             return said;
         }
     }
@@ -62,7 +62,7 @@ fn save(folder: &Path, text: &str) -> Instant {
 }
 
 #[test]
-fn a_saved_profile_is_played_and_a_broken_one_leaves_the_old() {
+fn a_saved_profile_is_played_and_a_broken_one_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     save(folder.path(), &profile("a"));
     let (mut child, mut stderr) = play(
@@ -70,7 +70,7 @@ fn a_saved_profile_is_played_and_a_broken_one_leaves_the_old() {
         "t:300 down 1 50 50\nt:400 up 1\nt:60000 end\n",
         &[],
     );
-    // The first key shows that it plays; from then on every save is timed.
+    // Wait for the first key, then time every save.
     let mut stdout = BufReader::new(child.stdout.take().expect("piped"));
     let mut line = String::new();
     stdout.read_line(&mut line).expect("an event");
@@ -103,7 +103,7 @@ fn a_saved_profile_is_played_and_a_broken_one_leaves_the_old() {
 }
 
 #[test]
-fn a_key_that_is_held_is_not_stuck_by_a_switch() {
+fn a_held_key_is_released_when_the_profile_changes() {
     let folder = tempfile::tempdir().expect("a folder");
     save(folder.path(), &profile("a"));
     let (mut child, mut stderr) = play(folder.path(), "t:300 down 1 50 50\nt:60000 end\n", &[]);
@@ -125,7 +125,7 @@ fn a_key_that_is_held_is_not_stuck_by_a_switch() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_program_picks_its_profile_while_it_runs() {
+fn a_running_program_selects_its_profile() {
     let folder = tempfile::tempdir().expect("a folder");
     save(folder.path(), &profile("a"));
     let own = folder.path().join("gelpad/profiles");

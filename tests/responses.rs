@@ -4,7 +4,7 @@ mod lattice;
 
 use gelpad::cache;
 use gelpad::eit::Press;
-use gelpad::eit::response::{Bump, Response, strength_of};
+use gelpad::eit::response::{Response, TouchModel, strength_from_rise};
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
 use rand_chacha::ChaCha8Rng;
@@ -13,9 +13,9 @@ use rand_distr::{Distribution, Uniform};
 
 /// Relative errors of the table's responses, ascending.
 fn errors(pad: &Pad, touches: usize) -> Vec<f64> {
-    let table = cache::table(pad, |_, _| ()).expect("solvable");
-    let mesh = Mesh::of_pad(pad, MeshSize::reconstruction(pad));
-    let model = ForwardModel::new(mesh, &ContactModel::of_pad(pad)).expect("solvable");
+    let table = cache::load_or_solve(pad, |_, _| ()).expect("solvable");
+    let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
+    let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad)).expect("solvable");
     let background = pad.background_s_per_m;
     let untouched = model
         .solve_even(background)
@@ -37,7 +37,7 @@ fn errors(pad: &Pad, touches: usize) -> Vec<f64> {
             continue;
         }
         let conductivity = model.mesh().mean_over_triangles(|point| {
-            let factor = 1.0 + press.rise * press.share(point);
+            let factor = 1.0 + press.rise * press.rise_share(point);
             match pad.touch_sign {
                 TouchSign::Rise => background * factor,
                 TouchSign::Fall => background / factor,
@@ -47,10 +47,10 @@ fn errors(pad: &Pad, touches: usize) -> Vec<f64> {
             .solve(&conductivity)
             .expect("solvable")
             .voltages(&pad.protocol);
-        let bump = Bump {
+        let bump = TouchModel {
             centre_mm: press.centre_mm,
             log_radius: press.radius_mm.ln(),
-            strength: strength_of(press.rise),
+            strength: strength_from_rise(press.rise),
         };
         table.respond(&bump, &mut response);
         table.expand(&response.value, &mut told);

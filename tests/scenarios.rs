@@ -1,16 +1,16 @@
-//! Behaviours as texts: each file under `tests/scenarios` holds a profile, a touch script and the events that follow.
+//! Behaviour tests as texts: each file under `tests/scenarios` holds a profile, a touch script and the expected events.
 //!
 //! ```text
 //! --- profile            a profile's TOML, or `shipped: NAME`
-//! --- user               (may be left out) a person's TOML, or `shipped: NAME`
-//! --- switch T           (may be left out) another profile's TOML, saved at T ms
-//! --- script             a touch script; times are exact, no frame rounds them
-//! --- gamepad            what a gamepad says, beside the script or without one (see scenario/gamepad.rs)
-//! --- events             what must come out, a line an event
+//! --- user               (optional) user settings as TOML, or `shipped: NAME`
+//! --- switch T           (optional) another profile's TOML, saved at T ms
+//! --- script             a touch script; times are exact, not rounded to frames
+//! --- gamepad            the script of a gamepad, with or without a touch script (see scenario/gamepad.rs)
+//! --- events             the expected events, one on each line
 //! ```
-//! A finger's area is that of its radius (7 mm: 154 mm2), its force is its rise / 2.4 (1.2: 0.5). A trial a file, named
-//! after it. The examples of docs/profiles.md are trials too: each `toml` block must be sound, and a `scenario` block below it
-//! is played with it. To write a new one, leave the events empty, run, and copy what was got if it is right.
+//! A finger's area follows from its radius (7 mm: 154 mm2), its force is its rise / 2.4 (1.2: 0.5). Each file is one test.
+//! The examples of docs/profiles.md are tests too: each `toml` block must be valid, and a `scenario` block below it is
+//! played with it. To add a scenario, leave the events empty, run it, and copy the output if it is right.
 
 #[path = "scenario/gamepad.rs"]
 mod gamepad;
@@ -23,14 +23,14 @@ use std::sync::Arc;
 
 use gelpad::gesture::Gestures;
 use gelpad::profile::{self, Profile, Source, shipped_profile, shipped_user};
-use gelpad::source::{Script, Step, StepKind};
+use gelpad::source::{FingerAction, Script, ScriptStep};
 use gelpad::types::{
     Contact, Control, Event, NANOS_PER_MS, Nanos, Phase, Touch, TouchId, nanos_from_ms,
 };
 use libtest_mimic::{Arguments, Failed, Trial};
 
 const PAD_MM: [f64; 2] = [100.0, 100.0];
-/// A source ends so long after the last that happens.
+/// The source ends this long after the last step.
 const AFTER_NS: Nanos = 500 * NANOS_PER_MS;
 const GUIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/profiles.md");
 
@@ -56,8 +56,8 @@ fn main() -> ExitCode {
     libtest_mimic::run(&arguments, scenarios.chain(guide).collect()).exit_code()
 }
 
-/// The guide's examples as scenarios, each with the line on which it begins. An example that leaves out the head, the
-/// regions or the bindings gets those that the guide begins with.
+/// The guide's examples as scenarios, each with its line. An example without a head, regions or bindings gets those of the
+/// first example.
 fn examples(guide: &str) -> Vec<(usize, String)> {
     let mut examples: Vec<(usize, String)> = Vec::new();
     let mut lines = guide.lines().enumerate();
@@ -126,7 +126,7 @@ fn run(text: &str) -> Result<(), String> {
         }
         None => None,
     };
-    let timeline = Timeline::of(section("script").ok(), section("gamepad").ok())?;
+    let timeline = Timeline::from_scripts(section("script").ok(), section("gamepad").ok())?;
     let expected: Vec<&str> = section("events")?
         .lines()
         .map(|line| line.split('#').next().unwrap_or_default().trim())
@@ -147,7 +147,7 @@ fn run(text: &str) -> Result<(), String> {
     }
 }
 
-/// A text as it stands, or a shipped one.
+/// The text of a section, or the shipped text that it names.
 fn source(text: &str) -> Result<Source, String> {
     let Some(name) = text.trim().strip_prefix("shipped:") else {
         return Ok(Source {
@@ -170,19 +170,19 @@ fn profile(profile: Source, user: Option<Source>) -> Result<Arc<Profile>, String
         .map_err(|error| error.to_string())
 }
 
-/// What fingers and gamepads do, in the order of its times; the gamepad first where both do something at once.
+/// The steps of fingers and gamepads in the order of their times; at the same time the gamepad comes first.
 struct Timeline {
     moments: Vec<(Nanos, Moment)>,
     end_ns: Nanos,
 }
 
 enum Moment {
-    Finger(Step),
+    Finger(ScriptStep),
     Gamepad(Control),
 }
 
 impl Timeline {
-    fn of(script: Option<&str>, gamepad: Option<&str>) -> Result<Self, String> {
+    fn from_scripts(script: Option<&str>, gamepad: Option<&str>) -> Result<Self, String> {
         let mut moments = Vec::new();
         let mut end_ns = 0;
         if let Some(gamepad) = gamepad {
@@ -204,7 +204,7 @@ impl Timeline {
     }
 }
 
-/// Exactly what happens when, with every tick at its time; the source ends with the timeline.
+/// Plays a timeline, with every tick at its due time; the source ends with the timeline.
 fn play(
     profile: Arc<Profile>,
     mut switch: Option<(Nanos, Arc<Profile>)>,
@@ -233,25 +233,25 @@ fn play(
     events
 }
 
-/// What a step of the script makes of the touches that are down.
-fn touch(down: &mut Vec<Touch>, step: &Step) -> Touch {
+/// Applies a step of the script to the touches that are down.
+fn touch(down: &mut Vec<Touch>, step: &ScriptStep) -> Touch {
     match step.kind {
-        StepKind::Down(finger) => {
+        FingerAction::Down(finger) => {
             let touch = Touch {
                 id: TouchId(finger.id),
                 phase: Phase::Down,
                 since_ns: step.t_ns,
                 contact: Contact {
-                    centre_mm: finger.centre_mm,
-                    area_mm2: area_mm2(finger.radius_mm),
-                    force: force(finger.rise),
+                    centre_mm: finger.press.centre_mm,
+                    area_mm2: area_mm2(finger.press.radius_mm),
+                    force: force(finger.press.rise),
                     confidence: 1.0,
                 },
             };
             down.push(touch);
             touch
         }
-        StepKind::Move {
+        FingerAction::Move {
             id,
             centre_mm,
             radius_mm,
@@ -268,7 +268,7 @@ fn touch(down: &mut Vec<Touch>, step: &Step) -> Touch {
             contact.force = rise.map_or(contact.force, force);
             *touch
         }
-        StepKind::Up { id } => {
+        FingerAction::Up { id } => {
             let index = down
                 .iter()
                 .position(|touch| touch.id.0 == id)
@@ -285,7 +285,7 @@ fn area_mm2(radius_mm: f64) -> f64 {
     std::f64::consts::PI * radius_mm * radius_mm
 }
 
-/// The default finger presses half as hard as can be told.
+/// Full force is a rise of 2.4.
 fn force(rise: f64) -> f64 {
     (rise / 2.4).min(1.0)
 }

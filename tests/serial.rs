@@ -1,5 +1,5 @@
-//! A board on a pseudo-terminal: OpenEIT's text against the same frames from a CSV file, garbled lines, a port that is
-//! unplugged and comes back.
+//! A board on a pseudo-terminal: OpenEIT's text compared with the same frames from a CSV file, garbled lines,
+//! a port that is unplugged and comes back.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -9,12 +9,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use gelpad::eit::Reconstruction;
+use gelpad::eit::{Press, Reconstruction};
 use gelpad::pad::{Pad, shipped_pad};
 use gelpad::source::serial::{DEFAULT_BAUD, SerialSource};
-use gelpad::source::wire::FormatKind;
+use gelpad::source::wire::WireFormat;
 use gelpad::source::wire::openeit;
-use gelpad::source::{Finger, FramesCsv, Noise, Reading, SimulatedPad, Source};
+use gelpad::source::{FramesCsv, Noise, SimulatedPad, Source, SourceReading};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Method};
 use rustix::process::{Pid, Signal, kill_process};
@@ -22,18 +22,18 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 const PAD: &str = "openeit-lattice";
-/// The board's unit is not the volt: its text has four decimals.
+/// Scale from V/A to the board's unit: its text has four decimals.
 const SCALE: f64 = 1e4;
 const FRAME: Duration = Duration::from_millis(10);
 
-/// A pseudo-terminal: what the board writes to, and the path that gelpad opens.
+/// A pseudo-terminal: the board's end, and the path that gelpad opens.
 fn pty() -> (File, String) {
-    // Closed on exec: a child that inherits the board's end would keep the port alive.
+    // Closed on exec: a child process with the board's end would keep the port alive.
     let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
     let board = openpt(flags).expect("a pseudo-terminal");
     grantpt(&board).expect("granted");
     unlockpt(&board).expect("unlocked");
-    // Raw from the start: what is written before gelpad opens it must not be echoed or edited.
+    // Raw mode from the start: nothing that is written before gelpad opens the port may be echoed or edited.
     let mut modes = tcgetattr(&board).expect("modes");
     modes.make_raw();
     tcsetattr(&board, OptionalActions::Now, &modes).expect("raw");
@@ -47,16 +47,15 @@ fn pad() -> Pad {
 
 /// Frames as a board sends them: untouched, one finger, two fingers, untouched, one finger to the end.
 fn frames() -> Vec<Vec<f32>> {
-    let finger = |id, x, y| Finger {
-        id,
+    let finger = |x, y| Press {
         centre_mm: [x, y],
         radius_mm: 7.0,
         rise: 1.2,
     };
     let pad = SimulatedPad::new(&pad()).expect("solvable");
-    let one = [finger(1, 80.0, 50.0)];
-    let two = [finger(1, 80.0, 50.0), finger(2, 13.0, 55.0)];
-    let states: Vec<Vec<f64>> = [&[] as &[Finger], &one, &two]
+    let one = [finger(80.0, 50.0)];
+    let two = [finger(80.0, 50.0), finger(13.0, 55.0)];
+    let states: Vec<Vec<f64>> = [&[] as &[Press], &one, &two]
         .iter()
         .map(|fingers| {
             let volts = pad.volts(fingers).expect("solved");
@@ -68,7 +67,7 @@ fn frames() -> Vec<Vec<f32>> {
         .iter()
         .flat_map(|(state, count)| std::iter::repeat_n(*state, *count))
         .map(|state: usize| {
-            // What survives the board's four decimals.
+            // Rounded to the board's four decimals.
             noise
                 .read(&states[state])
                 .iter()
@@ -79,10 +78,10 @@ fn frames() -> Vec<Vec<f32>> {
 }
 
 fn open(path: &str) -> SerialSource {
-    SerialSource::open(path, DEFAULT_BAUD, &pad(), FormatKind::OpenEit.into()).expect("opened")
+    SerialSource::open(path, DEFAULT_BAUD, &pad(), WireFormat::OpenEit.into()).expect("opened")
 }
 
-/// A link to a port that stays when the port is another: pseudo-terminals come back under other names.
+/// A link that keeps its path: pseudo-terminals come back under other names.
 fn link(link: &Path, port: &str) {
     let _ = std::fs::remove_file(link);
     std::os::unix::fs::symlink(port, link).expect("linked");
@@ -91,15 +90,15 @@ fn link(link: &Path, port: &str) {
 fn read_frame(source: &mut dyn Source) -> Frame {
     for _ in 0..200 {
         match source.read().expect("the board is there") {
-            Reading::Frame(frame) => return frame,
-            Reading::Idle => {}
+            SourceReading::Frame(frame) => return frame,
+            SourceReading::Idle => {}
             other => panic!("{other:?} instead of a frame"),
         }
     }
     panic!("no frame within 10 s");
 }
 
-/// Kills our own child after half a minute unless it is told that all is done: a test must not hang.
+/// Kills the child process after half a minute unless the flag is set: a test must not hang.
 fn deadline(child: Pid) -> Arc<AtomicBool> {
     let done = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&done);
@@ -130,11 +129,11 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
     let (mut board, path) = pty();
     let mut serial = open(&path);
     let mut file = FramesCsv::open(csv.path(), 192).expect("opened");
-    let matrix = Arc::new(Reconstruction::of_pad(&pad(), Method::default()).expect("a matrix"));
+    let matrix = Arc::new(Reconstruction::from_pad(&pad(), Method::default()).expect("a matrix"));
     let (mut by_wire, mut by_file) = (Detector::new(Arc::clone(&matrix)), Detector::new(matrix));
     let mut changed = Vec::new();
     let mut most = 0;
-    // The first three tell the order: the board is that far ahead.
+    // The first three frames tell the order, so the board is that far ahead.
     let mut ahead = frames.iter().map(|volts| openeit::encode(volts));
     for line in ahead.by_ref().take(3) {
         board.write_all(line.as_bytes()).expect("sent");
@@ -151,16 +150,16 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
             t_ns: from_file.t_ns,
             ..from_wire
         };
-        by_wire.frame(&stamped, &mut changed);
-        by_file.frame(&from_file, &mut changed);
-        assert_eq!(by_wire.state().down, by_file.state().down);
-        most = most.max(by_file.state().down.len());
+        by_wire.process_frame(&stamped, &mut changed);
+        by_file.process_frame(&from_file, &mut changed);
+        assert_eq!(by_wire.frame_touches().down, by_file.frame_touches().down);
+        most = most.max(by_file.frame_touches().down.len());
     }
     assert_eq!(most, 2, "both fingers were seen");
 }
 
 #[test]
-fn an_unplugged_port_is_told_once_and_opened_again_when_it_is_back() {
+fn an_unplugged_port_is_reported_once_and_opened_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let port = folder.path().join("port");
     let (board, path) = pty();
@@ -168,19 +167,25 @@ fn an_unplugged_port_is_told_once_and_opened_again_when_it_is_back() {
     let mut serial = open(&port.display().to_string());
     drop(board);
     let gone = (0..10).find_map(|_| match serial.read().expect("it is waited for") {
-        Reading::Gone { reason } => Some(reason),
-        Reading::Idle => None,
+        SourceReading::Disconnected { reason } => Some(reason),
+        SourceReading::Idle => None,
         other => panic!("{other:?} from a port that is gone"),
     });
-    assert!(gone.expect("told").contains("the board is gone"));
+    assert!(
+        gone.expect("reported")
+            .contains("Pad disconnected: waiting for")
+    );
     std::fs::remove_file(&port).expect("the port is gone");
     for _ in 0..20 {
-        assert_eq!(serial.read().expect("it is waited for"), Reading::Idle);
+        assert_eq!(
+            serial.read().expect("it is waited for"),
+            SourceReading::Idle
+        );
     }
     let (mut board, path) = pty();
     link(&port, &path);
     let frames = frames();
-    // Half a line first, as a board that was running sends.
+    // Half a line first, as from a running board.
     let mut text = openeit::encode(&frames[0]).split_off(1000);
     for volts in &frames[..3] {
         text.push_str(&openeit::encode(volts));
@@ -192,7 +197,7 @@ fn an_unplugged_port_is_told_once_and_opened_again_when_it_is_back() {
 }
 
 #[test]
-fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_up_meanwhile() {
+fn garbled_lines_are_counted_and_play_continues_when_the_port_is_back() {
     let frames = frames();
     let folder = tempfile::tempdir().expect("a folder");
     let port = folder.path().join("port");
@@ -217,7 +222,7 @@ fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_u
     let pid = Pid::from_child(&gelpad);
     let mut events = BufReader::new(gelpad.stdout.take().expect("piped"));
     let done = deadline(pid);
-    // The board sends what gelpad only reads once it is set up: the terminal keeps it until then.
+    // The terminal keeps what the board sends until gelpad is ready.
     std::thread::sleep(Duration::from_millis(1500));
     for (index, volts) in frames.iter().enumerate() {
         let line = openeit::encode(volts);
@@ -256,7 +261,7 @@ fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_u
     assert_eq!(lines(1), ["release key:f"], "up while it is away");
     let (mut board, path) = pty();
     link(&port, &path);
-    // Whoever comes back under a finger begins untouched: the first finger after that is a press again.
+    // The pad counts as untouched when it comes back: the next finger is a new press.
     std::thread::sleep(Duration::from_millis(600));
     for volts in frames[..30].iter().chain(&frames[70..]) {
         board
@@ -270,15 +275,18 @@ fn garbled_lines_are_counted_and_a_port_that_comes_back_is_played_on_with_keys_u
     let output = gelpad.wait_with_output().expect("ended");
     done.store(true, Ordering::Relaxed);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    for told in [
+    for expected in [
         "the board speaks OpenEIT Spectra's text (--format openeit), 192 values a frame",
         "192 voltages a frame",
-        "skipped what is no frame (2 so far)",
+        "skipped input that is not a frame (2 so far)",
         "2 frames lost (2 of them garbled)",
-        "the board is gone",
-        "the board is back",
+        "Pad disconnected: waiting for",
+        "pad connected again",
     ] {
-        assert!(stderr.contains(told), "{told:?} is not in:\n{stderr}");
+        assert!(
+            stderr.contains(expected),
+            "{expected:?} is not in:\n{stderr}"
+        );
     }
     assert_eq!(output.status.code(), Some(143), "{stderr}");
 }

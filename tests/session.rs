@@ -1,5 +1,6 @@
-//! super-mario on a recorded session (tests/data/lattice-presses): a left hand that holds, a right hand that presses short
-//! and long. Every short press is a short jump and every long one a long jump, and there is none besides.
+//! super-mario on a recorded session (tests/data/lattice-presses): a left hand that holds, a right hand with
+//! short and long presses. Every short press is a short jump, every long press a long jump, and there are no
+//! others.
 
 use std::fs;
 use std::process::Command;
@@ -7,13 +8,13 @@ use std::process::Command;
 use serde::Deserialize;
 
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/lattice-presses");
-/// From a press on the pad to its key: the touch grows for a frame or two.
+/// Longest delay from a press to its key: the touch grows for a frame or two.
 const LATE_MS: f64 = 30.0;
-/// A key may be down so much longer or shorter than the touch.
+/// Largest difference between the lengths of key and touch.
 const OFF_MS: f64 = 30.0;
-/// Parts the session's short presses (80 to 150 ms) from its long ones (400 to 700 ms).
+/// Separates the session's short presses (80 to 150 ms) from its long ones (400 to 700 ms).
 const LONG_MS: f64 = 250.0;
-/// Five and 32 frames of the NES: what the classified profile promises.
+/// Five and 32 frames of the NES: the lengths of the classified profile.
 const SHORT_LATCH_MS: f64 = 83.196;
 const LONG_LATCH_MS: f64 = 532.456;
 
@@ -24,7 +25,7 @@ struct Truth {
     kind: String,
 }
 
-/// Right-hand presses: from when, for how long, ms.
+/// Right-hand presses: start and length, ms.
 fn presses() -> Vec<(f64, f64)> {
     fs::read_to_string(format!("{DATA}/session.truth.jsonl"))
         .expect("truth")
@@ -35,7 +36,7 @@ fn presses() -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Presses of the jump key as the command prints them: from when, for how long, ms.
+/// Presses of the jump key as the command prints them: start and length, ms.
 fn jumps(profile: &str) -> Vec<(f64, f64)> {
     let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
         .args(["replay", "--profile", profile])
@@ -63,7 +64,7 @@ fn jumps(profile: &str) -> Vec<(f64, f64)> {
     jumps
 }
 
-/// One jump for each press, in time; returns their lengths with those of the presses.
+/// Checks that each press has one jump, in time; returns the lengths of press and jump.
 fn matched(profile: &str) -> Vec<(f64, f64)> {
     let (presses, jumps) = (presses(), jumps(profile));
     assert_eq!(jumps.len(), presses.len(), "{profile}: one jump a press");

@@ -1,9 +1,9 @@
-//! Solids in three dimensions against what is known of them: the sheet they come from, Ohm's law, beams and punches.
+//! Three-dimensional models against known solutions: the two-dimensional sheet, Ohm's law, beams and punches.
 
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use gelpad::pad::{Pad, shipped_pad};
 use gelpad::study::solid::{
-    Bricks, Contact, CurrentModel, Elastic, Lines, Prescribed, Rubber, growing_lines,
+    Bricks, Constraint, Contact, CurrentModel, Elastic, Lines, Rubber, growing_lines,
 };
 use gelpad::study::thickness::{Placement, conductor, under_indenter};
 
@@ -40,9 +40,9 @@ fn a_thin_layer_is_the_sheet_over_its_thickness() {
     let size = MeshSize::relative(&pad, 0.8, false);
     let contacts = ContactModel {
         thickness_m: layer_mm * 1e-3,
-        ..ContactModel::of_pad(&pad)
+        ..ContactModel::from_pad(&pad)
     };
-    let sheet = ForwardModel::new(Mesh::of_pad(&pad, size), &contacts).expect("solvable");
+    let sheet = ForwardModel::new(Mesh::from_pad(&pad, size), &contacts).expect("solvable");
     let sheet = sheet.solve_even(pad.background_s_per_m).expect("solved");
     let off = apart(
         &volts_of(&pad, layer_mm, size, Placement::Side),
@@ -105,7 +105,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
             })
             .collect()
     };
-    // Current enters and leaves at the ends; the voltage is read at a quarter and three quarters, on the underside.
+    // Current flows between the ends; the voltage is read at a quarter and three quarters, on the underside.
     let probe = |bricks: &Bricks, line: usize| -> Vec<[usize; 4]> {
         let node = |i, j| bricks.node([i, j, 0]).expect("full");
         vec![[
@@ -127,7 +127,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
         impedance_ohm_m2: 1e-5,
     })
     .collect();
-    // Read through probes that draw no current: from the first electrode into the last, which is ground.
+    // The probes draw no current: it flows from the first electrode to the last, which is ground.
     let model = CurrentModel::new(bricks.clone(), contacts).expect("solvable");
     let even = vec![1.0; bricks.corners.len()];
     let resistance = |places: &[[f64; 3]]| {
@@ -146,7 +146,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
                     x if x > length - 1e-9 => (stretch - 1.0) * length,
                     _ => return None,
                 };
-                Some(Prescribed {
+                Some(Constraint {
                     node,
                     axis: 0,
                     by_mm,
@@ -160,7 +160,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
                 [1, 2]
                     .into_iter()
                     .filter(|axis| place[*axis] < 1e-9)
-                    .map(move |axis| Prescribed {
+                    .map(move |axis| Constraint {
                         node,
                         axis,
                         by_mm: 0.0,
@@ -185,7 +185,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
             (ratio / (stretch * stretch) - 1.0).abs() < 0.01,
             "{stretch}: {ratio}"
         );
-        // On the bricks at rest, with what the stretch makes of the conductivity, it is the same.
+        // On the bricks at rest with the conductivity as a tensor the result is the same.
         let turned = |place| body.gradient_at(place).expect("in the bar");
         let transfer = model
             .solve_stretched(&places, turned, &even)
@@ -197,7 +197,7 @@ fn a_stretched_bar_has_the_square_of_its_stretch_in_resistance() {
 }
 
 #[test]
-fn an_affine_deformation_is_exact_whatever_the_bricks() {
+fn an_affine_deformation_is_exact_on_distorted_bricks() {
     let mut bricks = Bricks::new(
         Lines([even(0.0, 3.0, 3), even(0.0, 3.0, 3), even(0.0, 2.0, 2)]),
         |_| true,
@@ -222,7 +222,7 @@ fn an_affine_deformation_is_exact_whatever_the_bricks() {
         .filter(|(_, place)| !inside(**place))
         .flat_map(|(node, place)| {
             let by = affine(*place);
-            (0..3).map(move |axis| Prescribed {
+            (0..3).map(move |axis| Constraint {
                 node,
                 axis,
                 by_mm: by[axis],
@@ -240,8 +240,8 @@ fn an_affine_deformation_is_exact_whatever_the_bricks() {
 }
 
 #[test]
-fn a_nearly_incompressible_beam_bends_as_theory_says() {
-    // A cantilever 20 x 2 x 1 mm (width 2), its end moved by a hundredth of its length: F = 3 E I w / L^3, and shear.
+fn a_nearly_incompressible_beam_agrees_with_theory() {
+    // A cantilever of 20 x 2 x 1 mm, its end displaced by a hundredth of its length: F = 3 E I w / L^3, corrected for shear.
     let (length, width, height) = (20.0, 2.0, 1.0);
     let young = 60.0;
     let bricks = Bricks::new(
@@ -259,7 +259,7 @@ fn a_nearly_incompressible_beam_bends_as_theory_says() {
         .enumerate()
         .filter(|(_, [x, ..])| *x < 1e-9)
         .flat_map(|(node, [_, y, z])| {
-            // The root does not warp, but it may become narrower.
+            // The root cannot warp, but may become narrower.
             let mut axes = vec![0];
             if *y < 1e-9 {
                 axes.push(1);
@@ -267,7 +267,7 @@ fn a_nearly_incompressible_beam_bends_as_theory_says() {
             if *z < 1e-9 {
                 axes.push(2);
             }
-            axes.into_iter().map(move |axis| Prescribed {
+            axes.into_iter().map(move |axis| Constraint {
                 node,
                 axis,
                 by_mm: 0.0,
@@ -276,7 +276,7 @@ fn a_nearly_incompressible_beam_bends_as_theory_says() {
     let tip: Vec<usize> = (0..bricks.nodes_mm.len())
         .filter(|node| bricks.nodes_mm[*node][0] > length - 1e-9)
         .collect();
-    let pushed = tip.iter().map(|node| Prescribed {
+    let pushed = tip.iter().map(|node| Constraint {
         node: *node,
         axis: 2,
         by_mm: tip_mm,
@@ -308,7 +308,7 @@ fn a_nearly_incompressible_beam_bends_as_theory_says() {
 }
 
 #[test]
-fn a_flat_punch_presses_as_theory_says() {
+fn a_flat_punch_agrees_with_theory() {
     // A quarter of a block twenty radii wide and deep; a frictionless punch: F = 2 E a d / (1 - nu^2) (Sneddon 1965).
     let (radius, depth, size) = (5.0, 0.1, 100.0);
     let (young, poisson) = (60.0, 0.4999);
@@ -321,7 +321,7 @@ fn a_flat_punch_presses_as_theory_says() {
     let bricks = Bricks::new(Lines([across.clone(), across, z]), |_| true);
     // Half the radius is a quarter of the surface.
     let held = under_indenter(&bricks, [0.0, 0.0], radius / 2.0);
-    let punch = held.iter().map(|node| Prescribed {
+    let punch = held.iter().map(|node| Constraint {
         node: *node,
         axis: 2,
         by_mm: -depth,
@@ -335,7 +335,7 @@ fn a_flat_punch_presses_as_theory_says() {
             let axes = [floor || *x < 1e-9, floor || *y < 1e-9, floor];
             (0..3)
                 .filter(move |axis| axes[*axis])
-                .map(move |axis| Prescribed {
+                .map(move |axis| Constraint {
                     node,
                     axis,
                     by_mm: 0.0,
@@ -355,9 +355,9 @@ fn a_flat_punch_presses_as_theory_says() {
 }
 
 #[test]
-fn an_arch_that_snaps_through_comes_to_rest_beyond() {
-    // A clamped shallow arch 40 x 2 x 1 mm, 3 mm high in its middle, pressed through a soft post 20 mm high: the post's top is
-    // moved, but what lies under it is free to snap, and between its two states there is no equilibrium to step through.
+fn an_arch_that_snaps_through_comes_to_rest() {
+    // A clamped shallow arch of 40 x 2 x 1 mm, 3 mm high, pressed through a soft post of 20 mm: the top of the post is displaced,
+    // but the arch is free to snap, and between its two states there is no equilibrium.
     let (half, rise, post_mm) = (20.0, 3.0, 20.0);
     let mut z = even(0.0, 1.0, 2);
     z.extend(even(1.0, 1.0 + post_mm, 10).into_iter().skip(1));
@@ -367,14 +367,14 @@ fn an_arch_that_snaps_through_comes_to_rest_beyond() {
         *z += rise * (1.0 + (std::f64::consts::PI * *x / half).cos()) / 2.0;
     }
     let top = 1.0 + rise + post_mm - 0.2;
-    let mut told = Vec::new();
+    let mut constraints = Vec::new();
     for (node, [x, _, z]) in bricks.nodes_mm.iter().enumerate() {
         let (held, pushed) = (x.abs() > half - 1e-9, *z > top);
         for axis in 0..3 {
             // Nothing moves sideways: a plane problem.
             if axis == 1 || held || pushed {
                 let by_mm = if pushed && axis == 2 { -12.0 } else { 0.0 };
-                told.push(Prescribed { node, axis, by_mm });
+                constraints.push(Constraint { node, axis, by_mm });
             }
         }
     }
@@ -388,7 +388,7 @@ fn an_arch_that_snaps_through_comes_to_rest_beyond() {
         .iter()
         .position(|[x, y, z]| x.abs() < 1e-9 && *y < 1e-9 && (z - rise).abs() < 1e-9)
         .expect("a node under the middle");
-    let mut body = Elastic::new(bricks, rubbers, told, 0.1).expect("held");
+    let mut body = Elastic::new(bricks, rubbers, constraints, 0.1).expect("held");
     let mut sunk = Vec::new();
     for step in 1..=24 {
         body.load_to(f64::from(step) / 24.0).expect("at rest");

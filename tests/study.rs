@@ -1,4 +1,5 @@
-//! `gelpad study`: its figures against REFERENCE's, and its folders: resumed, sharded, merged, byte for byte.
+//! `gelpad study`: results against an independent model, the commands printed in reports, and folders that are resumed,
+//! sharded and merged with the same files, byte for byte.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +9,7 @@ use std::time::Duration;
 
 use gelpad::pad::{DEFAULT_PAD, shipped_pad};
 use gelpad::study::job::Study as _;
-use gelpad::study::phantoms::{Phantoms, Settings, phantoms};
+use gelpad::study::phantoms::{PhantomSettings, Phantoms, phantoms};
 
 /// Mean |dV| (mV/A) and mean |dV/V| (%) at 5 S/m over the three phantoms, by an independent 2-D model on bilinear
 /// quadrilaterals, from the solid layer to channels of 1 mm.
@@ -94,7 +95,7 @@ fn the_width_study_agrees_with_an_independent_model() {
 }
 
 #[test]
-fn a_study_that_was_killed_or_split_ends_with_the_same_files() {
+fn killed_and_sharded_studies_end_with_the_same_files() {
     let root = tempfile::tempdir().expect("a folder");
     let at = |name: &str| root.path().join(name);
     let sweep = ["width", "--quick", "--vary", "lattice.width=2..4:1"];
@@ -111,11 +112,11 @@ fn a_study_that_was_killed_or_split_ends_with_the_same_files() {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    child.kill().expect("our own child");
+    child.kill().expect("killed");
     child.wait().expect("ended");
     assert!(
         !at("killed").join("report.html").exists(),
-        "it was killed before its end"
+        "it was killed before the end"
     );
     done(&mut study(&sweep, &at("killed")));
     assert_same(&at("whole"), &at("killed"));
@@ -148,15 +149,15 @@ fn impossible_parameters_are_refused_before_anything_is_solved() {
             "has no number `lattice.colour` to vary",
         ),
     ];
-    for (vary, said) in cases {
+    for (vary, reason) in cases {
         let out = root.path().join("never");
         let Output { status, stderr, .. } = study(&["width", "--vary", vary], &out)
             .output()
             .expect("started");
         let stderr = String::from_utf8_lossy(&stderr);
         assert_eq!(status.code(), Some(1), "{stderr}");
-        assert!(stderr.contains(said), "{vary}: {stderr}");
-        assert!(!out.exists(), "nothing was begun");
+        assert!(stderr.contains(reason), "{vary}: {stderr}");
+        assert!(!out.exists(), "nothing was started");
     }
 }
 
@@ -235,26 +236,32 @@ fn a_press_makes_readings_rise_and_a_local_rise_makes_them_fall() {
 }
 
 #[test]
-fn phantoms_stand_at_their_places_and_the_annulus_is_a_ring() {
+fn phantoms_are_at_their_places_and_the_annulus_is_a_ring() {
     for seed in [1, 2, 3] {
-        let study = Phantoms::new(Settings {
+        let study = Phantoms::new(PhantomSettings {
             version: "test".to_owned(),
             pad: DEFAULT_PAD.to_owned(),
             pad_toml: shipped_pad(DEFAULT_PAD).expect("shipped").toml.to_owned(),
+            quick: false,
             seed,
         })
         .expect("possible");
         for phantom in phantoms() {
             let outcome = study.solve(&phantom).expect("solved");
-            let (place_mm, overlap, euler) = outcome.figures("L1, 200 iterations").expect("a way");
+            let (place_mm, overlap, euler) =
+                outcome.figures("L1, 200 iterations").expect("a solver");
             println!(
                 "seed {seed}, {}: {place_mm:.2} mm, IoU {overlap:.2}, Euler {euler}",
                 phantom.name
             );
             if phantom.name.ends_with("point") || phantom.name.ends_with("points") {
-                for way in ["Tikhonov", "L1, 200 iterations", "L1, optimum"] {
-                    let (place_mm, _, _) = outcome.figures(way).expect("a way");
-                    assert!(place_mm <= 2.0, "{} by {way}: {place_mm} mm", phantom.name);
+                for solver in ["Tikhonov", "L1, 200 iterations", "L1, optimum"] {
+                    let (place_mm, _, _) = outcome.figures(solver).expect("a solver");
+                    assert!(
+                        place_mm <= 2.0,
+                        "{} by {solver}: {place_mm} mm",
+                        phantom.name
+                    );
                 }
             }
             if phantom.name == "annulus" {
@@ -263,4 +270,114 @@ fn phantoms_stand_at_their_places_and_the_annulus_is_a_ring() {
             }
         }
     }
+}
+
+/// Starts a shell command until it has written `study.json`, and returns that file's text.
+fn settings_of(command: &str, out: &Path) -> String {
+    let line = command
+        .replacen(
+            "gelpad",
+            &format!("exec '{}'", env!("CARGO_BIN_EXE_gelpad")),
+            1,
+        )
+        .replace("--out DIR", &format!("--out '{}'", out.display()));
+    let mut child = Command::new("sh")
+        .args(["-c", &line])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("started");
+    let manifest = out.join("study.json");
+    for _ in 0..12_000 {
+        if manifest.exists() || child.try_wait().expect("a child").is_some() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    child.wait().expect("ended");
+    fs::read_to_string(&manifest).unwrap_or_else(|error| panic!("{line}: {error}"))
+}
+
+/// The command that a report prints for the settings in `study.json`.
+fn printed_command(settings: &str) -> String {
+    let json: serde_json::Value = serde_json::from_str(settings).expect("JSON");
+    let (study, settings) = json
+        .as_object()
+        .expect("an object")
+        .iter()
+        .next()
+        .expect("a study");
+    let settings = settings.clone();
+    match study.as_str() {
+        "width" => {
+            let settings = serde_json::from_value(settings).expect("settings");
+            gelpad::study::width::Width::new(settings)
+                .expect("valid")
+                .command()
+        }
+        "phantoms" => {
+            let settings = serde_json::from_value(settings).expect("settings");
+            Phantoms::new(settings).expect("valid").command()
+        }
+        _ => {
+            let settings = serde_json::from_value(settings).expect("settings");
+            gelpad::study::thickness::Thickness::new(settings)
+                .expect("valid")
+                .command()
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_printed_command_has_the_same_settings() {
+    let root = tempfile::tempdir().expect("a folder");
+    let pad = root.path().join("my pad.toml");
+    fs::write(&pad, shipped_pad(DEFAULT_PAD).expect("shipped").toml).expect("written");
+    let commands = [
+        "gelpad study width --out DIR".to_owned(),
+        format!(
+            "gelpad study width --pad '{}' --seed 7 --vary lattice.width=2..3:0.5 --rank relative --quick --out DIR",
+            pad.display()
+        ),
+        "gelpad study phantoms --out DIR".to_owned(),
+        "gelpad study phantoms --seed 3 --quick --out DIR".to_owned(),
+        "gelpad study thickness --quick --out DIR".to_owned(),
+        "gelpad study thickness --quick --layers 1,2.5 --depths 1 --table-shares 0.3 --indenter-mm 4 --cover-mm 1.5 --silicone-kpa 300 \
+         --hydrogel-kpa 30 --poisson 0.49 --foundation-kpa 15 --foundation-mm 10 --rise 3 --out DIR"
+            .to_owned(),
+    ];
+    for (index, command) in commands.iter().enumerate() {
+        let settings = settings_of(command, &root.path().join(format!("first-{index}")));
+        let printed = printed_command(&settings);
+        assert!(printed.ends_with(" --out DIR"), "{printed}");
+        let again = settings_of(&printed, &root.path().join(format!("again-{index}")));
+        assert_eq!(settings, again, "{command}\n{printed}");
+    }
+}
+
+#[test]
+fn a_quick_phantom_study_has_two_phantoms() {
+    let root = tempfile::tempdir().expect("a folder");
+    let out = root.path().join("phantoms");
+    done(&mut study(&["phantoms", "--quick"], &out));
+    let mut table = csv::Reader::from_path(out.join("merit.csv")).expect("a table");
+    let rows: Vec<csv::StringRecord> = table.records().collect::<Result<_, _>>().expect("rows");
+    let mut phantoms: Vec<&str> = rows.iter().map(|row| &row[0]).collect();
+    phantoms.sort_unstable();
+    phantoms.dedup();
+    assert_eq!(phantoms, ["annulus", "one point"]);
+}
+
+#[test]
+fn a_thickness_study_has_no_seed() {
+    let root = tempfile::tempdir().expect("a folder");
+    let out = root.path().join("never");
+    let output = study(&["thickness", "--seed", "2"], &out)
+        .output()
+        .expect("started");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!out.exists(), "nothing was started");
 }

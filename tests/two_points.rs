@@ -1,4 +1,4 @@
-//! Two near touches are two, one odd touch is one. `GELPAD_FULL=1` draws 400 of each instead of 25.
+//! Two touches close together are two, one odd-shaped touch is one. `GELPAD_FULL=1` draws 400 of each instead of 25.
 
 mod lattice;
 
@@ -18,7 +18,7 @@ const APART_MM: f64 = 18.0;
 const RADIUS_MM: f64 = 7.0;
 const WITHIN_MM: f64 = 4.5;
 
-/// The pad on a mesh that is not the reconstruction's, and a detector that has rested on it.
+/// The pad on another mesh than the reconstruction's, and a detector with its reference taken.
 struct Bench {
     model: ForwardModel,
     rested: Detector,
@@ -30,11 +30,11 @@ struct Bench {
 impl Bench {
     fn new(seed: u64) -> Self {
         let pad = pad();
-        let mesh = Mesh::of_pad(&pad, MeshSize::simulation(&pad));
-        let first = builder().first().expect("a matrix");
+        let mesh = Mesh::from_pad(&pad, MeshSize::simulation(&pad));
+        let first = builder().build_initial().expect("a matrix");
         let mut bench = Self {
-            model: ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable"),
-            rested: Detector::of_pad(Arc::new(first), &pad.protocol),
+            model: ForwardModel::new(mesh, &ContactModel::from_pad(&pad)).expect("solvable"),
+            rested: Detector::for_pad(Arc::new(first), &pad.protocol),
             noise: Noise::new(60.0, seed),
             draw: ChaCha8Rng::seed_from_u64(seed),
             t_ns: 0,
@@ -47,7 +47,7 @@ impl Bench {
                 t_ns: bench.t_ns,
                 volts,
             };
-            bench.rested.frame(&frame, &mut Vec::new());
+            bench.rested.process_frame(&frame, &mut Vec::new());
         }
         bench
     }
@@ -68,7 +68,7 @@ impl Bench {
         fields.voltages(&pad.protocol)
     }
 
-    /// Where one frame of a rise shows touches.
+    /// The places of the touches in one frame.
     fn touched(&mut self, rise: impl Fn(PointMm) -> f64) -> Vec<PointMm> {
         let volts = self.noise.read(&self.volts(rise));
         let mut detector = self.rested.clone();
@@ -76,13 +76,13 @@ impl Bench {
             t_ns: self.t_ns + FRAME_NS,
             volts,
         };
-        detector.frame(&frame, &mut Vec::new());
-        let down = detector.state().down.iter();
+        detector.process_frame(&frame, &mut Vec::new());
+        let down = detector.frame_touches().down.iter();
         down.map(|touch| touch.contact.centre_mm).collect()
     }
 }
 
-/// The rise at a point of the touch's own axes, mm, as a share of its greatest.
+/// Share of the rise at a point relative to the touch, mm.
 type Shape<'a> = &'a dyn Fn(f64, f64) -> f64;
 
 fn draws() -> usize {
@@ -98,7 +98,7 @@ fn apart_mm(a: PointMm, b: PointMm) -> f64 {
 }
 
 #[test]
-fn two_touches_eighteen_millimetres_apart_are_two_and_in_their_places() {
+fn two_touches_18_mm_apart_are_two_in_their_places() {
     let mut bench = Bench::new(11);
     let draws = draws();
     let mut told_apart = 0;
@@ -121,7 +121,7 @@ fn two_touches_eighteen_millimetres_apart_are_two_and_in_their_places() {
 }
 
 #[test]
-fn one_odd_touch_is_one() {
+fn one_odd_shaped_touch_is_one() {
     let mut bench = Bench::new(12);
     let draws = draws();
     let disc = |radius_mm: f64| move |x: f64, y: f64| f64::from(x.hypot(y) < radius_mm);
@@ -151,7 +151,7 @@ fn one_odd_touch_is_one() {
             split += usize::from(seen.len() > 1);
         }
         println!("{name}: {split} of {draws} split");
-        // Of so few, a share of 2 % shows up to two (in nineteen of twenty tries).
+        // In a small sample, a share of 2 % gives up to two (in 95 % of cases).
         let most = if draws < 100 { 2 } else { draws / 50 };
         assert!(split <= most, "{name}");
     }

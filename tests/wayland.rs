@@ -1,9 +1,9 @@
-//! Every named key under sway, as wev sees it: its keycode, and how long it was down. No stuck key when gelpad is killed or
-//! stopped. Under weston, which has no virtual keyboard, a clear error.
+//! Every named key under sway, as wev reports it: its keycode, and how long it was down. No stuck key when
+//! gelpad is killed or stopped. Under weston, which has no virtual keyboard, a clear error.
 //!
-//! Both compositors run without a screen, and not as root (sway refuses that). Needs the Debian packages sway, wev and weston,
-//! and, for root, setpriv; where one is missing the trials are ignored, and their kind says why; with `GELPAD_TEST_ALL=1`
-//! they fail.
+//! Both compositors run without a screen and not as root (sway refuses that). Needs the Debian packages sway,
+//! wev and weston, and for root setpriv; if one is missing, the trials are ignored with the reason as their
+//! kind; with `GELPAD_TEST_ALL=1` they fail.
 
 #![allow(
     clippy::disallowed_methods,
@@ -20,16 +20,16 @@ use gelpad::types::Key;
 use libtest_mimic::{Arguments, Failed, Trial};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// For each step: a busy machine may need long.
+/// Longest wait for each step, for a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
-/// A stopped parent's keys are released after two seconds.
+/// Longest time until the keys of a stopped gelpad are up; its watcher waits two seconds.
 const RELEASED: Duration = Duration::from_secs(4);
-/// How long each key is held and how long the next one waits, ms.
+/// How long each key is held, and the pause after it, ms.
 const HELD_MS: u32 = 40;
 const PAUSE_MS: u32 = 20;
-/// However busy the machine is, a press is held for two frames of a game, less what whole milliseconds lose.
+/// Even on a busy machine a press is held for two frames of a game, less the rounding to milliseconds.
 const LEAST_MS: u32 = 33;
-/// Debian's user without rights, whom root becomes.
+/// The id of Debian's user `nobody`, which root changes to.
 const NOBODY: u32 = 65534;
 
 fn main() -> ExitCode {
@@ -64,8 +64,8 @@ fn trial(name: &str, needed: &[&'static str], run: fn(&Home) -> Result<()>) -> T
         });
     }
     let reason = format!("not installed: {}", missing.join(", "));
-    let told = reason.clone();
-    Trial::test(name, move || Err(Failed::from(told)))
+    let message = reason.clone();
+    Trial::test(name, move || Err(Failed::from(message)))
         .with_kind(reason)
         .with_ignored_flag(!all)
 }
@@ -79,7 +79,7 @@ fn is_root() -> bool {
     rustix::process::getuid().is_root()
 }
 
-/// A folder of a user without rights: runtime folder, settings, logs.
+/// The home of a user without privileges: runtime folder, settings, logs.
 struct Home {
     folder: tempfile::TempDir,
 }
@@ -91,7 +91,7 @@ impl Home {
             std::os::unix::fs::chown(folder.path(), Some(NOBODY), Some(NOBODY))?;
         }
         let home = Self { folder };
-        // What was solved for the pad is not solved again; the folder of the tests is not this user's to read.
+        // The solved tables of the pad are copied: this user cannot read the tests' folder.
         let ours = home.path("cache");
         fs::create_dir(&ours)?;
         let solved = gelpad::cache::folder().into_iter();
@@ -112,7 +112,7 @@ impl Home {
         self.folder.path().join(name)
     }
 
-    /// Starts a program as that user; what it says goes to `NAME.said`.
+    /// Starts a program as that user; its messages go to `NAME.said`.
     fn start(&self, name: &str, arguments: &[&str], display: Option<&str>) -> Result<Program> {
         let mut command = if is_root() {
             let user = NOBODY.to_string();
@@ -221,7 +221,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // It may be gone already.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -238,11 +238,11 @@ fn wait<T>(mut look: impl FnMut() -> Result<Option<T>>) -> Result<T> {
     }
 }
 
-/// A key as a client of the compositor was told: XKB keycode, whether it went down, and when, ms.
-type Told = (u32, bool, u32);
+/// A key event of a client: XKB keycode, whether the key went down, and the time, ms.
+type KeyEvent = (u32, bool, u32);
 
-/// What wev was told, once each: it binds the keyboard more than once.
-fn told(wev: &str) -> Vec<Told> {
+/// The key events in wev's log, each once: wev binds the keyboard more than once.
+fn key_events(wev: &str) -> Vec<KeyEvent> {
     let mut serials = Vec::new();
     let lines = wev.lines();
     let lines = lines.filter(|line| line.contains("wl_keyboard] key:"));
@@ -292,10 +292,15 @@ fn every_key(home: &Home) -> Result<()> {
     let code = gelpad.code()?;
     ensure!(code == Some(0), "exit code {code:?}: {}", gelpad.said());
     let seen = wait(|| {
-        let seen = told(&wev.said());
+        let seen = key_events(&wev.said());
         Ok((seen.len() >= 2 * keys.len()).then_some(seen))
     })
-    .with_context(|| format!("{} changes of keys were seen", told(&wev.said()).len()))?;
+    .with_context(|| {
+        format!(
+            "{} changes of keys were seen",
+            key_events(&wev.said()).len()
+        )
+    })?;
     let mut worst_ms = 0;
     for key in &keys {
         let code = u32::from(key.evdev_code()) + 8;
@@ -329,7 +334,11 @@ fn killed_and_stopped(home: &Home) -> Result<()> {
     let (_sway, wev, display) = home.sway()?;
     let profile = profile("output = \"key:f\"");
     let script = "t:300 down 1 50 50\nt:600000 end\n";
-    let last = || told(&wev.said()).last().map(|(_, is_down, _)| *is_down);
+    let last = || {
+        key_events(&wev.said())
+            .last()
+            .map(|(_, is_down, _)| *is_down)
+    };
     let until = |is_down: bool| {
         let start = Instant::now();
         wait(|| Ok((last() == Some(is_down)).then_some(())))?;

@@ -1,4 +1,4 @@
-//! gelpad's own packets from C: `wire/gelpad_wire.h`, compiled here, gives the same bytes as the library.
+//! gelpad's own packets in C: `wire/gelpad_wire.h` gives the same bytes as the library.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +7,8 @@ use std::process::{Command, Stdio};
 use gelpad::source::wire::gelpad::{Values, encode};
 use gelpad::source::wire::{Decoded, Dialect, gelpad::Gelpad};
 
-/// Reads kind, sequence, time and count, then the values, and writes the packet; again until the input ends.
+/// Reads type, sequence, time and count, then the values, and writes the packet; repeats until the input
+/// ends.
 const PROGRAM: &str = r#"
 #include <stdio.h>
 #include "gelpad_wire.h"
@@ -34,7 +35,7 @@ int main(void) {
 }
 "#;
 
-/// Numbers that look random and are the same on every run.
+/// A pseudo-random sequence that is the same on every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -77,7 +78,7 @@ fn the_c_header_writes_the_same_bits_as_the_library() {
 
     let mut numbers = Numbers(7);
     let (mut input, mut expected, mut sent) = (Vec::new(), Vec::new(), Vec::new());
-    // Around the length of a block (254), with many zeros and none; the largest; 208 is a pad's.
+    // Around the length of a block (254), with and without many zeros; the largest count; 208 is a pad's.
     for count in (5..130).chain([208, 208, 208, 1024, 2048]) {
         for kind in [Values::F32, Values::I32] {
             let [sequence, time_us] = [0; 2].map(|_| numbers.next() as u32);

@@ -1,6 +1,6 @@
 /* gelpad's wire format, version 1, for firmware: see docs/wire.md.
  *
- * One header, C99 or C++, no library, no allocation, no tables: for the smallest boards.
+ * A single header for C99 or C++, without libraries, allocation or tables, for the smallest boards.
  *
  *     static uint8_t packet[GELPAD_PACKET_MAX(208)];
  *     float volts[208];
@@ -9,7 +9,7 @@
  *     size_t length = gelpad_encode_f32(packet, sizeof packet, sequence++, micros(), volts, 208);
  *     Serial.write(packet, length);
  *
- * Send one zero byte at start-up, so that whatever came before is no part of the first packet.
+ * Send one zero byte at start-up, so that earlier bytes are not part of the first packet.
  * Licensed under MIT or Apache-2.0, at your choice.
  */
 #ifndef GELPAD_WIRE_H
@@ -24,16 +24,16 @@ extern "C" {
 #endif
 
 #define GELPAD_VERSION 1
-#define GELPAD_KIND_F32 1 /* volts, or any unit that is the same for all */
+#define GELPAD_KIND_F32 1 /* volts, or any other unit, the same for all values */
 #define GELPAD_KIND_I32 2 /* counts of a converter */
 #define GELPAD_MOST_VALUES 2048
 
 /* Bytes before stuffing: head, values, check sum. */
 #define GELPAD_BODY(count) (12u + 4u * (size_t)(count) + 4u)
-/* The longest packet of so many values: one byte more each 254, one at the start, the closing zero. */
+/* Largest size of a packet of count values: one more byte for every 254, one at the start, the closing zero. */
 #define GELPAD_PACKET_MAX(count) (GELPAD_BODY(count) + GELPAD_BODY(count) / 254u + 2u)
 
-/* A packet on its way. COBS: every zero is replaced by the distance to the next one. */
+/* A packet under construction. COBS replaces every zero by the distance to the next one. */
 typedef struct {
     uint8_t *out;
     size_t length; /* bytes written */
@@ -51,7 +51,7 @@ static inline void gelpad_stuff(gelpad_packet *p, uint8_t byte) {
     }
 }
 
-/* CRC-32 as of zlib, Ethernet and PNG, bit by bit. */
+/* CRC-32 as in zlib, Ethernet and PNG, bit by bit. */
 static inline void gelpad_put(gelpad_packet *p, uint8_t byte) {
     int bit;
     p->sum ^= byte;
@@ -97,7 +97,7 @@ static inline size_t gelpad_end(gelpad_packet *p) {
     return p->length;
 }
 
-/* Writes a packet of volts; returns its length, closing zero included, or 0 if there is no room. */
+/* Writes a packet of volts; returns its length including the closing zero, or 0 if there is no room. */
 static inline size_t gelpad_encode_f32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
                                        const float *values, uint16_t count) {
     gelpad_packet p;
@@ -113,7 +113,7 @@ static inline size_t gelpad_encode_f32(uint8_t *out, size_t room, uint32_t seque
     return gelpad_end(&p);
 }
 
-/* Writes a packet of counts; as above. */
+/* The same for counts. */
 static inline size_t gelpad_encode_i32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
                                        const int32_t *values, uint16_t count) {
     gelpad_packet p;

@@ -1,8 +1,9 @@
-//! Any bytes are a file of frames or are refused with a message, soon and without much memory; what is a frame has the pad's
-//! channels, finite values and times that never run backwards. The first byte chooses how the file begins:
+//! Any bytes are a file of frames or are refused with a message, quickly and with little memory; frames have
+//! the pad's channels, finite values and times that never run backwards. The first byte chooses the start of
+//! the file:
 //! `cargo fuzz run -s none files -- -max_len=1024 -dict=fuzz/files.dict`
-//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler). Files go through `TMPDIR`: let it be in memory, as
-//! `scripts/fuzz.sh` does.
+//! (with RUSTC_BOOTSTRAP=1 without a nightly compiler). Files go through `TMPDIR`, which should be in memory,
+//! as in `scripts/fuzz.sh`.
 
 #![no_main]
 
@@ -14,12 +15,12 @@ use gelpad::pad::{Pad, shipped_pad};
 use gelpad::source::{Reading, open_file};
 use libfuzzer_sys::fuzz_target;
 
-/// An honest `.eit` header.
+/// A valid `.eit` header.
 const EIT_HEADER: &[u8] = b"12\n2\nsetup\n2025\n1e4\n1e4\n1\n1\n0.005\n20.0\n0\n1\n";
-/// An honest header of CSV for [`pad`].
+/// A valid CSV header for [`pad`].
 const CSV_HEADER: &[u8] = b"t_ms,v0,v1,v2,v3,v4,v5,v6,v7,v8,v9\n";
 
-/// A pad with short frames, which mutations find: five electrodes, ten voltages.
+/// A pad with short frames, which mutations reach: five electrodes, ten voltages.
 fn pad() -> &'static Pad {
     static PAD: OnceLock<Pad> = OnceLock::new();
     PAD.get_or_init(|| {
@@ -29,7 +30,7 @@ fn pad() -> &'static Pad {
     })
 }
 
-/// Where a file of each ending stands.
+/// Path of the file with an extension.
 fn path(ending: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
@@ -61,7 +62,7 @@ fuzz_target!(|bytes: &[u8]| {
         }
     };
     let mut last_ns = 0;
-    // A frame takes a byte of the file at least.
+    // A frame takes at least one byte of the file.
     for _ in 0..=header.len() + bytes.len() {
         match source.read() {
             Ok(Reading::Frame(frame)) => {

@@ -1,6 +1,6 @@
-//! Any text is a profile or a list of mistakes whose places lie in it; a sound one plays a few touches. Begin with the
-//! shipped ones: `cargo fuzz run -s none profile fuzz/corpus/profile profiles users`
-//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler).
+//! Any text is a valid profile or a list of mistakes with places inside the text; a valid one plays a few touches. Start from
+//! the shipped ones: `cargo fuzz run -s none profile fuzz/corpus/profile profiles users`
+//! (with RUSTC_BOOTSTRAP=1 without a nightly compiler).
 
 #![no_main]
 
@@ -26,7 +26,7 @@ fuzz_target!(|bytes: &[u8]| {
         Err(faulty) => {
             assert!(!faulty.faults.is_empty());
             for fault in &faulty.faults {
-                // A place in a base lies in the base's text, which is in the report.
+                // A place in a base is a place in the base's text, which is in the report.
                 assert!(faulty.text.get(fault.span.clone()).is_some(), "{fault:?}");
                 let _ = faulty.line_column(fault.span.start);
             }

@@ -1,8 +1,9 @@
-//! Any bytes are frames, garbled or nothing to every dialect, in bounded memory; what is a frame has finite values and no
-//! impossible number of them. The first byte chooses the format and the pieces in which the rest comes; a name in
-//! `GELPAD_FUZZ_FORMAT` (as `--format` calls them, or `auto`) chooses it for all inputs:
+//! Every dialect decodes any bytes as frames, garbled input or nothing, with bounded memory; frames have
+//! finite values and a possible number of them. The first byte chooses the format and the length of the
+//! pieces in which the rest arrives; `GELPAD_FUZZ_FORMAT` (a name of `--format`, or `auto`) sets the format
+//! for all inputs:
 //! `GELPAD_FUZZ_FORMAT=sciospec cargo fuzz run -s none wire -- -max_len=600 -dict=fuzz/wire.dict`
-//! (with RUSTC_BOOTSTRAP=1 where there is no nightly compiler). `scripts/fuzz.sh` runs every decoder.
+//! (with RUSTC_BOOTSTRAP=1 without a nightly compiler). `scripts/fuzz.sh` runs every decoder.
 
 #![no_main]
 
@@ -15,7 +16,7 @@ use libfuzzer_sys::fuzz_target;
 
 const STEP_NS: u64 = 300_000_000;
 
-/// What every input is read as: outer none where each chooses for itself, inner none for `auto`.
+/// The format of all inputs: the outer option is none if each input chooses, the inner for `auto`.
 fn chosen() -> Option<Option<FormatKind>> {
     static CHOSEN: OnceLock<Option<Option<FormatKind>>> = OnceLock::new();
     *CHOSEN.get_or_init(|| {
@@ -42,8 +43,8 @@ fuzz_target!(|bytes: &[u8]| {
     for piece in bytes.chunks(size) {
         dialect.feed(now_ns, piece, &mut decoded);
         assert!(dialect.held_bytes() <= MOST_HELD_BYTES);
-        if let Some(words) = dialect.say(now_ns) {
-            assert!(!words.is_empty() && words.len() < 64);
+        if let Some(command) = dialect.poll_command(now_ns) {
+            assert!(!command.is_empty() && command.len() < 64);
         }
         now_ns += STEP_NS;
     }

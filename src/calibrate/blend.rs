@@ -1,20 +1,20 @@
-//! Shares of a blend: not negative, one in sum, and with the least squared error of place.
+//! Shares of a blend of regressions: not negative, with sum 1, and the least squared error of place.
 
 use crate::types::PointMm;
 
-/// Sweeps of the exchange between pairs; the last ones move shares by less than a thousandth.
+/// Sweeps of exchanges between pairs; the last ones change shares by less than 0.001.
 const SWEEPS: usize = 200;
-/// A smaller share is dropped: it costs a fit and changes nothing.
+/// Smaller shares are dropped: they cost a fit and hardly change the blend.
 const LEAST_SHARE: f64 = 0.01;
 
-/// The shares of members whose guesses (a list a member) are blended to meet the truth.
-pub(super) fn shares(guesses: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> {
-    let members = guesses.len();
-    // Products of the members' errors: with shares w of sum 1 the blend's squared error is w' G w.
+/// The best shares of members; `predicted` has one list of places for each member.
+pub(super) fn shares(predicted: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> {
+    let members = predicted.len();
+    // With shares w of sum 1 the squared error of the blend is w' G w, G being the products of the members' errors.
     let product = |a: usize, b: usize| -> f64 {
-        guesses[a]
+        predicted[a]
             .iter()
-            .zip(&guesses[b])
+            .zip(&predicted[b])
             .zip(truth)
             .map(|((a, b), t)| (a[0] - t[0]) * (b[0] - t[0]) + (a[1] - t[1]) * (b[1] - t[1]))
             .sum()
@@ -39,7 +39,7 @@ pub(super) fn shares(guesses: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> {
     shares.iter().map(|share| share / sum).collect()
 }
 
-/// Moves share between two members to where the error is least.
+/// Moves share between two members so that the error is least.
 fn exchange(gram: &[Vec<f64>], shares: &mut [f64], a: usize, b: usize) {
     let curvature = gram[a][a] - 2.0 * gram[a][b] + gram[b][b];
     if curvature <= 0.0 {
@@ -55,14 +55,14 @@ fn exchange(gram: &[Vec<f64>], shares: &mut [f64], a: usize, b: usize) {
     shares[b] -= moved;
 }
 
-/// The blend of the members' guesses.
-pub(super) fn blended(guesses: &[Vec<PointMm>], shares: &[f64]) -> Vec<PointMm> {
-    (0..guesses.first().map_or(0, Vec::len))
+/// The blended places.
+pub(super) fn blended(predicted: &[Vec<PointMm>], shares: &[f64]) -> Vec<PointMm> {
+    (0..predicted.first().map_or(0, Vec::len))
         .map(|press| {
             let mut place = [0.0; 2];
-            for (guesses, share) in guesses.iter().zip(shares) {
-                place[0] += share * guesses[press][0];
-                place[1] += share * guesses[press][1];
+            for (places, share) in predicted.iter().zip(shares) {
+                place[0] += share * places[press][0];
+                place[1] += share * places[press][1];
             }
             place
         })
@@ -96,7 +96,7 @@ mod tests {
             prop_assert!(best.iter().all(|share| *share >= 0.0));
             let sum: f64 = other.iter().sum();
             let other: Vec<f64> = other.iter().map(|share| share / sum).collect();
-            // Dropping a share below a hundredth may cost a little.
+            // Dropping shares below 0.01 may cost a little.
             prop_assert!(cost(&best) <= cost(&other) * 1.01);
         }
     }

@@ -1,112 +1,117 @@
-//! The correction of a pad's contacts, learned from presses that its model has seen.
+//! Learns the correction of a pad's contacts from presses that its model has located.
 //!
-//! What is learned is the displacement from the model's place to the true one: a Gaussian process with a part over the
-//! place and a part over the voltages (see [`crate::touch::correction`]). Its four numbers are those with the least error when each
-//! press is left out.
+//! The learned quantity is the displacement from the model's place to the true one: a Gaussian process with a part over the
+//! place and a part over the voltages (see [`crate::touch::correction`]). Its parameters are those with the least
+//! leave-one-out error.
 
 use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::{Mat, Side};
 
+use super::error::{CalibrateError, PlaceErrors};
 use super::features::{channel_weights, spread};
 use super::maps::subset;
-use super::presses::{Modelled, Presses};
-use super::{CalibrateError, Errors};
+use super::presses::{ModelPrediction, Presses};
+use crate::stats::quantile;
 use crate::touch::correction::{
     Component, Correction, CorrectionData, MOST_CORRECTION_PRESSES, place_kernel, signature,
     signature_kernel,
 };
 use crate::types::PointMm;
 
-/// Tried lengths over the pad, in deviations of the places.
+/// Candidate lengths over the pad, in deviations of the places.
 const PLACE_LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-/// Tried lengths over signatures, in their mean distance.
+/// Candidate lengths over signatures, in their mean distance.
 const SIGNATURE_LENGTHS: [f64; 4] = [0.7, 1.5, 3.0, 6.0];
-/// Tried shares of the place's part in the prior variance.
+/// Candidate shares of the place part in the prior variance.
 const PLACE_SHARES: [f64; 5] = [0.0, 0.2, 0.5, 0.8, 1.0];
-/// Tried variances of the noise, of the prior's.
+/// Candidate variances of the noise, relative to the prior's.
 const NOISES: [f64; 6] = [1e-3, 1e-2, 0.05, 0.2, 1.0, 5.0];
-/// Presses at most for the choice.
+/// Most presses for the choice of parameters.
 const MOST_FOR_CHOICE: usize = 120;
-/// The power of the force stays within this factor: a user who only ever tapped must not lose the rest of the range.
+/// Largest power of the force, and one over the least: a user who only tapped must not lose the rest of the range.
 const MOST_FORCE_BEND: f64 = 4.0;
 
-/// A correction with what it is worth.
+/// A correction with its expected errors.
 #[derive(Clone, Debug)]
-pub struct Fitted {
-    /// What is applied.
+pub struct FittedCorrection {
+    /// The correction.
     pub correction: Correction,
-    /// What the model alone is off by.
-    pub model: Errors,
-    /// What a lone contact is off by, each press left out in turn.
-    pub lone: Errors,
-    /// What a contact among several is off by, each press left out in turn.
-    pub several: Errors,
+    /// Errors of the model alone.
+    pub model: PlaceErrors,
+    /// Errors of a lone contact, leave-one-out.
+    pub lone: PlaceErrors,
+    /// Errors of one contact of several, leave-one-out.
+    pub several: PlaceErrors,
 }
 
-/// The four numbers of the process.
+/// Parameters of the process.
 #[derive(Clone, Copy, Debug)]
-struct Settings {
+struct Parameters {
     place: Component,
     voltages: Component,
     noise: f64,
 }
 
-/// Presses as the process sees them.
-struct Seen {
+/// Presses with their model places and signatures, all lists of the same length.
+struct ModelledPresses {
     true_mm: Vec<PointMm>,
     model_mm: Vec<PointMm>,
     signatures: Vec<Vec<f32>>,
 }
 
-/// Learns a correction from presses of a pad of a size, mm.
+/// Learns a correction from presses on a pad of the given size.
 ///
 /// # Errors
-/// Presses without the model's places; presses too much alike.
-pub fn correction(presses: &Presses, size_mm: [f64; 2]) -> Result<Fitted, CalibrateError> {
+/// Presses without the model's places; presses that are too similar.
+pub fn fit_correction(
+    presses: &Presses,
+    size_mm: [f64; 2],
+) -> Result<FittedCorrection, CalibrateError> {
     let which = subset(presses.len(), MOST_CORRECTION_PRESSES);
     let places = presses.places(&which);
     let gains: Vec<f32> = channel_weights(&presses.changes(&which), &places)?
         .into_iter()
         .map(|weight| weight as f32)
         .collect();
-    let mut seen = Seen {
+    let mut modelled = ModelledPresses {
         true_mm: Vec::new(),
         model_mm: Vec::new(),
         signatures: Vec::new(),
     };
     let mut forces = Vec::new();
     for press in which.iter().map(|index| &presses.list()[*index]) {
-        let Modelled { force, place_mm } = press.modelled.ok_or(CalibrateError::NotModelled)?;
-        seen.true_mm.push(press.place_mm);
-        seen.model_mm.push(place_mm);
+        let ModelPrediction { force, place_mm } =
+            press.modelled.ok_or(CalibrateError::NotModelled)?;
+        modelled.true_mm.push(press.place_mm);
+        modelled.model_mm.push(place_mm);
         forces.push(force);
         let changes: Vec<f32> = press.changes.iter().map(|change| *change as f32).collect();
         let mut shown = vec![0.0; gains.len()];
         signature(&changes, &gains, &mut shown);
-        seen.signatures.push(shown);
+        modelled.signatures.push(shown);
     }
-    let settings = choose(&seen.first(MOST_FOR_CHOICE), spread(&places))?;
-    let solved = solve(&seen, settings)?;
+    let parameters = choose(&modelled.truncated(MOST_FOR_CHOICE), spread(&places))?;
+    let solution = solve(&modelled, parameters)?;
     let data = CorrectionData {
         size_mm,
         gains,
-        places_mm: seen.model_mm.clone(),
-        signatures: seen.signatures.concat(),
-        weights_mm: solved.weights,
-        place: settings.place,
-        voltages: settings.voltages,
-        force_power: force_power(&mut forces),
+        places_mm: modelled.model_mm.clone(),
+        signatures: modelled.signatures.concat(),
+        weights_mm: solution.weights,
+        place: parameters.place,
+        voltages: parameters.voltages,
+        force_power: force_power(&forces),
     };
-    Ok(Fitted {
+    Ok(FittedCorrection {
         correction: Correction::new(data).map_err(|_| CalibrateError::Alike)?,
-        model: Errors::of(&seen.model_mm, &seen.true_mm),
-        lone: Errors::of(&solved.lone, &seen.true_mm),
-        several: Errors::of(&solved.several, &seen.true_mm),
+        model: PlaceErrors::between(&modelled.model_mm, &modelled.true_mm),
+        lone: PlaceErrors::between(&solution.lone, &modelled.true_mm),
+        several: PlaceErrors::between(&solution.several, &modelled.true_mm),
     })
 }
 
-impl Seen {
-    fn first(&self, most: usize) -> Self {
+impl ModelledPresses {
+    fn truncated(&self, most: usize) -> Self {
         let count = most.min(self.true_mm.len());
         Self {
             true_mm: self.true_mm[..count].to_vec(),
@@ -115,21 +120,21 @@ impl Seen {
         }
     }
 
-    fn kernel(&self, of: impl Fn(usize, usize) -> f64) -> Mat<f64> {
+    fn kernel(&self, entry: impl Fn(usize, usize) -> f64) -> Mat<f64> {
         let count = self.true_mm.len();
-        Mat::from_fn(count, count, of)
+        Mat::from_fn(count, count, entry)
     }
 }
 
-/// The settings with the least mean error of a lone press left out.
-fn choose(seen: &Seen, spread_mm: f64) -> Result<Settings, CalibrateError> {
-    let unit = mean_distance(&seen.signatures);
-    let mut best: Option<(f64, Settings)> = None;
+/// The parameters with the least mean leave-one-out error of a lone contact.
+fn choose(modelled: &ModelledPresses, spread_mm: f64) -> Result<Parameters, CalibrateError> {
+    let unit = mean_signature_distance(&modelled.signatures);
+    let mut best: Option<(f64, Parameters)> = None;
     for place_length in PLACE_LENGTHS.map(|length| length * spread_mm) {
         for voltage_length in SIGNATURE_LENGTHS.map(|length| length * unit) {
             for share in PLACE_SHARES {
                 for noise in NOISES {
-                    let settings = Settings {
+                    let parameters = Parameters {
                         place: Component {
                             length: place_length,
                             variance: share,
@@ -140,64 +145,70 @@ fn choose(seen: &Seen, spread_mm: f64) -> Result<Settings, CalibrateError> {
                         },
                         noise,
                     };
-                    let error = Errors::of(&solve(seen, settings)?.lone, &seen.true_mm).mean_mm;
+                    let error =
+                        PlaceErrors::between(&solve(modelled, parameters)?.lone, &modelled.true_mm)
+                            .mean_mm;
                     if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                        best = Some((error, settings));
+                        best = Some((error, parameters));
                     }
                 }
             }
         }
     }
-    best.map(|(_, settings)| settings)
+    best.map(|(_, parameters)| parameters)
         .ok_or(CalibrateError::Alike)
 }
 
-/// The presses' weights, and where each is put without itself.
-struct Solved {
+/// Weights of the presses, and the leave-one-out place of each: as a lone contact and as one of several.
+struct Solution {
     weights: Vec<[f64; 2]>,
     lone: Vec<PointMm>,
     several: Vec<PointMm>,
 }
 
-fn solve(seen: &Seen, settings: Settings) -> Result<Solved, CalibrateError> {
-    let count = seen.true_mm.len();
-    let by_place = seen.kernel(|i, j| {
-        settings.place.variance
-            * place_kernel(seen.model_mm[i], seen.model_mm[j], settings.place.length)
+fn solve(modelled: &ModelledPresses, parameters: Parameters) -> Result<Solution, CalibrateError> {
+    let count = modelled.true_mm.len();
+    let by_place = modelled.kernel(|i, j| {
+        parameters.place.variance
+            * place_kernel(
+                modelled.model_mm[i],
+                modelled.model_mm[j],
+                parameters.place.length,
+            )
     });
-    let whole = seen.kernel(|i, j| {
-        let by_voltages = if settings.voltages.variance > 0.0 {
-            settings.voltages.variance
+    let whole = modelled.kernel(|i, j| {
+        let by_voltages = if parameters.voltages.variance > 0.0 {
+            parameters.voltages.variance
                 * signature_kernel(
-                    &seen.signatures[i],
-                    &seen.signatures[j],
-                    settings.voltages.length,
+                    &modelled.signatures[i],
+                    &modelled.signatures[j],
+                    parameters.voltages.length,
                 )
         } else {
             0.0
         };
-        by_place[(i, j)] + by_voltages + if i == j { settings.noise } else { 0.0 }
+        by_place[(i, j)] + by_voltages + if i == j { parameters.noise } else { 0.0 }
     });
     let inverse = Llt::new(whole.as_ref(), Side::Lower)
         .map_err(|_| CalibrateError::Alike)?
         .inverse();
     let displacement = Mat::from_fn(count, 2, |i, axis| {
-        seen.true_mm[i][axis] - seen.model_mm[i][axis]
+        modelled.true_mm[i][axis] - modelled.model_mm[i][axis]
     });
     let weights = &inverse * &displacement;
     // Without press i the weights are w - K^-1 e_i w_i / (K^-1)_ii.
     let shown = &by_place * &weights;
     let mixed = &by_place * &inverse;
     let pair = |f: &dyn Fn(usize) -> f64| [f(0), f(1)];
-    Ok(Solved {
+    Ok(Solution {
         lone: (0..count)
-            .map(|i| pair(&|axis| seen.true_mm[i][axis] - weights[(i, axis)] / inverse[(i, i)]))
+            .map(|i| pair(&|axis| modelled.true_mm[i][axis] - weights[(i, axis)] / inverse[(i, i)]))
             .collect(),
         several: (0..count)
             .map(|i| {
                 pair(&|axis| {
                     let own = mixed[(i, i)] * weights[(i, axis)] / inverse[(i, i)];
-                    seen.model_mm[i][axis] + shown[(i, axis)] - own
+                    modelled.model_mm[i][axis] + shown[(i, axis)] - own
                 })
             })
             .collect(),
@@ -207,7 +218,7 @@ fn solve(seen: &Seen, settings: Settings) -> Result<Solved, CalibrateError> {
     })
 }
 
-fn mean_distance(signatures: &[Vec<f32>]) -> f64 {
+fn mean_signature_distance(signatures: &[Vec<f32>]) -> f64 {
     let mut sum = 0.0;
     let mut pairs = 0.0;
     for (i, a) in signatures.iter().enumerate() {
@@ -224,10 +235,10 @@ fn mean_distance(signatures: &[Vec<f32>]) -> f64 {
     (sum / f64::max(pairs, 1.0)).max(f64::MIN_POSITIVE)
 }
 
-/// The power that takes the user's median force to the middle.
-fn force_power(forces: &mut [f64]) -> f64 {
-    forces.sort_by(f64::total_cmp);
-    let median = forces[forces.len() / 2].clamp(1e-6, 1.0 - 1e-6);
+/// The power that maps the median force to 0.5.
+fn force_power(forces: &[f64]) -> f64 {
+    let median = quantile(forces.iter().copied(), 0.5).unwrap_or(0.5);
+    let median = median.clamp(1e-6, 1.0 - 1e-6);
     (libm::log(0.5) / libm::log(median)).clamp(1.0 / MOST_FORCE_BEND, MOST_FORCE_BEND)
 }
 
@@ -239,7 +250,7 @@ mod tests {
 
     const SIZE_MM: [f64; 2] = [100.0, 100.0];
 
-    /// Bumps seen by twelve channels; the model sees places turned and stretched.
+    /// Twelve channels with a bump each; the model's places are sheared and stretched.
     fn press(x: f64, y: f64) -> Press {
         let changes = (0..12)
             .map(|c| {
@@ -249,7 +260,7 @@ mod tests {
             .collect();
         Press {
             place_mm: [x, y],
-            modelled: Some(Modelled {
+            modelled: Some(ModelPrediction {
                 force: 0.2,
                 place_mm: [x + 4.0 + 0.05 * y, 0.93 * y + 3.0 * libm::sin(x / 25.0)],
             }),
@@ -271,8 +282,8 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_model_is_set_right_at_places_never_pressed() {
-        let fitted = correction(&presses(40), SIZE_MM).expect("sound");
+    fn a_distorted_model_is_corrected_at_places_never_pressed() {
+        let fitted = fit_correction(&presses(40), SIZE_MM).expect("sound");
         assert!(fitted.model.mean_mm > 5.0);
         assert!(fitted.lone.mean_mm < 1.5, "{:?}", fitted.lone);
         assert!(fitted.several.mean_mm < 3.0, "{:?}", fitted.several);
@@ -290,28 +301,28 @@ mod tests {
             let [fx, fy] = lone[0].centre_mm;
             assert!(
                 libm::hypot(fx - x, fy - y) < 1.5,
-                "({x}, {y}) went to ({fx}, {fy})"
+                "({x}, {y}) moved to ({fx}, {fy})"
             );
             assert!(
                 (lone[0].force - 0.5).abs() < 1e-9,
-                "the usual press is the middle"
+                "the median force maps to 0.5"
             );
         }
     }
 
     #[test]
-    fn what_is_expected_is_what_leaving_out_and_applying_gives() {
+    fn expected_errors_equal_leaving_out_and_applying() {
         let all = presses(12);
-        let fitted = correction(&all, SIZE_MM).expect("sound");
+        let fitted = fit_correction(&all, SIZE_MM).expect("sound");
         let seen_settings = fitted.correction.data().clone();
-        // Left out by hand with the same settings: the process without that press, applied to it.
+        // Leaves the first press out by hand, with the same parameters.
         let which = subset(12, MOST_CORRECTION_PRESSES);
-        let settings = Settings {
+        let parameters = Parameters {
             place: seen_settings.place,
             voltages: seen_settings.voltages,
             noise: 0.05,
         };
-        let seen = Seen {
+        let modelled = ModelledPresses {
             true_mm: which.iter().map(|i| all.list()[*i].place_mm).collect(),
             model_mm: seen_settings.places_mm.clone(),
             signatures: seen_settings
@@ -320,22 +331,22 @@ mod tests {
                 .map(<[f32]>::to_vec)
                 .collect(),
         };
-        let solved = solve(&seen, settings).expect("sound");
+        let solution = solve(&modelled, parameters).expect("sound");
         let rest = |list: &[PointMm]| list[1..].to_vec();
-        let without = Seen {
-            true_mm: rest(&seen.true_mm),
-            model_mm: rest(&seen.model_mm),
-            signatures: seen.signatures[1..].to_vec(),
+        let without = ModelledPresses {
+            true_mm: rest(&modelled.true_mm),
+            model_mm: rest(&modelled.model_mm),
+            signatures: modelled.signatures[1..].to_vec(),
         };
-        let weights = solve(&without, settings).expect("sound").weights;
-        let mut by_place = seen.model_mm[0];
+        let weights = solve(&without, parameters).expect("sound").weights;
+        let mut by_place = modelled.model_mm[0];
         for (place, weight) in without.model_mm.iter().zip(&weights) {
-            let likeness = settings.place.variance
-                * place_kernel(seen.model_mm[0], *place, settings.place.length);
+            let likeness = parameters.place.variance
+                * place_kernel(modelled.model_mm[0], *place, parameters.place.length);
             by_place[0] += likeness * weight[0];
             by_place[1] += likeness * weight[1];
         }
-        for (found, expected) in by_place.iter().zip(&solved.several[0]) {
+        for (found, expected) in by_place.iter().zip(&solution.several[0]) {
             assert!((found - expected).abs() < 1e-9);
         }
     }

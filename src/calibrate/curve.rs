@@ -1,29 +1,29 @@
-//! How the error falls with the number of presses, and what more of them would bring.
+//! Learning curve: the error against the number of presses, extrapolated to twice as many.
 
-use super::CalibrateError;
-use super::presses::{FEWEST_PRESSES, Presses, mixed};
+use super::error::CalibrateError;
+use super::presses::{FEWEST_PRESSES, Presses, shuffled};
 
-/// Doubling the presses is never foretold to lower the error below this share: a curve of three points is no proof.
-const BEST_FORETOLD: f64 = 0.5;
+/// Least predicted ratio of the error after doubling the presses; a curve of three points is weak evidence.
+const LEAST_RATIO: f64 = 0.5;
 
-/// Errors at growing numbers of presses.
+/// Errors at increasing numbers of presses.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Presses and the mean error with them, mm; ascending, the last with all.
+pub struct LearningCurve {
+    /// Number of presses and mean error with them, mm; ascending, the last point with all.
     pub points: Vec<(usize, f64)>,
-    /// The mean error to expect with twice as many, mm; none where the curve has one point.
+    /// Expected mean error with twice as many presses, mm; `None` if the curve has one point.
     pub twice_mm: Option<f64>,
 }
 
-/// Errors with a quarter, half and all of the presses, as `error` tells them.
+/// The errors that `error` returns for a quarter, half and all of the presses.
 ///
 /// # Errors
-/// What `error` gives.
+/// Those of `error`.
 pub fn learning_curve(
     presses: &Presses,
     error: &mut dyn FnMut(&Presses) -> Result<f64, CalibrateError>,
-) -> Result<Curve, CalibrateError> {
-    let order = mixed(presses.len());
+) -> Result<LearningCurve, CalibrateError> {
+    let order = shuffled(presses.len());
     let mut points = Vec::new();
     for part in [4, 2, 1] {
         let count = presses.len() / part;
@@ -34,16 +34,16 @@ pub fn learning_curve(
             .iter()
             .map(|index| presses.list()[*index].clone())
             .collect();
-        // A part that lies on one line teaches nothing: it is no point of the curve.
+        // A part that is refused, e.g. because it lies on one line, is left out.
         if let Ok(some) = Presses::new("a part", list) {
             points.push((count, error(&some)?));
         }
     }
     let twice_mm = match points[..] {
-        [.., (_, half), (_, all)] => Some(all * (all / half).clamp(BEST_FORETOLD, 1.0)),
+        [.., (_, half), (_, all)] => Some(all * (all / half).clamp(LEAST_RATIO, 1.0)),
         _ => None,
     };
-    Ok(Curve { points, twice_mm })
+    Ok(LearningCurve { points, twice_mm })
 }
 
 #[cfg(test)]
@@ -52,7 +52,7 @@ mod tests {
     use crate::calibrate::Press;
 
     #[test]
-    fn an_error_that_falls_with_the_root_is_foretold() {
+    fn an_error_that_falls_with_the_root_is_extrapolated() {
         let list = (0..64)
             .map(|i| Press {
                 place_mm: [f64::from(i % 8), f64::from(i / 8)],

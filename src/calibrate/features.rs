@@ -1,50 +1,49 @@
-//! What a regression is shown of a press: its changes, compressed, scaled, and stretched along the directions that matter.
+//! Features of a press for regression: its changes, compressed, scaled, and stretched along the directions that matter.
 //!
-//! Changes of a press span orders of magnitude between channels near it and far off. A signed root or logarithm lets the
-//! far ones speak, and unit norm takes off how hard was pressed; which of them serves a pad best is not known beforehand,
-//! so several are fitted and blended.
+//! The changes of a press differ by orders of magnitude between channels near it and far from it. A signed root or logarithm
+//! gives the far ones weight; unit norm removes the force. Which of them suits a pad is not known beforehand, so several are
+//! fitted and blended.
 
 use faer::{Mat, Side};
 
-use super::CalibrateError;
-use super::process::{self, Hyper};
+use super::error::CalibrateError;
+use super::process::{self, Hyperparameters};
 
-/// The logarithm turns linear below this share of the median change.
+/// The logarithm becomes linear below this share of the median change.
 const LINEAR_BELOW: f64 = 0.7;
-/// A channel is left out of weighted features if the place explains less than this share of its variance.
+/// A channel is left out of weighted features if the place explains less of its variance than this.
 const LEAST_EXPLAINED: f64 = 0.15;
 /// Lengths (in deviations of the places) and noises tried for a channel's map over the pad.
 const MAP_LENGTHS: [f64; 4] = [0.35, 0.7, 1.1, 1.6];
 const MAP_NOISES: [f64; 3] = [0.01, 0.1, 0.5];
-/// Share of the mean eigenvalue that a learned metric leaves to every direction.
+/// Share of the mean eigenvalue that a learned metric keeps in every direction.
 const METRIC_FLOOR: f64 = 1e-6;
-/// Eigenvalues of the gradients' outer product enter the map to this power: half a step of the metric that they give,
-/// since whole steps overfit small sets.
+/// Power of the eigenvalues of the gradients' outer product in the learned map. A full step (0.5) overfits small sets.
 const METRIC_POWER: f64 = 0.25;
 
 /// How changes are compressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Shape {
+pub(super) enum Compression {
     /// sign(d) |d|^p.
     Root(f64),
     /// asinh(d / scale).
     Log,
 }
 
-/// What is done to changes before a regression sees them.
+/// How features are made of changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Recipe {
-    pub shape: Shape,
-    /// Each press to unit norm first.
+pub(super) struct FeatureSpec {
+    pub compression: Compression,
+    /// Whether each press is scaled to unit norm first.
     pub unit: bool,
-    /// Each channel by how well the place explains it.
+    /// Whether each channel is weighted by how well the place explains it.
     pub weighted: bool,
 }
 
-/// A recipe with what it learned from presses.
+/// A specification with the scales learned from presses.
 #[derive(Clone, Debug)]
 pub(super) struct Features {
-    recipe: Recipe,
+    spec: FeatureSpec,
     scale: f64,
     weights: Vec<f64>,
     mean: Vec<f64>,
@@ -52,12 +51,12 @@ pub(super) struct Features {
 }
 
 impl Features {
-    /// Learns from presses: `changes` presses by channels, `weights` one a channel.
-    pub(super) fn fit(recipe: Recipe, changes: &Mat<f64>, weights: &[f64]) -> Self {
+    /// Learns from `changes` (presses by channels) with one weight for each channel.
+    pub(super) fn fit(spec: FeatureSpec, changes: &Mat<f64>, weights: &[f64]) -> Self {
         let mut features = Self {
-            recipe,
+            spec,
             scale: LINEAR_BELOW * median_magnitude(changes),
-            weights: if recipe.weighted {
+            weights: if spec.weighted {
                 weights.to_vec()
             } else {
                 vec![1.0; changes.ncols()]
@@ -65,7 +64,7 @@ impl Features {
             mean: vec![0.0; changes.ncols()],
             size: 1.0,
         };
-        let shaped = features.of(changes);
+        let shaped = features.apply(changes);
         let count = shaped.nrows() as f64;
         features.mean = (0..shaped.ncols())
             .map(|c| shaped.col(c).iter().sum::<f64>() / count)
@@ -85,11 +84,11 @@ impl Features {
         features
     }
 
-    /// The features of presses.
-    pub(super) fn of(&self, changes: &Mat<f64>) -> Mat<f64> {
+    /// The features of presses: presses by channels.
+    pub(super) fn apply(&self, changes: &Mat<f64>) -> Mat<f64> {
         let norms: Vec<f64> = (0..changes.nrows())
             .map(|row| {
-                if self.recipe.unit {
+                if self.spec.unit {
                     process::norm(changes, row).max(f64::MIN_POSITIVE)
                 } else {
                     1.0
@@ -98,9 +97,9 @@ impl Features {
             .collect();
         Mat::from_fn(changes.nrows(), changes.ncols(), |row, channel| {
             let change = changes[(row, channel)] / norms[row];
-            let shaped = match self.recipe.shape {
-                Shape::Root(power) => root(change, power),
-                Shape::Log => libm::asinh(change / self.scale),
+            let shaped = match self.spec.compression {
+                Compression::Root(power) => root(change, power),
+                Compression::Log => libm::asinh(change / self.scale),
             };
             (self.weights[channel] * shaped - self.mean[channel]) / self.size
         })
@@ -112,8 +111,8 @@ pub(super) fn root(change: f64, power: f64) -> f64 {
     libm::copysign(libm::pow(change.abs(), power), change)
 }
 
-/// Square root of the share of each channel's variance that the place explains when each press is left out; zero below
-/// [`LEAST_EXPLAINED`]: loose and noisy channels.
+/// For each channel, the square root of the share of its variance that the place explains (leave-one-out); 0 below
+/// [`LEAST_EXPLAINED`], for loose and noisy channels.
 pub(super) fn channel_weights(
     changes: &Mat<f64>,
     places: &Mat<f64>,
@@ -128,7 +127,7 @@ pub(super) fn channel_weights(
         let total = variances(values);
         for length in MAP_LENGTHS {
             for noise in MAP_NOISES {
-                let hyper = Hyper {
+                let hyper = Hyperparameters {
                     length: length * spread,
                     noise,
                 };
@@ -154,8 +153,8 @@ pub(super) fn channel_weights(
         .collect())
 }
 
-/// The linear map that stretches features along the directions in which the outputs change, from the mean outer product
-/// of their gradients.
+/// The linear map that stretches features along the directions in which the outputs change, from the mean outer product of
+/// their gradients.
 pub(super) fn stretch(outer_product: &Mat<f64>) -> Result<Mat<f64>, CalibrateError> {
     let eigen = outer_product
         .self_adjoint_eigen(Side::Lower)
@@ -170,7 +169,7 @@ pub(super) fn stretch(outer_product: &Mat<f64>) -> Result<Mat<f64>, CalibrateErr
     }))
 }
 
-/// Root of the mean squared distance of places from their middle, over sqrt 2: a deviation along an axis.
+/// Root mean squared distance of places from their centre, over sqrt 2: the deviation along one axis.
 pub(super) fn spread(places: &Mat<f64>) -> f64 {
     let squares: f64 = variances(places).iter().sum();
     libm::sqrt(squares / (2.0 * places.nrows() as f64)).max(f64::MIN_POSITIVE)
@@ -191,7 +190,7 @@ fn median_magnitude(changes: &Mat<f64>) -> f64 {
         .flat_map(|c| changes.col(c).iter().map(|v| v.abs()))
         .collect();
     values.sort_by(f64::total_cmp);
-    // Where most channels are silent, the loudest tells the scale.
+    // Where most channels do not change, the largest change gives the scale.
     let median = values[values.len() / 2];
     if median > 0.0 {
         median
@@ -205,19 +204,19 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const RECIPES: [Recipe; 3] = [
-        Recipe {
-            shape: Shape::Root(0.5),
+    const SPECS: [FeatureSpec; 3] = [
+        FeatureSpec {
+            compression: Compression::Root(0.5),
             unit: true,
             weighted: false,
         },
-        Recipe {
-            shape: Shape::Root(0.7),
+        FeatureSpec {
+            compression: Compression::Root(0.7),
             unit: true,
             weighted: true,
         },
-        Recipe {
-            shape: Shape::Log,
+        FeatureSpec {
+            compression: Compression::Log,
             unit: false,
             weighted: false,
         },
@@ -231,10 +230,10 @@ mod tests {
         ) {
             let changes = Mat::from_fn(6, 5, |r, c| values[5 * r + c]);
             let scaled = Mat::from_fn(6, 5, |r, c| unit * values[5 * r + c]);
-            for recipe in RECIPES {
+            for spec in SPECS {
                 let weights = [1.0; 5];
-                let a = Features::fit(recipe, &changes, &weights).of(&changes);
-                let b = Features::fit(recipe, &scaled, &weights).of(&scaled);
+                let a = Features::fit(spec, &changes, &weights).apply(&changes);
+                let b = Features::fit(spec, &scaled, &weights).apply(&scaled);
                 for r in 0..6 {
                     for c in 0..5 {
                         prop_assert!((a[(r, c)] - b[(r, c)]).abs() < 1e-9);
@@ -245,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_of_noise_weighs_nothing() {
+    fn a_channel_of_noise_has_no_weight() {
         let mut noise = 0.1_f64;
         let places = Mat::from_fn(60, 2, |i, axis| ((i * (axis * 5 + 3)) % 17) as f64);
         let changes = Mat::from_fn(60, 2, |i, channel| {

@@ -1,44 +1,46 @@
-//! Where a press is, read backwards: each channel's map over the pad, and the place whose expected reading fits best.
+//! Locates presses with a map of each channel over the pad: the place whose expected readings fit best.
 //!
-//! With few presses a map over two dimensions is learned far better than a function of two hundred voltages. The maps are
-//! one Gaussian process over the places; what they leave unexplained has a covariance over the channels, which is what
-//! tells loose and correlated channels from good ones. The place is the posterior mean over a grid. Residuals of
-//! neighbouring channels are one disturbance and not many, so the likelihood counts as that of a few channels.
+//! With few presses, a map over two dimensions is learned far better than a function of two hundred voltages. The maps are one
+//! Gaussian process over the places. The covariance of their residuals over the channels separates loose and correlated
+//! channels from good ones. The place is the posterior mean over a grid. Residuals of neighbouring channels come from
+//! one disturbance, so the likelihood counts as that of a few channels.
 
 use faer::{Mat, Side};
 
-use super::CalibrateError;
+use super::error::CalibrateError;
 use super::features::{root, spread};
-use super::presses::mixed;
-use super::process::{self, Hyper, Process};
+use super::presses::shuffled;
+use super::process::{self, Hyperparameters, Process};
 
 /// Grid places along each side of the box around the presses.
 const GRID: usize = 45;
 /// The grid reaches beyond the presses by this share of their box.
 const MARGIN: f64 = 0.0125;
-/// Independent readings that a frame counts as.
+/// Number of independent readings that a frame counts as.
 const EFFECTIVE_CHANNELS: f64 = 12.0;
-/// Share of the diagonal mixed into the residuals' covariance: this over the presses, and this at least.
+/// Shrinkage of the residuals' covariance towards its diagonal: the first over the number of presses, plus the second.
 const SHRINK: (f64, f64) = (10.0, 0.05);
-/// A channel's residual variance counts as at least this share of the mean one.
+/// Least residual variance of a channel, as a share of the mean.
 const LEAST_VARIANCE: f64 = 1e-6;
 /// Lengths (in deviations of the places) and noises tried for the maps.
 const LENGTHS: [f64; 6] = [0.35, 0.5, 0.7, 1.1, 1.6, 2.2];
 const NOISES: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
-/// Presses at most for the choice of length and noise, and for the residuals.
-const MOST: (usize, usize) = (300, 1000);
+/// Most presses for the choice of length and noise.
+const MOST_FOR_CHOICE: usize = 300;
+/// Most presses for the residuals.
+const MOST_FOR_RESIDUALS: usize = 1000;
 
-/// Maps of all channels, ready to place presses.
+/// Maps of all channels.
 #[derive(Clone, Debug)]
 pub(super) struct Maps {
     power: f64,
     /// Grid places by 2, mm.
     grid: Mat<f64>,
-    /// Channels by whitened directions.
+    /// Channels by independent directions.
     whitening: Mat<f64>,
     /// Expected readings at the grid, whitened.
     expected: Mat<f64>,
-    /// Variance of the maps and the noise at the grid, over the noise's.
+    /// Variance of maps and noise at the grid, over the prior's.
     variance: Vec<f64>,
 }
 
@@ -53,7 +55,7 @@ impl Maps {
             root(changes[(r, c)], power)
         });
         let hyper = choose(&values, places)?;
-        let some = subset(places.nrows(), MOST.1);
+        let some = subset(places.nrows(), MOST_FOR_RESIDUALS);
         let (near, shown) = (rows(places, &some), rows(&values, &some));
         let left_out =
             process::leave_one_out(&process::squared_distances(&near, &near), &shown, hyper)?;
@@ -70,7 +72,7 @@ impl Maps {
         })
     }
 
-    /// Places of presses, mm: presses by 2.
+    /// Predicts the places of presses, mm: presses by 2.
     pub(super) fn predict(&self, changes: &Mat<f64>) -> Mat<f64> {
         let values = Mat::from_fn(changes.nrows(), changes.ncols(), |r, c| {
             root(changes[(r, c)], self.power)
@@ -100,16 +102,16 @@ impl Maps {
     }
 }
 
-/// The length and noise under which the left-out readings are likeliest, each channel with its own variance.
-fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyper, CalibrateError> {
-    let some = subset(places.nrows(), MOST.0);
+/// The length and noise with the highest likelihood of the left-out readings, each channel with its own variance.
+fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyperparameters, CalibrateError> {
+    let some = subset(places.nrows(), MOST_FOR_CHOICE);
     let (places, values) = (rows(places, &some), rows(values, &some));
     let distances2 = process::squared_distances(&places, &places);
     let unit = spread(&places);
-    let mut best: Option<(f64, Hyper)> = None;
+    let mut best: Option<(f64, Hyperparameters)> = None;
     for length in LENGTHS {
         for noise in NOISES {
-            let hyper = Hyper {
+            let hyper = Hyperparameters {
                 length: length * unit,
                 noise,
             };
@@ -129,8 +131,8 @@ fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyper, CalibrateError>
     best.map(|(_, hyper)| hyper).ok_or(CalibrateError::Alike)
 }
 
-/// Each channel's mean squared residual over the variance that the process foresaw.
-fn standard_variances(left_out: &process::LeftOut) -> Vec<f64> {
+/// For each channel, the mean squared residual over the variance that the process predicts.
+fn standard_variances(left_out: &process::LeaveOneOut) -> Vec<f64> {
     (0..left_out.residuals.ncols())
         .map(|channel| {
             mean(
@@ -145,8 +147,8 @@ fn standard_variances(left_out: &process::LeftOut) -> Vec<f64> {
         .collect()
 }
 
-/// Channels by directions in which standardised residuals are independent with variance 1.
-fn whitening(left_out: &process::LeftOut) -> Result<Mat<f64>, CalibrateError> {
+/// The map (channels by directions) after which standardised residuals are independent with variance 1.
+fn whitening(left_out: &process::LeaveOneOut) -> Result<Mat<f64>, CalibrateError> {
     let (count, channels) = (left_out.residuals.nrows(), left_out.residuals.ncols());
     let standard = Mat::from_fn(count, channels, |r, c| {
         left_out.residuals[(r, c)] / libm::sqrt(left_out.variance[r] * count as f64)
@@ -192,9 +194,9 @@ fn grid(places: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// At most so many of the presses, mixed.
+/// Indices of at most `most` presses, shuffled.
 pub(super) fn subset(count: usize, most: usize) -> Vec<usize> {
-    let mut some = mixed(count);
+    let mut some = shuffled(count);
     some.truncate(most);
     some
 }
@@ -214,8 +216,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_press_between_presses_is_placed() {
-        // Six channels, each a bump over a 60 mm pad; one of them dead.
+    fn a_press_between_the_learned_ones_is_located() {
+        // Six channels, each a bump over a 60 mm pad; one of them is dead.
         let reading = |x: f64, y: f64, channel: usize| {
             if channel == 5 {
                 return 0.0;

@@ -1,39 +1,39 @@
-//! Presses at known places: what a calibration learns from, and its text form.
+//! Presses at known places: what a calibration learns from, and their CSV form.
 //!
-//! A row is `x_mm,y_mm,d0,d1,...`: the place, and what each channel reads pressed less unpressed, in any unit. What
-//! gelpad records itself has three more columns behind the place, `force,model_x_mm,model_y_mm`: how hard the model
-//! thought the press was, and where; its differences are relative changes (v - v0) / v0.
+//! A row is `x_mm,y_mm,d0,d1,...`: the place, and each channel's reading when pressed minus when untouched, in any unit. Files
+//! recorded by gelpad have three more columns after the place, `force,model_x_mm,model_y_mm`: the force and place that the
+//! model found. Their differences are relative changes (v - v0) / v0.
 
 use faer::Mat;
 
 use crate::types::PointMm;
 
-/// Fewer presses teach nothing.
+/// Least number of presses to learn from.
 pub const FEWEST_PRESSES: usize = 8;
-/// Names of the columns that only gelpad's own files have.
+/// Columns of files recorded by gelpad.
 const MODEL_COLUMNS: [&str; 3] = ["force", "model_x_mm", "model_y_mm"];
 
-/// What the model of the pad made of a press.
+/// Force and place of a press according to the model, before any correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modelled {
-    /// How hard, 0 to 1.
+pub struct ModelPrediction {
+    /// Force, 0 to 1.
     pub force: f64,
-    /// Where, mm.
+    /// Place, mm.
     pub place_mm: PointMm,
 }
 
 /// One press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Press {
-    /// Where the pad was pressed, mm.
+    /// The pressed place, mm.
     pub place_mm: PointMm,
-    /// What the model made of it, where there is a model.
-    pub modelled: Option<Modelled>,
-    /// Pressed less unpressed, a value a channel.
+    /// The model's prediction, where there is a model.
+    pub modelled: Option<ModelPrediction>,
+    /// Reading when pressed minus when untouched, for each channel.
     pub changes: Vec<f64>,
 }
 
-/// Presses of one pad: all of the same number of channels, and either all modelled or none.
+/// Presses of one pad: all with the same number of channels, and either all or none with a prediction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Presses {
     list: Vec<Press>,
@@ -43,20 +43,20 @@ pub struct Presses {
 /// Why presses are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PressesError {
-    /// The header is another one.
-    #[error("{name}:1: no presses here: the header must be x_mm,y_mm,d0,d1,...")]
+    /// The header is wrong.
+    #[error("{name}:1: not a file of presses: the header must be x_mm,y_mm,d0,d1,...")]
     Header {
         /// The file.
         name: String,
     },
-    /// A row holds something else.
+    /// A row is wrong.
     #[error("{name}:{line}: {problem}")]
     Row {
         /// The file.
         name: String,
-        /// Its line, from 1.
+        /// The line, from 1.
         line: u64,
-        /// What is wrong there.
+        /// The reason.
         problem: String,
     },
     /// Too few to learn from.
@@ -64,10 +64,10 @@ pub enum PressesError {
     TooFew {
         /// The file.
         name: String,
-        /// How many there are.
+        /// Number of presses.
         found: usize,
     },
-    /// The presses do not span the pad, or no channel answers to them.
+    /// The presses do not span the pad, or no channel changes.
     #[error("{name}: {problem}")]
     Flat {
         /// The file.
@@ -78,10 +78,10 @@ pub enum PressesError {
 }
 
 impl Presses {
-    /// Takes presses; `name` stands for the file in messages.
+    /// Checks presses; `name` is the file in messages.
     ///
     /// # Errors
-    /// Too few presses; rows of different lengths; presses all in one line or without a change.
+    /// Too few presses; rows of different lengths; presses on one line or without any change.
     pub fn new(name: &str, list: Vec<Press>) -> Result<Self, PressesError> {
         if list.len() < FEWEST_PRESSES {
             return Err(PressesError::TooFew {
@@ -122,79 +122,41 @@ impl Presses {
             .iter()
             .all(|press| press.changes.iter().all(|change| *change == 0.0))
         {
-            return flat("no channel answers to any press: is the pad connected?");
+            return flat("no channel changes with any press: is the pad connected?");
         }
         Ok(presses)
     }
 
-    /// Reads the text of a file; `name` stands for it in messages.
+    /// Reads the text of a file; `name` is the file in messages.
     ///
     /// # Errors
-    /// The first row that is not what it should be; see [`Self::new`].
+    /// The first row that is wrong; see [`Self::new`].
     pub fn from_csv(name: &str, text: &str) -> Result<Self, PressesError> {
-        let header_error = || PressesError::Header {
-            name: name.to_owned(),
-        };
         let mut reader = csv::ReaderBuilder::new()
             .flexible(true)
             .from_reader(text.as_bytes());
-        let header = reader.headers().map_err(|_| header_error())?.clone();
-        let titles: Vec<&str> = header.iter().map(str::trim).collect();
-        if titles.get(..2) != Some(&["x_mm", "y_mm"]) {
-            return Err(header_error());
-        }
-        let modelled = titles.get(2..5) == Some(&MODEL_COLUMNS);
-        let first = if modelled { 5 } else { 2 };
-        if titles.get(first) != Some(&"d0") {
-            return Err(header_error());
-        }
+        let columns = reader.headers().ok().and_then(Columns::from_header);
+        let Some(columns) = columns else {
+            return Err(PressesError::Header {
+                name: name.to_owned(),
+            });
+        };
         let mut list = Vec::new();
         for record in reader.records() {
-            let problem = |line: u64, problem: String| PressesError::Row {
+            let position = match &record {
+                Ok(record) => record.position(),
+                Err(error) => error.position(),
+            };
+            let line = position.map_or(0, csv::Position::line);
+            let press = match &record {
+                Ok(record) => columns.press(record),
+                Err(_) => Err("not valid UTF-8".to_owned()),
+            };
+            list.push(press.map_err(|problem| PressesError::Row {
                 name: name.to_owned(),
                 line,
                 problem,
-            };
-            let record = record.map_err(|error| {
-                let line = error.position().map_or(0, csv::Position::line);
-                problem(line, "this is no line of text".to_owned())
-            })?;
-            let line = record.position().map_or(0, csv::Position::line);
-            if record.len() != titles.len() {
-                return Err(problem(
-                    line,
-                    format!(
-                        "{} values where the header has {}",
-                        record.len(),
-                        titles.len()
-                    ),
-                ));
-            }
-            let mut row = Vec::with_capacity(record.len());
-            for (column, word) in record.iter().enumerate() {
-                match word.trim().parse::<f64>() {
-                    Ok(value) if value.is_finite() => row.push(value),
-                    _ => {
-                        let word: String = word.chars().take(20).collect();
-                        return Err(problem(
-                            line,
-                            format!(
-                                "column {} ({}): `{word}` is no number",
-                                column + 1,
-                                titles[column]
-                            ),
-                        ));
-                    }
-                }
-            }
-            list.push(Press {
-                place_mm: [row[0], row[1]],
-                modelled: modelled.then(|| Modelled {
-                    force: row[2],
-                    place_mm: [row[3], row[4]],
-                }),
-                changes: row.split_off(first),
-            });
+            })?);
         }
         Self::new(name, list)
     }
@@ -215,7 +177,7 @@ impl Presses {
         for press in &self.list {
             let [x, y] = press.place_mm;
             text.push_str(&format!("{x},{y}"));
-            if let Some(Modelled { force, place_mm }) = press.modelled {
+            if let Some(ModelPrediction { force, place_mm }) = press.modelled {
                 text.push_str(&format!(",{force},{},{}", place_mm[0], place_mm[1]));
             }
             for change in &press.changes {
@@ -226,25 +188,25 @@ impl Presses {
         text
     }
 
-    /// How many there are.
+    /// Number of presses.
     #[must_use]
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether there is none; never so.
+    /// Never true: there are at least [`FEWEST_PRESSES`].
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Values a press.
+    /// Number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// Whether they tell what the model made of them.
+    /// Whether the presses contain the model's predictions.
     #[must_use]
     pub fn is_modelled(&self) -> bool {
         self.list[0].modelled.is_some()
@@ -273,10 +235,62 @@ impl Presses {
     }
 }
 
-/// 0 to n - 1 in an order that has nothing to do with the order of recording, always the same.
+/// The columns of a file.
+struct Columns {
+    titles: Vec<String>,
+    is_modelled: bool,
+}
+
+impl Columns {
+    /// `None` if this is not the header of a file of presses.
+    fn from_header(header: &csv::StringRecord) -> Option<Self> {
+        let titles: Vec<String> = header.iter().map(|title| title.trim().to_owned()).collect();
+        let is_modelled = titles.get(2..5).is_some_and(|some| some == MODEL_COLUMNS);
+        let columns = Self {
+            titles,
+            is_modelled,
+        };
+        let first = columns.titles.get(columns.first_channel())?;
+        (columns.titles[..2] == ["x_mm", "y_mm"] && first == "d0").then_some(columns)
+    }
+
+    fn first_channel(&self) -> usize {
+        if self.is_modelled { 5 } else { 2 }
+    }
+
+    fn press(&self, record: &csv::StringRecord) -> Result<Press, String> {
+        let (values, columns) = (record.len(), self.titles.len());
+        if values != columns {
+            return Err(format!("{values} values where the header has {columns}"));
+        }
+        let mut row = Vec::with_capacity(values);
+        for (column, (text, title)) in record.iter().zip(&self.titles).enumerate() {
+            match text.trim().parse::<f64>() {
+                Ok(value) if value.is_finite() => row.push(value),
+                _ => {
+                    let text: String = text.chars().take(20).collect();
+                    let number = column + 1;
+                    return Err(format!(
+                        "column {number} ({title}): `{text}` is not a number"
+                    ));
+                }
+            }
+        }
+        Ok(Press {
+            place_mm: [row[0], row[1]],
+            modelled: self.is_modelled.then(|| ModelPrediction {
+                force: row[2],
+                place_mm: [row[3], row[4]],
+            }),
+            changes: row.split_off(self.first_channel()),
+        })
+    }
+}
+
+/// 0 to n - 1 in a fixed pseudo-random order.
 #[must_use]
-pub(super) fn mixed(n: usize) -> Vec<usize> {
-    // SplitMix64 (Steele, Lea and Flood 2014): a key a number.
+pub(super) fn shuffled(n: usize) -> Vec<usize> {
+    // Sorted by SplitMix64 (Steele, Lea and Flood 2014).
     let key = |index: usize| {
         let mut z = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -296,7 +310,7 @@ mod tests {
     fn press(x: f64, y: f64, changes: &[f64], modelled: bool) -> Press {
         Press {
             place_mm: [x, y],
-            modelled: modelled.then_some(Modelled {
+            modelled: modelled.then_some(ModelPrediction {
                 force: 0.5,
                 place_mm: [x + 1.0, y],
             }),
@@ -317,17 +331,20 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_file_is_refused_at_its_line() {
+    fn a_wrong_file_is_refused_with_its_line() {
         let rows = |last: &str| {
             let good: String = (0..9).map(|i| format!("{i},{},1,{i}\n", i * i)).collect();
             format!("x_mm,y_mm,d0,d1\n{good}{last}\n")
         };
-        for (text, told) in [
-            ("t_ms,v0\n1,2\n".to_owned(), "p:1: no presses here"),
-            ("".to_owned(), "p:1: no presses here"),
+        for (text, message) in [
+            ("t_ms,v0\n1,2\n".to_owned(), "p:1: not a file of presses"),
+            ("".to_owned(), "p:1: not a file of presses"),
             (rows("1,2,3"), "p:11: 3 values where the header has 4"),
-            (rows("1,2,x,3"), "p:11: column 3 (d0): `x` is no number"),
-            (rows("1,2,inf,3"), "p:11: column 3 (d0): `inf` is no number"),
+            (rows("1,2,x,3"), "p:11: column 3 (d0): `x` is not a number"),
+            (
+                rows("1,2,inf,3"),
+                "p:11: column 3 (d0): `inf` is not a number",
+            ),
             (
                 "x_mm,y_mm,d0\n1,2,3\n".to_owned(),
                 "p: 1 presses, but at least 8",
@@ -338,13 +355,13 @@ mod tests {
             ),
         ] {
             let error = Presses::from_csv("p", &text).expect_err(&text).to_string();
-            assert!(error.starts_with(told), "{error}");
+            assert!(error.starts_with(message), "{error}");
         }
     }
 
     #[test]
-    fn a_mixed_order_holds_every_number_once() {
-        let mut order = mixed(100);
+    fn a_shuffled_order_contains_every_number_once() {
+        let mut order = shuffled(100);
         assert_ne!(order[..10], (0..10).collect::<Vec<_>>());
         order.sort_unstable();
         assert_eq!(order, (0..100).collect::<Vec<_>>());

@@ -1,30 +1,31 @@
-//! Gaussian process regression with a Matern 5/2 kernel, chosen by leave-one-out.
+//! Gaussian process regression with a Matern 5/2 kernel; hyperparameters are chosen by leave-one-out.
 //!
 //! Leave-one-out residuals come in closed form from the inverse of the kernel matrix: r_i = (K^-1 y)_i / (K^-1)_ii
-//! (Rasmussen and Williams 2006, eq. 5.12). Outputs (columns of `targets`) share the kernel; their mean is taken off first.
-//! The prior's variance is 1: only the ratio of noise to it matters to the prediction.
+//! (Rasmussen and Williams 2006, eq. 5.12). Outputs (columns of `targets`) share the kernel; their mean is subtracted first.
+//! The prior variance is 1: only the ratio of the noise to it matters.
 
 use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
 use faer::{Mat, Side};
 
-use super::CalibrateError;
+use super::error::CalibrateError;
+use crate::touch::correction::matern;
 
-/// Where the search for length (in median distances) and noise (variance ratio) starts.
-const START: Hyper = Hyper {
+/// Start of the search: length (in median distances) and noise (variance ratio).
+const START: Hyperparameters = Hyperparameters {
     length: 1.5,
     noise: 1e-2,
 };
-/// Steps of the search, halved (in the logarithm) each round.
+/// Factors of the search on length and noise; their logarithms are halved in each round.
 const STEPS: (f64, f64) = (2.0, 3.2);
 /// Rounds of the search, and steps in each.
 const ROUNDS: (usize, usize) = (4, 8);
-/// The search goes nowhere beyond, times the median distance and the prior's variance.
+/// Limits of the search, in median distances and prior variances.
 const LENGTHS: (f64, f64) = (0.05, 100.0);
 const NOISES: (f64, f64) = (1e-8, 10.0);
 
-/// The two numbers of the kernel.
+/// Hyperparameters of the kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hyper {
+pub(super) struct Hyperparameters {
     /// Length scale, in the unit of the points.
     pub length: f64,
     /// Variance of the noise over that of the prior.
@@ -39,23 +40,23 @@ pub(super) struct Process {
     /// Points by outputs.
     weights: Mat<f64>,
     mean: Vec<f64>,
-    hyper: Hyper,
+    hyper: Hyperparameters,
 }
 
-/// What leaving each point out showed.
-pub(super) struct LeftOut {
-    /// Points by outputs: truth less prediction.
+/// Result of leaving each point out.
+pub(super) struct LeaveOneOut {
+    /// Points by outputs: target minus prediction.
     pub residuals: Mat<f64>,
-    /// 1 / (K^-1)_ii: variance of the prediction, noise included, over the prior's.
+    /// 1 / (K^-1)_ii: variance of the prediction including noise, over the prior's.
     pub variance: Vec<f64>,
 }
 
 impl Process {
-    /// Fits given numbers.
+    /// Fits the weights.
     pub(super) fn fit(
         points: Mat<f64>,
         targets: &Mat<f64>,
-        hyper: Hyper,
+        hyper: Hyperparameters,
     ) -> Result<Self, CalibrateError> {
         let (centred, mean) = centred(targets);
         let factor = factor(&squared_distances(&points, &points), hyper)?;
@@ -67,7 +68,7 @@ impl Process {
         })
     }
 
-    /// The outputs at other points.
+    /// Predicts the outputs at other points.
     pub(super) fn predict(&self, points: &Mat<f64>) -> Mat<f64> {
         let mut kernel = squared_distances(points, &self.points);
         apply(&mut kernel, |d2| matern(d2, self.hyper.length));
@@ -96,8 +97,8 @@ impl Process {
             .collect())
     }
 
-    /// Mean outer product of the prediction's gradients at its own points, dimensions by dimensions: along which
-    /// directions the outputs change (Trivedi et al. 2014; Radhakrishnan et al. 2024).
+    /// Mean outer product of the prediction's gradients at its own points, dimensions by dimensions: the directions in which
+    /// the outputs change (Trivedi et al. 2014; Radhakrishnan et al. 2024).
     pub(super) fn gradient_outer_product(&self) -> Mat<f64> {
         let (count, dimensions) = (self.points.nrows(), self.points.ncols());
         let mut slope = squared_distances(&self.points, &self.points);
@@ -126,8 +127,8 @@ impl Process {
 pub(super) fn leave_one_out(
     distances2: &Mat<f64>,
     targets: &Mat<f64>,
-    hyper: Hyper,
-) -> Result<LeftOut, CalibrateError> {
+    hyper: Hyperparameters,
+) -> Result<LeaveOneOut, CalibrateError> {
     let (centred, _) = centred(targets);
     let inverse = factor(distances2, hyper)?.inverse();
     let mut residuals = &inverse * &centred;
@@ -139,18 +140,21 @@ pub(super) fn leave_one_out(
             residuals[(row, output)] *= variance;
         }
     }
-    Ok(LeftOut {
+    Ok(LeaveOneOut {
         residuals,
         variance,
     })
 }
 
 /// The length and noise with the least mean error of place when each press is left out.
-pub(super) fn choose(points: &Mat<f64>, places: &Mat<f64>) -> Result<Hyper, CalibrateError> {
+pub(super) fn choose(
+    points: &Mat<f64>,
+    places: &Mat<f64>,
+) -> Result<Hyperparameters, CalibrateError> {
     let distances2 = squared_distances(points, points);
     let unit = median_distance(&distances2).max(f64::MIN_POSITIVE);
-    let error = |hyper: Hyper| -> Result<f64, CalibrateError> {
-        let hyper = Hyper {
+    let error = |hyper: Hyperparameters| -> Result<f64, CalibrateError> {
+        let hyper = Hyperparameters {
             length: hyper.length * unit,
             ..hyper
         };
@@ -168,11 +172,11 @@ pub(super) fn choose(points: &Mat<f64>, places: &Mat<f64>) -> Result<Hyper, Cali
                 (1.0, noise_step),
                 (1.0, 1.0 / noise_step),
             ] {
-                let hyper = Hyper {
+                let hyper = Hyperparameters {
                     length: (best.1.length * by_length).clamp(LENGTHS.0, LENGTHS.1),
                     noise: (best.1.noise * by_noise).clamp(NOISES.0, NOISES.1),
                 };
-                // A step out of bounds or into a matrix that cannot be factored is no step.
+                // A step to a matrix that cannot be factored is not taken.
                 if let Ok(found) = error(hyper)
                     && found < best.0
                 {
@@ -186,7 +190,7 @@ pub(super) fn choose(points: &Mat<f64>, places: &Mat<f64>) -> Result<Hyper, Cali
         length_step = libm::sqrt(length_step);
         noise_step = libm::sqrt(noise_step);
     }
-    Ok(Hyper {
+    Ok(Hyperparameters {
         length: best.1.length * unit,
         ..best.1
     })
@@ -227,7 +231,7 @@ pub(super) fn squared_distances(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
     product
 }
 
-fn factor(distances2: &Mat<f64>, hyper: Hyper) -> Result<Llt<f64>, CalibrateError> {
+fn factor(distances2: &Mat<f64>, hyper: Hyperparameters) -> Result<Llt<f64>, CalibrateError> {
     let mut kernel = distances2.clone();
     apply(&mut kernel, |d2| matern(d2, hyper.length));
     for i in 0..kernel.nrows() {
@@ -236,19 +240,13 @@ fn factor(distances2: &Mat<f64>, hyper: Hyper) -> Result<Llt<f64>, CalibrateErro
     Llt::new(kernel.as_ref(), Side::Lower).map_err(|_| CalibrateError::Alike)
 }
 
-/// Matern 5/2 of a squared distance.
-fn matern(d2: f64, length: f64) -> f64 {
-    let s = libm::sqrt(5.0 * d2) / length;
-    (1.0 + s + s * s / 3.0) * libm::exp(-s)
-}
-
-/// Its derivative by the distance over the distance.
+/// Derivative of the Matern 5/2 kernel by the distance, over the distance.
 fn matern_slope(d2: f64, length: f64) -> f64 {
     let s = libm::sqrt(5.0 * d2) / length;
     -(5.0 / 3.0) * (1.0 + s) * libm::exp(-s) / (length * length)
 }
 
-/// Changes every entry.
+/// Applies a function to every entry.
 fn apply(matrix: &mut Mat<f64>, f: impl Fn(f64) -> f64) {
     for column in 0..matrix.ncols() {
         for value in matrix.col_mut(column).iter_mut() {
@@ -257,6 +255,7 @@ fn apply(matrix: &mut Mat<f64>, f: impl Fn(f64) -> f64) {
     }
 }
 
+/// The targets without their mean, and the mean.
 fn centred(targets: &Mat<f64>) -> (Mat<f64>, Vec<f64>) {
     let mean: Vec<f64> = (0..targets.ncols())
         .map(|c| targets.col(c).iter().sum::<f64>() / targets.nrows() as f64)
@@ -290,13 +289,13 @@ mod tests {
     }
 
     #[test]
-    fn the_closed_form_is_what_leaving_out_gives() {
+    fn the_closed_form_equals_leaving_out() {
         let (points, targets) = sample();
-        let hyper = Hyper {
+        let hyper = Hyperparameters {
             length: 1.1,
             noise: 0.01,
         };
-        // Without a mean, as it moves when a press is left out.
+        // Without a mean, which would change when a point is left out.
         let (targets, _) = centred(&targets);
         let distances2 = squared_distances(&points, &points);
         let quick = leave_one_out(&distances2, &targets, hyper).expect("sound");
@@ -317,9 +316,9 @@ mod tests {
     }
 
     #[test]
-    fn gradients_are_those_of_the_prediction() {
+    fn gradients_match_the_prediction() {
         let (points, targets) = sample();
-        let hyper = Hyper {
+        let hyper = Hyperparameters {
             length: 1.3,
             noise: 0.05,
         };
@@ -352,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn the_choice_is_near_the_best() {
+    fn the_choice_is_near_the_optimum() {
         let (points, targets) = sample();
         let chosen = choose(&points, &targets).expect("sound");
         let distances2 = squared_distances(&points, &points);
@@ -365,7 +364,7 @@ mod tests {
         };
         for length in [0.3, 1.0, 3.0, 10.0] {
             for noise in [1e-6, 1e-4, 1e-2, 1.0] {
-                assert!(error(chosen) <= 1.05 * error(Hyper { length, noise }));
+                assert!(error(chosen) <= 1.05 * error(Hyperparameters { length, noise }));
             }
         }
     }

@@ -1,42 +1,52 @@
-//! Voltages to places: several regressions, blended by how well they place presses that they have not seen.
+//! Regression from voltages to places: several members, blended by their cross-validated errors.
 //!
-//! Each member sees the changes in another way (root or logarithm, unit norm or not, a learned metric, maps read
-//! backwards). Members' lengths and noises are chosen by leave-one-out, their shares of the blend by cross-validation in which
-//! everything that looks at places, learned metrics too, is learned anew without the presses left out. Nothing is
-//! random: the same presses give the same regression.
+//! Each member sees the changes in another way (root or logarithm, unit norm or not, a learned metric, maps of the channels).
+//! Lengths and noises of the members are chosen by leave-one-out, the shares by cross-validation in which everything that
+//! depends on places, including learned metrics, is fitted without the presses left out. Nothing is random: the same presses
+//! give the same regression.
 
 use faer::Mat;
 
-use super::features::{Features, Recipe, Shape, channel_weights, stretch};
+use super::blend;
+use super::error::{CalibrateError, PlaceErrors};
+use super::features::{Compression, FeatureSpec, Features, channel_weights, stretch};
 use super::maps::{Maps, rows, subset};
-use super::presses::{Presses, mixed};
-use super::process::{self, Hyper, Process};
-use super::{CalibrateError, Errors, blend};
+use super::presses::{Presses, shuffled};
+use super::process::{self, Hyperparameters, Process};
+use crate::types::PointMm;
 
-/// Presses at most for the choice of lengths and noises, and of the channels' weights.
+/// Most presses for the choice of lengths, noises and channel weights.
 const MOST_FOR_CHOICE: usize = 400;
-/// Parts of the cross-validation; of many presses only the first parts are left out in turn.
+/// Parts of the cross-validation.
 const FOLDS: usize = 5;
+/// With more presses than [`MANY`], only this many parts are left out in turn.
 const FOLDS_OF_MANY: usize = 2;
-/// So many presses are many.
 const MANY: usize = 1000;
 
-/// Factors on length and noise that are tried where these were chosen on a part of the presses.
+/// Candidate factors on length and noise, where these were chosen from a part of the presses.
 const REFINEMENTS: [(f64, f64); 4] = [(1.0, 1.0), (0.7, 1.0), (1.0, 0.3), (0.7, 0.3)];
 
-/// A way to see presses.
+/// How a member is made.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
-    /// A Gaussian process on features; `learned` with a metric from its own gradients.
-    Process { recipe: Recipe, learned: bool },
-    /// Maps of the changes' signed roots, read backwards.
+enum MemberSpec {
+    /// A Gaussian process on features; if `learned`, in a metric from its own gradients.
+    Process {
+        features: FeatureSpec,
+        learned: bool,
+    },
+    /// Maps of the changes' signed roots.
     Maps { power: f64 },
 }
 
-const fn seen(shape: Shape, unit: bool, weighted: bool, learned: bool) -> Kind {
-    Kind::Process {
-        recipe: Recipe {
-            shape,
+const fn process(
+    compression: Compression,
+    unit: bool,
+    weighted: bool,
+    learned: bool,
+) -> MemberSpec {
+    MemberSpec::Process {
+        features: FeatureSpec {
+            compression,
             unit,
             weighted,
         },
@@ -44,28 +54,28 @@ const fn seen(shape: Shape, unit: bool, weighted: bool, learned: bool) -> Kind {
     }
 }
 
-/// The members that are fitted; the blend decides what each is worth on a pad.
-const KINDS: [Kind; 8] = [
-    seen(Shape::Root(0.7), false, false, false),
-    seen(Shape::Log, false, false, false),
-    seen(Shape::Log, false, true, false),
-    seen(Shape::Log, false, false, true),
-    seen(Shape::Root(0.7), false, false, true),
-    seen(Shape::Root(0.7), true, false, true),
-    Kind::Maps { power: 0.5 },
-    Kind::Maps { power: 0.75 },
+/// The members; the blend decides their shares on a pad.
+const MEMBERS: [MemberSpec; 8] = [
+    process(Compression::Root(0.7), false, false, false),
+    process(Compression::Log, false, false, false),
+    process(Compression::Log, false, true, false),
+    process(Compression::Log, false, false, true),
+    process(Compression::Root(0.7), false, false, true),
+    process(Compression::Root(0.7), true, false, true),
+    MemberSpec::Maps { power: 0.5 },
+    MemberSpec::Maps { power: 0.75 },
 ];
 
-/// Lengths and noises of a member: of its process, and of the one in the learned metric.
+/// Hyperparameters of a member: of its process, and of the process in the learned metric.
 #[derive(Clone, Copy, Debug)]
-struct Chosen {
-    plain: Hyper,
-    learned: Option<Hyper>,
+struct MemberHyperparameters {
+    plain: Hyperparameters,
+    learned: Option<Hyperparameters>,
 }
 
-/// A fitted member.
+/// A fitted member of the blend.
 #[derive(Clone, Debug)]
-enum Member {
+enum FittedMember {
     Process {
         features: Features,
         stretch: Option<Mat<f64>>,
@@ -78,79 +88,48 @@ enum Member {
 #[derive(Clone, Debug)]
 pub struct Regression {
     /// Members with their shares.
-    members: Vec<(f64, Member)>,
-    expected: Errors,
+    members: Vec<(f64, FittedMember)>,
+    expected: PlaceErrors,
 }
 
 impl Regression {
-    /// Learns from presses; `told` hears what is being done.
+    /// Learns from presses; calls `report` at each stage.
     ///
     /// # Errors
     /// See [`CalibrateError`].
-    pub fn fit(presses: &Presses, told: &mut dyn FnMut(&str)) -> Result<Self, CalibrateError> {
-        let order = mixed(presses.len());
+    pub fn fit(presses: &Presses, report: &mut dyn FnMut(&str)) -> Result<Self, CalibrateError> {
+        let order = shuffled(presses.len());
         let (changes, places) = (presses.changes(&order), presses.places(&order));
         let data = Data { changes, places };
-        let few = data.some(&subset(order.len(), MOST_FOR_CHOICE));
-        let weights = channel_weights(&few.changes, &few.places)?;
+        let weights = data.channel_weights()?;
+        let few = data.rows(&subset(order.len(), MOST_FOR_CHOICE));
         let mut chosen = Vec::new();
-        for (index, kind) in KINDS.iter().enumerate() {
-            told(&format!(
+        for (index, spec) in MEMBERS.iter().enumerate() {
+            report(&format!(
                 "settings of member {} of {}",
                 index + 1,
-                KINDS.len()
+                MEMBERS.len()
             ));
-            chosen.push(choose(*kind, &few, &weights)?);
+            chosen.push(choose(*spec, &few, &weights)?);
         }
-        let folds = if order.len() > MANY {
-            FOLDS_OF_MANY
-        } else {
-            FOLDS
-        };
-        let mut left_out: Vec<usize> = Vec::new();
-        let mut guesses: Vec<Vec<[f64; 2]>> = vec![Vec::new(); KINDS.len()];
-        for fold in 0..folds {
-            told(&format!("cross-validation {} of {folds}", fold + 1));
-            let (out, rest): (Vec<usize>, Vec<usize>) =
-                (0..order.len()).partition(|press| press % FOLDS == fold);
-            let seen = data.some(&rest);
-            let unseen = rows(&data.changes, &out);
-            // The weights see places too.
-            let few = seen.some(&subset(rest.len(), MOST_FOR_CHOICE));
-            let weights = channel_weights(&few.changes, &few.places)?;
-            for ((kind, chosen), guesses) in KINDS.iter().zip(&mut chosen).zip(&mut guesses) {
-                if fold == 0 && order.len() > MOST_FOR_CHOICE {
-                    refine(*kind, chosen, [&seen, &data.some(&out)], &weights)?;
-                }
-                let member = Member::fit(*kind, *chosen, &seen, &weights)?;
-                let found = member.predict(&unseen);
-                guesses.extend((0..out.len()).map(|press| [found[(press, 0)], found[(press, 1)]]));
-            }
-            left_out.extend(out);
-        }
-        let truth: Vec<[f64; 2]> = left_out
-            .iter()
-            .map(|press| [data.places[(*press, 0)], data.places[(*press, 1)]])
-            .collect();
-        let shares = blend::shares(&guesses, &truth);
-        let expected = Errors::of(&blend::blended(&guesses, &shares), &truth);
+        let (shares, expected) = cross_validate(&data, &mut chosen, report)?;
         let mut members = Vec::new();
-        for ((kind, chosen), share) in KINDS.iter().zip(&chosen).zip(shares) {
+        for ((spec, chosen), share) in MEMBERS.iter().zip(&chosen).zip(shares) {
             if share > 0.0 {
-                told("the whole set");
-                members.push((share, Member::fit(*kind, *chosen, &data, &weights)?));
+                report("all presses");
+                members.push((share, FittedMember::fit(*spec, *chosen, &data, &weights)?));
             }
         }
         Ok(Self { members, expected })
     }
 
-    /// What presses that were left out were off by.
+    /// Errors of the presses left out in the cross-validation.
     #[must_use]
-    pub fn expected(&self) -> Errors {
+    pub fn expected(&self) -> PlaceErrors {
         self.expected
     }
 
-    /// Places of presses, mm: presses by 2.
+    /// Predicts the places of presses, mm: presses by 2.
     ///
     /// # Panics
     /// If there are other channels than were learned from.
@@ -163,51 +142,94 @@ impl Regression {
         places
     }
 
-    /// Places presses at known places and says what they are off by.
+    /// Errors of the predicted places of presses.
     ///
     /// # Panics
     /// If there are other channels than were learned from.
     #[must_use]
-    pub fn evaluate(&self, presses: &Presses) -> Errors {
+    pub fn evaluate(&self, presses: &Presses) -> PlaceErrors {
         let all: Vec<usize> = (0..presses.len()).collect();
-        let found = self.predict(&presses.changes(&all));
-        let guesses: Vec<[f64; 2]> = all
-            .iter()
-            .map(|p| [found[(*p, 0)], found[(*p, 1)]])
-            .collect();
+        let predicted = points(&self.predict(&presses.changes(&all)));
         let truth: Vec<[f64; 2]> = presses.list().iter().map(|press| press.place_mm).collect();
-        Errors::of(&guesses, &truth)
+        PlaceErrors::between(&predicted, &truth)
     }
 }
 
-/// Changes and places of presses, a row a press.
+/// Changes and places of presses, one row for each press.
 struct Data {
     changes: Mat<f64>,
     places: Mat<f64>,
 }
 
 impl Data {
-    fn some(&self, which: &[usize]) -> Self {
+    fn rows(&self, which: &[usize]) -> Self {
         Self {
             changes: rows(&self.changes, which),
             places: rows(&self.places, which),
         }
     }
+
+    fn channel_weights(&self) -> Result<Vec<f64>, CalibrateError> {
+        let few = self.rows(&subset(self.places.nrows(), MOST_FOR_CHOICE));
+        channel_weights(&few.changes, &few.places)
+    }
 }
 
-fn choose(kind: Kind, data: &Data, weights: &[f64]) -> Result<Chosen, CalibrateError> {
-    let Kind::Process { recipe, learned } = kind else {
-        // Maps choose for themselves.
-        let plain = Hyper {
+/// The rows of a matrix of places.
+fn points(places: &Mat<f64>) -> Vec<PointMm> {
+    (0..places.nrows())
+        .map(|row| [places[(row, 0)], places[(row, 1)]])
+        .collect()
+}
+
+/// Shares of the members, and the errors of their blend on presses left out. With many presses, also refines `chosen`.
+fn cross_validate(
+    data: &Data,
+    chosen: &mut [MemberHyperparameters],
+    report: &mut dyn FnMut(&str),
+) -> Result<(Vec<f64>, PlaceErrors), CalibrateError> {
+    let count = data.places.nrows();
+    let folds = if count > MANY { FOLDS_OF_MANY } else { FOLDS };
+    let mut truth: Vec<PointMm> = Vec::new();
+    let mut predicted: Vec<Vec<PointMm>> = vec![Vec::new(); MEMBERS.len()];
+    for fold in 0..folds {
+        report(&format!("cross-validation {} of {folds}", fold + 1));
+        let (out, rest): (Vec<usize>, Vec<usize>) =
+            (0..count).partition(|press| press % FOLDS == fold);
+        let (seen, unseen) = (data.rows(&rest), data.rows(&out));
+        // The weights depend on places, too.
+        let weights = seen.channel_weights()?;
+        for ((spec, chosen), predicted) in MEMBERS.iter().zip(&mut *chosen).zip(&mut predicted) {
+            if fold == 0 && count > MOST_FOR_CHOICE {
+                refine(*spec, chosen, [&seen, &unseen], &weights)?;
+            }
+            let member = FittedMember::fit(*spec, *chosen, &seen, &weights)?;
+            predicted.extend(points(&member.predict(&unseen.changes)));
+        }
+        truth.extend(points(&unseen.places));
+    }
+    let shares = blend::shares(&predicted, &truth);
+    let expected = PlaceErrors::between(&blend::blended(&predicted, &shares), &truth);
+    Ok((shares, expected))
+}
+
+fn choose(
+    spec: MemberSpec,
+    data: &Data,
+    weights: &[f64],
+) -> Result<MemberHyperparameters, CalibrateError> {
+    let MemberSpec::Process { features, learned } = spec else {
+        // Maps choose their own.
+        let plain = Hyperparameters {
             length: 1.0,
             noise: 1.0,
         };
-        return Ok(Chosen {
+        return Ok(MemberHyperparameters {
             plain,
             learned: None,
         });
     };
-    let points = Features::fit(recipe, &data.changes, weights).of(&data.changes);
+    let points = Features::fit(features, &data.changes, weights).apply(&data.changes);
     let plain = process::choose(&points, &data.places)?;
     let learned = if learned {
         let process = Process::fit(points.clone(), &data.places, plain)?;
@@ -216,31 +238,33 @@ fn choose(kind: Kind, data: &Data, weights: &[f64]) -> Result<Chosen, CalibrateE
     } else {
         None
     };
-    Ok(Chosen { plain, learned })
+    Ok(MemberHyperparameters { plain, learned })
 }
 
-/// Settings chosen on a part of many presses come out too long and too noisy for all of them: tries shorter and less noisy
-/// ones on presses left out.
+/// Lengths and noises chosen from a part of the presses are too large for all of them: tries smaller ones on presses left out.
 fn refine(
-    kind: Kind,
-    chosen: &mut Chosen,
+    spec: MemberSpec,
+    chosen: &mut MemberHyperparameters,
     [seen, unseen]: [&Data; 2],
     weights: &[f64],
 ) -> Result<(), CalibrateError> {
-    let Kind::Process { recipe, .. } = kind else {
+    let MemberSpec::Process { features, .. } = spec else {
         return Ok(());
     };
-    let features = Features::fit(recipe, &seen.changes, weights);
-    let (mut points, mut new) = (features.of(&seen.changes), features.of(&unseen.changes));
+    let features = Features::fit(features, &seen.changes, weights);
+    let (mut points, mut new) = (
+        features.apply(&seen.changes),
+        features.apply(&unseen.changes),
+    );
     if chosen.learned.is_some() {
         let process = Process::fit(points.clone(), &seen.places, chosen.plain)?;
         let stretch = stretch(&process.gradient_outer_product())?;
         (points, new) = (points * &stretch, new * &stretch);
     }
     let start = chosen.learned.unwrap_or(chosen.plain);
-    let mut best: Option<(f64, Hyper)> = None;
+    let mut best: Option<(f64, Hyperparameters)> = None;
     for (by_length, by_noise) in REFINEMENTS {
-        let hyper = Hyper {
+        let hyper = Hyperparameters {
             length: by_length * start.length,
             noise: by_noise * start.noise,
         };
@@ -259,21 +283,21 @@ fn refine(
     Ok(())
 }
 
-impl Member {
+impl FittedMember {
     fn fit(
-        kind: Kind,
-        chosen: Chosen,
+        spec: MemberSpec,
+        chosen: MemberHyperparameters,
         data: &Data,
         weights: &[f64],
     ) -> Result<Self, CalibrateError> {
-        let recipe = match kind {
-            Kind::Maps { power } => {
+        let features = match spec {
+            MemberSpec::Maps { power } => {
                 return Maps::fit(power, &data.changes, &data.places).map(Self::Maps);
             }
-            Kind::Process { recipe, .. } => recipe,
+            MemberSpec::Process { features, .. } => features,
         };
-        let features = Features::fit(recipe, &data.changes, weights);
-        let points = features.of(&data.changes);
+        let features = Features::fit(features, &data.changes, weights);
+        let points = features.apply(&data.changes);
         let process = Process::fit(points.clone(), &data.places, chosen.plain)?;
         Ok(match chosen.learned {
             None => Self::Process {
@@ -301,7 +325,7 @@ impl Member {
                 stretch,
                 process,
             } => {
-                let points = features.of(changes);
+                let points = features.apply(changes);
                 match stretch {
                     Some(stretch) => process.predict(&(points * stretch)),
                     None => process.predict(&points),

@@ -1,4 +1,4 @@
-//! `gelpad accuracy`: what a pad's sensing can do.
+//! `gelpad accuracy`: estimates how accurately a pad locates touches.
 
 use std::fs;
 use std::io::Write as _;
@@ -7,17 +7,19 @@ use anyhow::Context as _;
 
 use super::args::AccuracyArgs;
 use super::exit::Ending;
-use super::{progress, resolve};
-use crate::study::accuracy::{Accuracy, Settings};
+use super::progress::{case_bar, case_progress, solve_pad};
+use crate::app::pads::load_pad;
+use crate::study::accuracy::real::{Extent, conditions, own_conditions};
+use crate::study::accuracy::{Accuracy, AccuracySettings};
 use crate::study::job;
 
 pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
-    let pad = resolve::pad(&args.pad)?;
+    let pad = load_pad(&args.pad)?.pad;
     let method = args.method.or(pad.method).unwrap_or_default();
-    // A folder that cannot be made is told before a minute of solving, not after.
+    // Reports a folder that cannot be created before a minute of solving, not after.
     fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
-    let sensing = resolve::sensing(&pad, method)?;
-    let settings = Settings {
+    let sensing = solve_pad(&pad, method)?;
+    let settings = AccuracySettings {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         pad_argument: args.pad.clone(),
         method,
@@ -27,12 +29,28 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         pad,
     };
     let study = Accuracy::new(settings, sensing)?;
-    let bar = progress::bar();
-    let outcomes = job::side_by_side(
-        study.cases(),
-        |case| study.solve(case),
-        progress::tell(&bar),
-    )?;
+    let bar = case_bar();
+    if args.real {
+        let conditions = if args.disturb.is_empty() {
+            let mut shipped = conditions();
+            shipped.retain(|condition| condition.name.contains(&args.only));
+            shipped
+        } else {
+            own_conditions(&args.disturb, args.snr[0])
+        };
+        let extent = if args.quick {
+            Extent::QUICK
+        } else {
+            Extent::FULL
+        };
+        let findings = study.play_conditions(&conditions, extent, case_progress(&bar))?;
+        bar.finish_and_clear();
+        job::write_whole(&args.out, "real.json", findings.json()?.as_bytes())?;
+        write!(std::io::stdout().lock(), "{}", findings.table())?;
+        return Ok(Ending::Done);
+    }
+    let outcomes =
+        job::solve_in_parallel(study.cases(), |case| study.solve(case), case_progress(&bar))?;
     bar.finish_and_clear();
     let findings = study.findings(&outcomes);
     let report = study.report(&findings)?;

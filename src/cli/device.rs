@@ -9,98 +9,56 @@ use anyhow::Context as _;
 
 use super::args::{DeviceArgs, LayoutArg};
 use super::exit::Ending;
-use super::play::Signals;
-use super::resolve;
+use super::message::say;
+use crate::app::pads::load_pad;
+use crate::app::signals::Signals;
+use crate::app::source::load_script;
 use crate::eit::order::Layout;
 use crate::pad::Pad;
 use crate::source::board::{
-    Board, BoardSettings, Every, Faults, LostElectrode, Plan, Signal, serve,
+    Board, BoardSettings, BoardSignal, CableFaults, LostElectrode, ServePlan, serve,
 };
-use crate::source::wire::Format;
-use crate::source::{LEVEL_SCRIPT, Script};
+use crate::source::wire::{FormatChoice, WireFormat};
 
-/// How often signals are looked at.
-const LOOK: Duration = Duration::from_millis(30);
+/// Period of the checks for signals.
+const PERIOD: Duration = Duration::from_millis(30);
 
 pub(super) fn device(args: &DeviceArgs) -> anyhow::Result<Ending> {
-    let pad = resolve::pad(&args.pad)?;
-    let script = match &args.script {
-        Some(path) => Script::parse(&path.display().to_string(), &resolve::read(path)?)?,
-        None => Script::parse("level", LEVEL_SCRIPT)?,
-    };
-    let board = wired(args, args.format, &pad)?;
-    let between = match &args.between {
-        Some(Between(format, every)) => Some((wired(args, *format, &pad)?, *every)),
-        None => None,
-    };
-    let lost = match args.lose_electrode {
-        Some(Loose { electrode, from_s }) if electrode < pad.protocol.electrodes => {
-            Some(LostElectrode {
-                electrode,
-                from_ns: (from_s * 1e9) as u64,
-            })
-        }
-        Some(Loose { electrode, .. }) => anyhow::bail!(
-            "the pad {} has no electrode {electrode}: they are 0 to {}",
-            pad.name,
-            pad.protocol.electrodes - 1
-        ),
-        None => None,
-    };
-    let mut signal = Signal::new(
-        &pad,
-        &script,
-        (args.snr, args.seed),
-        args.drift / 100.0,
-        lost,
-    )?;
-    let plan = Plan {
-        link: args.port.clone(),
-        frames_per_s: (args.rate > 0.0).then_some(args.rate),
-        frames: args.frames,
-        faults: Faults {
-            lost_bytes: args.lose_bytes / 100.0,
-            turned_bits: args.flip_bits / 100.0,
-            half_frames: args.half_frames / 100.0,
-            pause: args.pause,
-            hang_up: args.hang_up,
-        },
-        between,
-        seed: args.seed,
-    };
+    let pad = load_pad(&args.pad)?.pad;
+    let script = load_script(args.script.as_deref())?;
+    let board = board(args, args.format, &pad)?;
+    let plan = plan(args, &pad)?;
+    let noise = (args.snr, args.seed);
+    let lost = lost_electrode(args, &pad)?;
+    let mut signal = BoardSignal::new(&pad, &script, noise, args.drift / 100.0, lost)?;
     let signals = Signals::listen()?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let stopping = Arc::clone(&stop);
-    let name = args.format.to_string();
     say(&format!(
-        "a {name} board with the pad {}; Ctrl-C ends it",
+        "{} with the pad {}; Ctrl-C ends it",
+        board_name(args.format),
         pad.name
     ));
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopping = Arc::clone(&stop);
     let served = Builder::new()
         .name("board".to_owned())
         .spawn(move || serve(board, &mut signal, plan, &stopping, &mut say))
-        .context("no thread for the board")?;
+        .context("cannot start a thread")?;
     let mut received = None;
     while !served.is_finished() {
         if let Some(signal) = signals.received() {
             received = Some(signal);
             stop.store(true, Ordering::Relaxed);
         }
-        std::thread::sleep(LOOK);
+        std::thread::sleep(PERIOD);
     }
+    let port = args.port.as_deref();
+    let port = port.map_or("".into(), |path| path.to_string_lossy());
     let served = served
         .join()
         .map_err(|_| anyhow::anyhow!("a bug in gelpad ended the board's thread"))?
-        .with_context(|| {
-            format!(
-                "port {}",
-                args.port
-                    .as_deref()
-                    .map_or("".into(), |path| path.to_string_lossy())
-            )
-        })?;
+        .with_context(|| format!("port {port}"))?;
     say(&format!(
-        "{} frames, {} bytes sent; {} bytes lost, {} bits turned; opened {} times, hung up {} times",
+        "{} frames, {} bytes sent; {} bytes lost, {} bits flipped; opened {} times, hung up {} times",
         served.frames,
         served.bytes,
         served.lost_bytes,
@@ -111,9 +69,58 @@ pub(super) fn device(args: &DeviceArgs) -> anyhow::Result<Ending> {
     Ok(received.map_or(Ending::Done, Ending::Signal))
 }
 
-fn wired(args: &DeviceArgs, format: Format, pad: &Pad) -> anyhow::Result<Board> {
+/// A board of a format with its article.
+fn board_name(format: FormatChoice) -> String {
+    match format.kind {
+        Some(WireFormat::OpenEit) => "an OpenEIT board".to_owned(),
+        Some(WireFormat::Sciospec) => "a Sciospec board".to_owned(),
+        _ => format!("a board with the format {format}"),
+    }
+}
+
+/// Port, rate and faults of the board.
+fn plan(args: &DeviceArgs, pad: &Pad) -> anyhow::Result<ServePlan> {
+    let other_board = match &args.between {
+        Some(interval) => Some((board(args, interval.format, pad)?, interval.every)),
+        None => None,
+    };
+    Ok(ServePlan {
+        link: args.port.clone(),
+        frames_per_s: (args.rate > 0.0).then_some(args.rate),
+        frames: args.frames,
+        faults: CableFaults {
+            lost_bytes: args.lose_bytes / 100.0,
+            flipped_bits: args.flip_bits / 100.0,
+            half_frames: args.half_frames / 100.0,
+            pause: args.pause,
+            hang_up: args.hang_up,
+        },
+        other_board,
+        seed: args.seed,
+    })
+}
+
+fn lost_electrode(args: &DeviceArgs, pad: &Pad) -> anyhow::Result<Option<LostElectrode>> {
+    let Some(lost) = args.lose_electrode else {
+        return Ok(None);
+    };
+    let electrodes = pad.protocol.electrodes;
+    anyhow::ensure!(
+        lost.number <= electrodes,
+        "the pad {} has no electrode {}: choose 1 to {electrodes}",
+        pad.name,
+        lost.number
+    );
+    Ok(Some(LostElectrode {
+        electrode: lost.number - 1,
+        from_ns: (lost.from_s * 1e9) as u64,
+    }))
+}
+
+/// A board that reads a pad and sends a format.
+fn board(args: &DeviceArgs, format: FormatChoice, pad: &Pad) -> anyhow::Result<Board> {
     let Some(kind) = format.kind else {
-        anyhow::bail!("a board speaks one format: write which, as in --format gelpad");
+        anyhow::bail!("a board sends one format: choose it, for example --format gelpad");
     };
     let declared = format.order.unwrap_or_default();
     let plain = BoardSettings::new(kind);
@@ -122,10 +129,10 @@ fn wired(args: &DeviceArgs, format: Format, pad: &Pad) -> anyhow::Result<Board> 
         Some(LayoutArg::Half) => Some(Layout::AdjacentHalf),
         Some(LayoutArg::Square) => Some(Layout::Square),
         Some(LayoutArg::Opposite) => Some(Layout::Opposite),
-        // Rotated is meant of a layout.
+        // Only a known layout can be rotated.
         None if declared.rotated => plain
             .layout
-            .or(Layout::of(pad.channels(), pad.protocol.electrodes)),
+            .or(Layout::from_count(pad.channels(), pad.protocol.electrodes)),
         None => plain.layout,
     };
     Ok(Board::new(
@@ -141,47 +148,4 @@ fn wired(args: &DeviceArgs, format: Format, pad: &Pad) -> anyhow::Result<Board> 
             ..plain
         },
     )?)
-}
-
-/// `FORMAT,S,MS`.
-#[derive(Clone, Debug)]
-pub(super) struct Between(Format, Every);
-
-impl std::str::FromStr for Between {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (format, every) = text
-            .split_once(',')
-            .ok_or("write a format, how often and how long, as in openeit,5,500")?;
-        Ok(Self(format.parse()?, every.parse()?))
-    }
-}
-
-/// `N[@S]`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Loose {
-    electrode: usize,
-    from_s: f64,
-}
-
-impl std::str::FromStr for Loose {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (electrode, from_s) = text.split_once('@').unwrap_or((text, "0"));
-        match (electrode.parse(), from_s.parse::<f64>()) {
-            (Ok(electrode), Ok(from_s)) if (0.0..1e6).contains(&from_s) => {
-                Ok(Self { electrode, from_s })
-            }
-            _ => Err("write an electrode (from 0) and from which second on, as in 5@10".to_owned()),
-        }
-    }
-}
-
-/// A line for whoever waits; a closed stderr is no reason to stop.
-fn say(text: &str) {
-    use std::io::Write as _;
-
-    let _ = writeln!(std::io::stderr(), "{text}");
 }

@@ -1,4 +1,4 @@
-//! `gelpad doctor`: whether this machine can play, and what to do where it cannot.
+//! `gelpad doctor`: checks whether this computer can play, and prints what to fix.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -8,9 +8,9 @@ use crossterm::style::Stylize as _;
 
 use super::args::DoctorArgs;
 use super::exit::Ending;
-use crate::doctor::{Boards, Line, Machine, Report, State, examine, rule};
+use crate::doctor::{BoardAccess, CheckLine, CheckStatus, DoctorReport, Machine, rule, run_checks};
 
-/// Room for the word that says how something is.
+/// Width of the column with the state.
 const WORD_WIDTH: usize = 7;
 
 pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<Ending> {
@@ -18,27 +18,27 @@ pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<Ending> {
     if args.install_rule {
         return install(&mut out);
     }
-    let report = examine(&Machine::here());
+    let report = run_checks(&Machine::local());
     let colours = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    write!(out, "{}", told(&report, colours))?;
-    if report.plays() {
+    write!(out, "{}", report_text(&report, colours))?;
+    if report.can_play() {
         return Ok(Ending::Done);
     }
     drop(out);
     bail!("play would not work here: {}", why_not(&report));
 }
 
-fn why_not(report: &Report) -> &'static str {
+fn why_not(report: &DoctorReport) -> &'static str {
     match report.boards {
-        Boards::Unreadable if !report.outputs.is_empty() => "the board cannot be read",
+        BoardAccess::Unreadable if !report.outputs.is_empty() => "the board cannot be read",
         _ => {
-            "no output reaches a game; mend one that is `wrong` above (--output trace prints events all the same)"
+            "no output reaches a game; fix one that is `wrong` above (--output trace works without)"
         }
     }
 }
 
-/// The report as text: a word, what it is about, what was found, and under it what to do.
-fn told(report: &Report, colours: bool) -> String {
+/// The report as text: a line per check with state, subject and finding, and below it how to fix a problem.
+fn report_text(report: &DoctorReport, colours: bool) -> String {
     let lines = || report.sections.iter().flat_map(|section| &section.lines);
     let subject_width = lines()
         .map(|line| line.subject.chars().count())
@@ -52,16 +52,16 @@ fn told(report: &Report, colours: bool) -> String {
             false => text.push_str(&format!("{title}\n")),
         }
         for line in &section.lines {
-            text.push_str(&told_line(line, subject_width, colours));
+            text.push_str(&line_text(line, subject_width, colours));
         }
         text.push('\n');
     }
     let outputs = report.outputs.join(", or ");
     text.push_str(&match report.outputs.len() {
-        0 => "Nothing here takes what gelpad plays.\n".to_owned(),
-        _ => format!("gelpad can play by the {outputs}.\n"),
+        0 => "gelpad has no output on this computer.\n".to_owned(),
+        _ => format!("gelpad can play through the {outputs}.\n"),
     });
-    if lines().any(mends_by_rule) {
+    if lines().any(is_fixed_by_rule) {
         text.push_str(&format!(
             "\nThe rule that `gelpad doctor --install-rule` writes to {}:\n\n{}",
             rule::RULE_PATH,
@@ -71,29 +71,29 @@ fn told(report: &Report, colours: bool) -> String {
     text
 }
 
-fn mends_by_rule(line: &Line) -> bool {
-    line.mend
+fn is_fixed_by_rule(line: &CheckLine) -> bool {
+    line.fix
         .as_ref()
-        .is_some_and(|mend| mend.contains("--install-rule"))
+        .is_some_and(|fix| fix.contains("--install-rule"))
 }
 
-fn told_line(line: &Line, subject_width: usize, colours: bool) -> String {
+fn line_text(line: &CheckLine, subject_width: usize, colours: bool) -> String {
     let word = match line.state {
-        State::Ok => "ok",
-        State::Note => "note",
-        State::Wrong => "wrong",
+        CheckStatus::Ok => "ok",
+        CheckStatus::Note => "note",
+        CheckStatus::Wrong => "wrong",
     };
     let padded = format!("{word:WORD_WIDTH$}");
     let word = match (colours, line.state) {
         (false, _) => padded,
-        (true, State::Ok) => padded.green().to_string(),
-        (true, State::Note) => padded.yellow().to_string(),
-        (true, State::Wrong) => padded.red().bold().to_string(),
+        (true, CheckStatus::Ok) => padded.green().to_string(),
+        (true, CheckStatus::Note) => padded.yellow().to_string(),
+        (true, CheckStatus::Wrong) => padded.red().bold().to_string(),
     };
     let mut text = format!("  {word}{:subject_width$}  {}\n", line.subject, line.found);
-    if let Some(mend) = &line.mend {
+    if let Some(fix) = &line.fix {
         let margin = WORD_WIDTH + subject_width + 4;
-        text.push_str(&format!("{:margin$}-> {mend}\n", ""));
+        text.push_str(&format!("{:margin$}-> {fix}\n", ""));
     }
     text
 }
@@ -102,7 +102,7 @@ fn indented(text: &str) -> String {
     text.lines().map(|line| format!("    {line}\n")).collect()
 }
 
-/// Says what will be done, then does it.
+/// Prints what will be done, then does it.
 fn install(out: &mut impl std::io::Write) -> anyhow::Result<Ending> {
     writeln!(
         out,
@@ -116,7 +116,7 @@ fn install(out: &mut impl std::io::Write) -> anyhow::Result<Ending> {
         .collect();
     writeln!(
         out,
-        "and runs, so that it holds at once:\n\n{}",
+        "and runs, to apply it immediately:\n\n{}",
         commands.concat()
     )?;
     out.flush()?;
@@ -124,17 +124,20 @@ fn install(out: &mut impl std::io::Write) -> anyhow::Result<Ending> {
         if error.kind() == std::io::ErrorKind::PermissionDenied {
             let own = std::env::current_exe();
             let own = own.map_or("gelpad".to_owned(), |path| path.display().to_string());
-            bail!("only root may do that\n  help: sudo {own} doctor --install-rule");
+            bail!("only root can do this\n  help: sudo {own} doctor --install-rule");
         }
         return Err(error).context(rule::RULE_PATH);
     }
     let failed = rule::apply();
     if failed.is_empty() {
-        writeln!(out, "Done. Plug boards in again; then ask `gelpad doctor`.")?;
+        writeln!(
+            out,
+            "Done. Unplug boards and plug them in again, then run `gelpad doctor`."
+        )?;
     } else {
         writeln!(
             out,
-            "Written. It holds from the next start of this machine on, for udev did not take it up:"
+            "Written, but udev did not apply it: it takes effect after a restart:"
         )?;
         for line in failed {
             writeln!(out, "    {line}")?;
@@ -146,46 +149,46 @@ fn install(out: &mut impl std::io::Write) -> anyhow::Result<Ending> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::Section;
+    use crate::doctor::ReportSection;
 
-    fn line(state: State, subject: &str, mend: Option<&str>) -> Line {
-        Line {
+    fn line(state: CheckStatus, subject: &str, fix: Option<&str>) -> CheckLine {
+        CheckLine {
             state,
             subject: subject.to_owned(),
             found: "found".to_owned(),
-            mend: mend.map(str::to_owned),
+            fix: fix.map(str::to_owned),
         }
     }
 
     #[test]
-    fn a_report_is_aligned_and_says_what_to_do_under_what_is_wrong() {
-        let report = Report {
-            sections: vec![Section {
+    fn problems_are_followed_by_their_fix() {
+        let report = DoctorReport {
+            sections: vec![ReportSection {
                 title: "Desktop",
                 lines: vec![
-                    line(State::Ok, "session", None),
-                    line(State::Wrong, "X11", Some("do it")),
+                    line(CheckStatus::Ok, "session", None),
+                    line(CheckStatus::Wrong, "X11", Some("do it")),
                 ],
             }],
             outputs: vec!["one", "other"],
-            boards: Boards::None,
+            boards: BoardAccess::None,
         };
         assert_eq!(
-            told(&report, false),
-            "Desktop\n  ok     session  found\n  wrong  X11      found\n                  -> do it\n\ngelpad can play by the one, or other.\n"
+            report_text(&report, false),
+            "Desktop\n  ok     session  found\n  wrong  X11      found\n                  -> do it\n\ngelpad can play through the one, or other.\n"
         );
     }
 
     #[test]
     fn play_needs_an_output_and_a_board_that_can_be_read() {
-        let report = |outputs: Vec<&'static str>, boards| Report {
+        let report = |outputs: Vec<&'static str>, boards| DoctorReport {
             sections: Vec::new(),
             outputs,
             boards,
         };
-        assert!(report(vec!["x"], Boards::None).plays());
-        assert!(!report(Vec::new(), Boards::Readable).plays());
-        let unreadable = report(vec!["x"], Boards::Unreadable);
-        assert!(!unreadable.plays() && why_not(&unreadable).contains("board"));
+        assert!(report(vec!["x"], BoardAccess::None).can_play());
+        assert!(!report(Vec::new(), BoardAccess::Readable).can_play());
+        let unreadable = report(vec!["x"], BoardAccess::Unreadable);
+        assert!(!unreadable.can_play() && why_not(&unreadable).contains("board"));
     }
 }

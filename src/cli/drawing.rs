@@ -1,6 +1,6 @@
-//! Drawings of a profile's regions: SVG for the screen, SVG at true scale for the printer, PNG.
+//! Drawings of a profile's regions: SVG and PNG for the screen, SVG at true scale for printing.
 //!
-//! A gel has no edges to feel: the printed sheet is cut out and laid on the pad.
+//! The printed sheet is cut out and laid on the pad, which has no edges to feel.
 
 use std::fmt::Write as _;
 
@@ -9,36 +9,36 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
-use crate::profile::{Placed, Profile};
+use crate::profile::{PlacedRegion, Profile};
 use crate::types::PointMm;
 
 /// A4, mm.
 const SHEET_MM: [f64; 2] = [210.0, 297.0];
-/// From the sheet's edges; most printers reach there.
+/// Margin that most printers can print, mm.
 const MARGIN_MM: f64 = 15.0;
-/// The ruler that tells whether the printer kept the scale, mm.
+/// Length of the ruler that shows whether the print has the right scale, mm.
 const RULER_MM: f64 = 50.0;
-/// A screen's pixels for a millimetre.
+/// Pixels per mm on the screen.
 const PIXELS_PER_MM: f64 = 6.0;
 
-/// A region as it is drawn.
-struct Drawn<'a> {
+/// A region placed on a pad.
+struct DrawnRegion<'a> {
     name: &'a str,
-    placed: Placed,
+    placed: PlacedRegion,
 }
 
-/// Lowest first, so that what lies on top is drawn last.
-fn drawn(profile: &Profile, pad_mm: [f64; 2]) -> Vec<Drawn<'_>> {
+/// All regions, lowest first: regions on top are drawn last.
+fn placed_regions(profile: &Profile, pad_mm: [f64; 2]) -> Vec<DrawnRegion<'_>> {
     let regions = profile.regions.iter().rev();
     regions
-        .map(|region| Drawn {
+        .map(|region| DrawnRegion {
             name: &region.name,
             placed: region.placed(pad_mm, &profile.settings.area),
         })
         .collect()
 }
 
-/// The regions on a pad of a size, for the screen.
+/// The regions on a pad, for the screen.
 pub(super) fn svg(profile: &Profile, pad_mm: [f64; 2]) -> String {
     let [width, height] = pad_mm;
     let mut text = head(
@@ -47,17 +47,17 @@ pub(super) fn svg(profile: &Profile, pad_mm: [f64; 2]) -> String {
         pad_mm,
         &profile.name,
     );
-    pad(&mut text, profile, pad_mm, [0.0, 0.0]);
+    draw_pad(&mut text, profile, pad_mm, [0.0, 0.0]);
     text.push_str("</svg>\n");
     text
 }
 
-/// The regions on a sheet of A4 at true scale, with a ruler.
+/// The regions at true scale on an A4 sheet, with a ruler.
 pub(super) fn print(profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<String> {
     let room = [0, 1].map(|i| SHEET_MM[i] - 2.0 * MARGIN_MM);
     anyhow::ensure!(
         pad_mm[0] <= room[0] && pad_mm[1] <= room[1] - 2.0 * MARGIN_MM,
-        "a pad of {} x {} mm does not fit on a sheet of A4 at true scale: use --svg and print it larger",
+        "a pad of {} x {} mm does not fit on an A4 sheet at true scale: use --svg and a larger sheet",
         pad_mm[0],
         pad_mm[1]
     );
@@ -70,7 +70,7 @@ pub(super) fn print(profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<Strin
         "start",
         &format!("{}: cut along the outer line, print at 100 %", profile.name),
     );
-    pad(&mut text, profile, pad_mm, [left, top]);
+    draw_pad(&mut text, profile, pad_mm, [left, top]);
     let ruler = top + pad_mm[1] + MARGIN_MM;
     // Writing to a String cannot fail.
     let _ = writeln!(
@@ -100,15 +100,15 @@ fn head(size: [f64; 2], unit: &str, view: [f64; 2], title: &str) -> String {
     )
 }
 
-/// Outline and regions, with the top-left corner at a place; millimetres.
-fn pad(text: &mut String, profile: &Profile, pad_mm: [f64; 2], at: PointMm) {
+/// Draws outline and regions in mm, with the top-left corner at `at`.
+fn draw_pad(text: &mut String, profile: &Profile, pad_mm: [f64; 2], at: PointMm) {
     let place = |[x, y]: PointMm| [at[0] + x, at[1] + pad_mm[1] - y];
     let _ = writeln!(
         text,
         "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"0.4\"/>",
         at[0], at[1], pad_mm[0], pad_mm[1]
     );
-    for region in drawn(profile, pad_mm) {
+    for region in placed_regions(profile, pad_mm) {
         let corners: Vec<String> = region
             .placed
             .corners_mm()
@@ -122,30 +122,30 @@ fn pad(text: &mut String, profile: &Profile, pad_mm: [f64; 2], at: PointMm) {
             corners.join(" ")
         );
     }
-    for region in drawn(profile, pad_mm) {
+    for region in placed_regions(profile, pad_mm) {
         label(
             text,
             place(region.placed.centre_mm()),
-            letter_mm(&region),
+            letter_size_mm(&region),
             "middle",
             region.name,
         );
     }
 }
 
-/// Height of a name's letters that fits into its region.
-fn letter_mm(region: &Drawn<'_>) -> f64 {
+/// Size of letters for which a region's name fits into it, mm.
+fn letter_size_mm(region: &DrawnRegion<'_>) -> f64 {
     let (low, high) = region.placed.bounds_mm();
     let fits = (high[0] - low[0]) / (0.62 * region.name.chars().count().max(1) as f64);
     fits.clamp(1.5, 5.0)
 }
 
-fn label(text: &mut String, [x, y]: PointMm, size: f64, anchor: &str, words: &str) {
+fn label(text: &mut String, [x, y]: PointMm, size: f64, anchor: &str, name: &str) {
     let _ = writeln!(
         text,
         "<text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size:.2}\" text-anchor=\"{anchor}\">{}</text>",
         y + size / 3.0,
-        escaped(words)
+        escaped(name)
     );
 }
 
@@ -155,9 +155,9 @@ fn escaped(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
-/// The regions on a pad of a size, as a picture.
+/// The regions on a pad, as PNG.
 pub(super) fn png(profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<Vec<u8>> {
-    // Registering the same font again is harmless.
+    // Registering the font twice has no effect.
     let _ = register_font(
         "sans-serif",
         FontStyle::Normal,
@@ -174,7 +174,7 @@ pub(super) fn png(profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<Vec<u8>
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&pixels))
-        .context("the picture cannot be made")?;
+        .context("the PNG cannot be encoded")?;
     Ok(bytes)
 }
 
@@ -192,7 +192,7 @@ fn paint(
     };
     let area = BitMapBackend::with_buffer(pixels, size).into_drawing_area();
     area.fill(&WHITE)?;
-    for region in drawn(profile, pad_mm) {
+    for region in placed_regions(profile, pad_mm) {
         let mut corners: Vec<(i32, i32)> =
             region.placed.corners_mm().into_iter().map(place).collect();
         area.draw(&Polygon::new(
@@ -205,8 +205,8 @@ fn paint(
             RGBColor(0, 114, 178).stroke_width(2),
         ))?;
     }
-    for region in drawn(profile, pad_mm) {
-        let font = ("sans-serif", letter_mm(&region) * PIXELS_PER_MM).into_font();
+    for region in placed_regions(profile, pad_mm) {
+        let font = ("sans-serif", letter_size_mm(&region) * PIXELS_PER_MM).into_font();
         let style = TextStyle::from(font).pos(Pos::new(HPos::Center, VPos::Center));
         area.draw(&Text::new(
             region.name.to_owned(),

@@ -1,26 +1,28 @@
-//! How a command ends: one place that prints an error and turns it into a code.
+//! Renders errors and turns the end of a command into an exit code.
 
 use std::io::Write as _;
 use std::process::ExitCode;
 
 use miette::{
-    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity,
+    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report,
+    Severity,
 };
 
-use crate::types::{Fault, Faulty};
+use crate::app::AppError;
+use crate::types::SourceErrors;
 
-/// How a command that did not fail has ended.
+/// How a command ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ending {
-    /// All went well.
+    /// Success.
     Done,
-    /// It finished, but data was lost; what and how much has been said.
+    /// It finished, but data was lost; a message has said which.
     LostData,
-    /// A signal ended it (2: Ctrl-C, 15: SIGTERM); the keys are up.
+    /// A signal ended it (2: Ctrl-C, 15: SIGTERM, 1: closed terminal); all keys are released.
     Signal(i32),
 }
 
-/// Prints what went wrong, if anything did, and gives the exit code.
+/// Prints the error, if there is one; returns the exit code.
 pub(super) fn code(outcome: anyhow::Result<Ending>) -> ExitCode {
     match outcome {
         Ok(Ending::Done) => ExitCode::SUCCESS,
@@ -34,7 +36,7 @@ pub(super) fn code(outcome: anyhow::Result<Ending>) -> ExitCode {
     }
 }
 
-/// Whoever read our output has enough: no failure of ours.
+/// Whether the reader of stdout has closed the pipe, as `head` does: no failure.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause
@@ -46,23 +48,32 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 fn print(error: &anyhow::Error) {
     let mut stderr = std::io::stderr().lock();
     // Nothing can be done about a closed stderr.
-    let _ = match error.downcast_ref::<Faulty>() {
-        Some(faulty) => write!(stderr, "{}", drawn(faulty, Severity::Error)),
+    let _ = match source_errors(error) {
+        Some(errors) => write!(stderr, "{}", render_errors(errors)),
         None => writeln!(stderr, "error: {error:#}"),
     };
 }
 
-/// Prints what is odd about a text that can be used.
-pub(super) fn warn(faulty: &Faulty) {
-    let _ = write!(
-        std::io::stderr().lock(),
-        "{}",
-        drawn(faulty, Severity::Warning)
-    );
+/// The mistakes in a text, if an error consists of them.
+fn source_errors(error: &anyhow::Error) -> Option<&SourceErrors> {
+    match error.downcast_ref::<AppError>() {
+        Some(AppError::Text(errors)) => Some(errors),
+        _ => error.downcast_ref(),
+    }
 }
 
-/// Every fault under the user's own line.
-pub(super) fn drawn(faulty: &Faulty, severity: Severity) -> String {
+/// Prints the warnings about a text.
+pub(super) fn warn(warnings: &SourceErrors) {
+    let text = render(warnings, Severity::Warning);
+    let _ = write!(std::io::stderr().lock(), "{text}");
+}
+
+/// The mistakes in a text, each drawn under its line.
+pub(super) fn render_errors(errors: &SourceErrors) -> String {
+    render(errors, Severity::Error)
+}
+
+fn render(errors: &SourceErrors, severity: Severity) -> String {
     use std::io::IsTerminal as _;
 
     let theme = if std::io::stderr().is_terminal() {
@@ -72,54 +83,18 @@ pub(super) fn drawn(faulty: &Faulty, severity: Severity) -> String {
     };
     let handler = GraphicalReportHandler::new_themed(theme).with_links(false);
     let mut text = String::new();
-    for fault in &faulty.faults {
-        let (line, column) = faulty.line_column(fault.span.start);
-        let shown = Shown {
-            title: format!("{}:{line}:{column}: {}", faulty.name, fault.message),
-            source: NamedSource::new(&faulty.name, faulty.text.clone()),
-            fault,
-            severity,
-        };
+    for fault in &errors.diagnostics {
+        let (line, column) = errors.line_column(fault.span.start);
+        let title = format!("{}:{line}:{column}: {}", errors.name, fault.message);
+        let label = LabeledSpan::new_with_span(Some(fault.label.clone()), fault.span.clone());
+        let mut diagnostic = MietteDiagnostic::new(title)
+            .with_severity(severity)
+            .with_label(label);
+        diagnostic.help.clone_from(&fault.help);
+        let source = NamedSource::new(&errors.name, errors.text.clone());
+        let report = Report::new(diagnostic).with_source_code(source);
         // Writing to a String cannot fail.
-        let _ = handler.render_report(&mut text, &shown);
+        let _ = handler.render_report(&mut text, report.as_ref());
     }
     text
-}
-
-/// A fault as miette draws it.
-#[derive(Debug)]
-struct Shown<'a> {
-    title: String,
-    source: NamedSource<String>,
-    fault: &'a Fault,
-    severity: Severity,
-}
-
-impl std::fmt::Display for Shown<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.title)
-    }
-}
-
-impl std::error::Error for Shown<'_> {}
-
-impl Diagnostic for Shown<'_> {
-    fn severity(&self) -> Option<Severity> {
-        Some(self.severity)
-    }
-
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        let help = self.fault.help.as_ref()?;
-        Some(Box::new(help))
-    }
-
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        Some(&self.source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.fault.span.clone();
-        let label = LabeledSpan::new_with_span(Some(self.fault.label.clone()), span);
-        Some(Box::new(std::iter::once(label)))
-    }
 }

@@ -1,46 +1,46 @@
-//! `gelpad export`: a recording as other programs read it. What was recorded, not what would come of it now.
+//! `gelpad export`: converts a recording for other programs. Events are those that were recorded; nothing is replayed.
 
 use anyhow::{Context as _, bail};
 
 use super::args::{ExportArgs, ExportFormat};
 use super::exit::Ending;
-use super::files::{self, Beside};
-use super::play::say;
-use super::replay;
+use super::message::say;
+use crate::app::files::{self, PartFile};
+use crate::app::recording::{is_recording, open_recording};
 use crate::engine::Input;
-use crate::session::export::evemu::Recording;
-use crate::session::export::fm2::Movie;
+use crate::session::export::evemu::EvemuRecording;
+use crate::session::export::fm2::Fm2Movie;
 use crate::session::{ReadError, export::csv};
-use crate::tape::{Played, PlayerError};
+use crate::tape::{PlayerError, RecordedItem};
 use crate::types::{Control, Frame};
 
 pub(super) fn export(args: &ExportArgs) -> anyhow::Result<Ending> {
     match args.format {
-        ExportFormat::Fm2 => movie(args),
-        ExportFormat::Evemu => evemu(args),
-        ExportFormat::Csv => frames(args),
+        ExportFormat::Fm2 => export_movie(args),
+        ExportFormat::Evemu => export_evemu(args),
+        ExportFormat::Csv => export_frames(args),
     }
 }
 
-fn movie(args: &ExportArgs) -> anyhow::Result<Ending> {
-    // The session begins with its first reading.
+fn export_movie(args: &ExportArgs) -> anyhow::Result<Ending> {
+    // The session starts with its first frame or control.
     let mut movie = None;
-    let ending = each(args, |played| {
+    let ending = for_each(args, |played| {
         match played {
-            Played::Input(
+            RecordedItem::Input(
                 Input::Frame(Frame { t_ns, .. }) | Input::Control(Control { t_ns, .. }),
             ) => {
-                movie.get_or_insert_with(|| Movie::new(*t_ns, args.start_frame));
+                movie.get_or_insert_with(|| Fm2Movie::new(*t_ns, args.start_frame));
             }
-            Played::Event(event) => movie.iter_mut().for_each(|movie| movie.event(event)),
+            RecordedItem::Event(event) => movie.iter_mut().for_each(|movie| movie.add_event(event)),
             _ => {}
         }
         Ok(())
     })?;
-    let movie = movie.unwrap_or_else(|| Movie::new(0, args.start_frame));
-    for (output, presses) in movie.strange() {
+    let movie = movie.unwrap_or_else(|| Fm2Movie::new(0, args.start_frame));
+    for (output, presses) in movie.unmapped_outputs() {
         say(&format!(
-            "{output}, pressed {presses} times, is no button of a NES pad in fceux: left out"
+            "left out {presses} presses of {output}: no button of the NES controller in FCEUX"
         ));
     }
     files::write(&args.output, movie.to_fm2(&args.rom).as_bytes())?;
@@ -52,11 +52,11 @@ fn movie(args: &ExportArgs) -> anyhow::Result<Ending> {
     Ok(ending)
 }
 
-fn evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
-    let mut recording = Recording::default();
-    let ending = each(args, |played| {
-        if let Played::Event(event) = played {
-            recording.event(event);
+fn export_evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
+    let mut recording = EvemuRecording::default();
+    let ending = for_each(args, |played| {
+        if let RecordedItem::Event(event) = played {
+            recording.add_event(event);
         }
         Ok(())
     })?;
@@ -64,46 +64,46 @@ fn evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
     Ok(ending)
 }
 
-fn frames(args: &ExportArgs) -> anyhow::Result<Ending> {
-    let mut out = Beside::create(&args.output)?;
+fn export_frames(args: &ExportArgs) -> anyhow::Result<Ending> {
+    let mut out = PartFile::create(&args.output)?;
     let mut frames = 0u64;
-    let ending = each(args, |played| {
-        if let Played::Input(Input::Frame(frame)) = played {
+    let ending = for_each(args, |played| {
+        if let RecordedItem::Input(Input::Frame(frame)) = played {
             if frames == 0 {
-                csv::header(&mut out, frame.volts.len())?;
+                csv::write_header(&mut out, frame.volts.len())?;
             }
             frames += 1;
-            csv::frame(&mut out, frame)?;
+            csv::write_frame(&mut out, frame)?;
         }
         Ok(())
     })?;
     if frames == 0 {
-        bail!("{}: there is no frame in it", args.file.display());
+        bail!("{}: contains no frame", args.file.display());
     }
     out.finish()?;
     Ok(ending)
 }
 
-/// All of a recording, in order.
-fn each(
+/// Calls `write` with everything in a recording, in order.
+fn for_each(
     args: &ExportArgs,
-    mut take: impl FnMut(&Played) -> std::io::Result<()>,
+    mut write: impl FnMut(&RecordedItem) -> std::io::Result<()>,
 ) -> anyhow::Result<Ending> {
-    if !replay::is_recording(&args.file)? {
+    if !is_recording(&args.file)? {
         bail!(
-            "{}: this is no recording\n  help: `gelpad play --record FILE.mcap` makes one",
+            "{}: not a recording\n  help: `gelpad play --record FILE.mcap` makes one",
             args.file.display()
         );
     }
-    let (mut player, _) = replay::open(&args.file)?;
+    let (mut player, _) = open_recording(&args.file)?;
     let mut ending = Ending::Done;
     loop {
         match player.next() {
             Ok(Some(played)) => {
-                if matches!(played, Played::Gap { .. }) {
+                if matches!(played, RecordedItem::Gap { .. }) {
                     ending = Ending::LostData;
                 }
-                take(&played)
+                write(&played)
                     .with_context(|| format!("{} cannot be written", args.output.display()))?;
             }
             Ok(None) => return Ok(ending),

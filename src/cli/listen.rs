@@ -1,4 +1,4 @@
-//! `gelpad listen`: what a board sends.
+//! `gelpad listen`: shows what a board sends.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -6,45 +6,26 @@ use std::time::Duration;
 
 use super::args::ListenArgs;
 use super::exit::Ending;
-use super::play::Signals;
-use crate::eit::order::{Layout, OrderError};
-use crate::source::order_told;
-use crate::source::serial::{Heard, Listener};
-use crate::source::wire::FormatKind;
+use super::message::say;
+use crate::app::signals::Signals;
+use crate::eit::order::Layout;
+use crate::source::describe_order;
+use crate::source::serial::{PortListener, PortReport};
+use crate::source::wire::WireFormat;
 
-/// Bytes of a hex dump in a row.
+/// Bytes per row of a hex dump.
 const ROW_BYTES: usize = 16;
 
 pub(super) fn listen(args: &ListenArgs) -> anyhow::Result<Ending> {
     let signals = Signals::listen()?;
-    let mut listener = Listener::open(&args.port, args.board.baud, args.board.format, !args.mute)?;
+    let mut listener =
+        PortListener::open(&args.port, args.board.baud, args.board.format, !args.mute)?;
     say(&format!(
         "listening to {} at {} baud; Ctrl-C ends it",
         args.port, args.board.baud
     ));
-    let limit = Duration::from_secs_f64(args.seconds);
-    let mut told = 0;
-    let ending = loop {
-        if let Some(signal) = signals.received() {
-            break Ok(Ending::Signal(signal));
-        }
-        match listener.listen() {
-            Ok(heard) => {
-                for note in &heard.notes[told..] {
-                    say(note);
-                }
-                told = heard.notes.len();
-                let has_all = args.frames.is_some_and(|frames| heard.frames >= frames);
-                // What is not understood by then is still being tried.
-                let is_over = Duration::from_nanos(heard.elapsed_ns) >= limit;
-                if has_all || is_over {
-                    break Ok(Ending::Done);
-                }
-            }
-            Err(error) => break Err(error),
-        }
-    };
-    let heard = listener.heard().clone();
+    let ending = listen_until_done(&mut listener, args, &signals);
+    let heard = listener.report().clone();
     drop(listener);
     let mut stdout = std::io::stdout().lock();
     stdout.write_all(report(&heard, &args.port).as_bytes())?;
@@ -60,118 +41,153 @@ pub(super) fn listen(args: &ListenArgs) -> anyhow::Result<Ending> {
     Ok(ending)
 }
 
-fn seconds(heard: &Heard) -> f64 {
+fn listen_until_done(
+    listener: &mut PortListener,
+    args: &ListenArgs,
+    signals: &Signals,
+) -> anyhow::Result<Ending> {
+    let limit = Duration::from_secs_f64(args.seconds);
+    let mut printed_notes = 0;
+    loop {
+        if let Some(signal) = signals.received() {
+            return Ok(Ending::Signal(signal));
+        }
+        let heard = listener.listen()?;
+        for note in &heard.notes[printed_notes..] {
+            say(note);
+        }
+        printed_notes = heard.notes.len();
+        let has_all = args.frames.is_some_and(|frames| heard.frames >= frames);
+        if has_all || Duration::from_nanos(heard.elapsed_ns) >= limit {
+            return Ok(Ending::Done);
+        }
+    }
+}
+
+fn seconds(heard: &PortReport) -> f64 {
     heard.elapsed_ns as f64 * 1e-9
 }
 
-fn advice(heard: &Heard) -> &'static str {
+fn advice(heard: &PortReport) -> &'static str {
+    let bytes = &heard.first_bytes;
+    let binary = bytes.iter().filter(|byte| !byte.is_ascii()).count();
     if heard.bytes == 0 {
-        "nothing came at all: is it the right port, and is the board powered?"
-    } else if heard
-        .first_bytes
-        .iter()
-        .filter(|byte| !byte.is_ascii())
-        .count()
-        > heard.first_bytes.len() / 4
-    {
-        "what came is no text: try another --baud, or --format sciospec or gelpad"
+        "no bytes were received: is this the right port, and is the board powered?"
+    } else if binary > bytes.len() / 4 {
+        "the bytes are not text: try another --baud, or --format sciospec or gelpad"
     } else {
-        "what came is text: name its format with --format, as in docs/wire.md"
+        "the bytes are text: choose a --format from docs/wire.md"
     }
 }
 
-/// What was heard, for people.
-fn report(heard: &Heard, port: &str) -> String {
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| {
-        let _ = writeln!(text, "{name:<16}{value}");
-    };
-    let elapsed = seconds(heard).max(1e-3);
-    line(
-        "heard",
-        format!(
-            "{} bytes in {elapsed:.1} s: {:.0} bytes/s",
-            heard.bytes,
-            heard.bytes as f64 / elapsed
-        ),
-    );
-    if let Some(kind) = heard.kind {
-        line(
-            "best guess",
-            format!("{}: --format {}", kind.about(), kind.name()),
-        );
-    }
-    if heard.frames > 0 {
-        let rate = heard
-            .frames_per_s()
-            .map_or(String::new(), |rate| format!(", {rate:.1} a second"));
-        line("frames", format!("{}{rate}", heard.frames));
-        if let Some(device_ns) = heard.device_ns.filter(|ns| *ns > 0) {
-            let rate = (heard.frames - 1) as f64 / (device_ns as f64 * 1e-9);
-            line("", format!("{rate:.1} a second by the board's clock"));
-        }
-        if heard.missing > 0 {
-            line(
-                "",
-                format!("{} missing by the board's count", heard.missing),
-            );
-        }
-    }
-    if heard.garbled > 0 || heard.frames > 0 {
-        line("garbled", heard.garbled.to_string());
-    }
-    if let Some(values) = heard.usual_values() {
-        let others: u64 = heard
-            .values
-            .iter()
-            .filter(|(count, _)| **count != values)
-            .map(|(_, n)| n)
-            .sum();
-        let others = if others > 0 {
-            format!(" ({others} frames have another number)")
-        } else {
-            String::new()
-        };
-        line("values a frame", format!("{values}{others}"));
-    }
-    if let Some((least, most)) = heard.range {
-        line("", format!("from {least} to {most}"));
-    }
+/// What was received, as a report.
+fn report(heard: &PortReport, port: &str) -> String {
+    let mut report = Report::default();
+    report.transfer(heard);
+    report.values(heard);
     let order = heard.order();
     if let Some((electrodes, order)) = &order {
-        line("electrodes", electrodes.to_string());
-        let told = match order {
-            Ok(order) => order_told(order, heard.usual_values().unwrap_or(0)),
-            Err(error @ (OrderError::Ambiguous | OrderError::NoneFits(_))) => error.to_string(),
-            Err(error) => error.to_string(),
-        };
-        line("order", told);
+        report.line("electrodes", electrodes.to_string());
+        report.line(
+            "order",
+            match order {
+                Ok(order) => describe_order(order, heard.most_common_count().unwrap_or(0)),
+                Err(error) => error.to_string(),
+            },
+        );
     }
-    let bytes = match &heard.first_garbled {
-        Some((at_ns, reason, bytes)) => {
-            line(
-                "first bad line",
-                format!("after {:.2} s: {reason}", *at_ns as f64 * 1e-9),
-            );
-            bytes
-        }
-        None if heard.frames == 0 && heard.bytes > 0 => {
-            line("it begins", String::new());
-            &heard.first_bytes
-        }
-        None => &Vec::new(),
-    };
-    let dump = hex(bytes);
-    let _ = write!(text, "{dump}");
+    report.bad_bytes(heard);
     if heard.frames > 0 {
         let layout = order.and_then(|(_, order)| Some(order.ok()?.layout));
-        let _ = writeln!(text, "\nplay it:\n  {}", command(heard.kind, layout, port));
+        let command = play_command(heard.kind, layout, port);
+        report.0.push_str(&format!("\nplay it:\n  {command}\n"));
     }
-    text
+    report.0
 }
 
-/// What to type next.
-fn command(kind: Option<FormatKind>, layout: Option<Layout>, port: &str) -> String {
+/// A report of lines with a name and a value.
+#[derive(Default)]
+struct Report(String);
+
+impl Report {
+    fn line(&mut self, name: &str, value: String) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.0, "{name:<16}{value}");
+    }
+
+    /// Bytes, format, frames and their rate.
+    fn transfer(&mut self, heard: &PortReport) {
+        let elapsed_s = seconds(heard).max(1e-3);
+        let bytes_per_s = heard.bytes as f64 / elapsed_s;
+        self.line(
+            "received",
+            format!(
+                "{} bytes in {elapsed_s:.1} s: {bytes_per_s:.0} bytes/s",
+                heard.bytes
+            ),
+        );
+        if let Some(kind) = heard.kind {
+            let guess = format!("{}: --format {}", kind.description(), kind.name());
+            self.line("best guess", guess);
+        }
+        if heard.frames > 0 {
+            let rate = heard
+                .frames_per_s()
+                .map_or(String::new(), |rate| format!(", {rate:.1} per second"));
+            self.line("frames", format!("{}{rate}", heard.frames));
+            if let Some(device_ns) = heard.device_ns.filter(|ns| *ns > 0) {
+                let rate = (heard.frames - 1) as f64 / (device_ns as f64 * 1e-9);
+                self.line("", format!("{rate:.1} per second by the board's clock"));
+            }
+            if heard.missing > 0 {
+                let missing = format!("{} missing by the board's counter", heard.missing);
+                self.line("", missing);
+            }
+        }
+        if heard.garbled > 0 || heard.frames > 0 {
+            self.line("garbled", heard.garbled.to_string());
+        }
+    }
+
+    /// Number and range of the values of a frame.
+    fn values(&mut self, heard: &PortReport) {
+        if let Some(values) = heard.most_common_count() {
+            let counts = heard.values.iter();
+            let others: u64 = counts
+                .filter(|(count, _)| **count != values)
+                .map(|(_, frames)| frames)
+                .sum();
+            let others = match others {
+                0 => String::new(),
+                others => format!(" ({others} frames have another number)"),
+            };
+            self.line("values a frame", format!("{values}{others}"));
+        }
+        if let Some((least, most)) = heard.range {
+            self.line("", format!("from {least} to {most}"));
+        }
+    }
+
+    /// The first bad line; without any frame, the first bytes.
+    fn bad_bytes(&mut self, heard: &PortReport) {
+        let bytes = match &heard.first_garbled {
+            Some((at_ns, reason, bytes)) => {
+                let at_s = *at_ns as f64 * 1e-9;
+                self.line("first bad line", format!("after {at_s:.2} s: {reason}"));
+                bytes
+            }
+            None if heard.frames == 0 && heard.bytes > 0 => {
+                self.line("first bytes", String::new());
+                &heard.first_bytes
+            }
+            None => return,
+        };
+        self.0.push_str(&hex_dump(bytes));
+    }
+}
+
+/// The command that plays this board.
+fn play_command(kind: Option<WireFormat>, layout: Option<Layout>, port: &str) -> String {
     let pad = match layout {
         Some(Layout::Opposite) => " --pad openeit-lattice",
         _ => "",
@@ -180,8 +196,8 @@ fn command(kind: Option<FormatKind>, layout: Option<Layout>, port: &str) -> Stri
     format!("gelpad play --source serial:{port}{format}{pad}")
 }
 
-/// Rows of bytes, as hex and as text.
-fn hex(bytes: &[u8]) -> String {
+/// A hex dump with text.
+fn hex_dump(bytes: &[u8]) -> String {
     let mut text = String::new();
     for row in bytes.chunks(ROW_BYTES) {
         let hex: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -201,11 +217,6 @@ fn hex(bytes: &[u8]) -> String {
     text
 }
 
-/// A line for whoever waits; a closed stderr is no reason to stop.
-fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,7 +224,7 @@ mod tests {
     #[test]
     fn a_dump_shows_bytes_and_text_in_columns() {
         assert_eq!(
-            hex(b"magnitudes: 1.5,\r\n"),
+            hex_dump(b"magnitudes: 1.5,\r\n"),
             "  6d 61 67 6e 69 74 75 64 65 73 3a 20 31 2e 35 2c  magnitudes: 1.5,\n  0d 0a                                            ..\n"
         );
     }

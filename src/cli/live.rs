@@ -1,11 +1,10 @@
-//! The live view in a terminal: the pad as an image with its touches and regions, what is held, the last presses,
-//! frames a second and latency.
+//! The live view in a terminal: image with touches and regions, held outputs, last presses, frame rate and latency.
 
 use std::io::Stdout;
+use std::mem::ManuallyDrop;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use crossterm::event::{self, Event as TerminalEvent, KeyCode, KeyModifiers};
 use crossterm::{execute, terminal};
 use ratatui::backend::CrosstermBackend;
 use ratatui::buffer::Buffer;
@@ -16,55 +15,44 @@ use ratatui::widgets::{Block, Paragraph, Widget};
 
 use super::log;
 use super::map::Map;
+use super::terminal::{KeyCommand, Keyboard, TerminalLost};
 use crate::pad::Pad;
 use crate::profile::{Profile, Target};
 use crate::runtime::View;
-use crate::types::{Action, Event, Image, Output, Touch, heat, ms_from_nanos};
+use crate::types::{Action, Event, Image, Output, Touch, heat_colour, ms_from_nanos};
 
-/// The colour scale ends at this relative rise, or at the image's peak if that is higher.
+/// End of the colour scale, relative change; the image's peak if that is higher.
 const FULL_SCALE: f32 = 0.3;
-/// Milliseconds of a press for each character of its bar.
+/// Time per character of a press's bar, ms.
 const BAR_MS: f64 = 25.0;
-/// Bars are cut at this many characters.
-const LONGEST_BAR: usize = 24;
+/// Longest bar, characters.
+const MAX_BAR_CHARS: usize = 24;
 
-/// What is played from where to where.
+/// Source and output of the game, for the footer.
 pub(super) struct Title {
     pub source: String,
     pub output: String,
 }
 
-/// What the player asks of the view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wish {
-    GoOn,
-    /// q or Esc: the end, as planned.
-    End,
-    /// Ctrl-C.
-    Interrupt,
-    /// p: pause, or go on.
-    Pause,
-    /// z: the pad counts as untouched as it is.
-    Rezero,
-}
-
-/// A terminal in raw mode on its alternate screen; dropping it gives the terminal back.
+/// A terminal in raw mode on its alternate screen; dropping it restores the terminal.
 pub(super) struct LiveView {
-    terminal: ratatui::Terminal<CrosstermBackend<Stdout>>,
+    /// Never dropped: its `drop` panics if the terminal is closed. [`restore`] shows the cursor.
+    terminal: ManuallyDrop<ratatui::Terminal<CrosstermBackend<Stdout>>>,
+    keyboard: Keyboard,
     title: Title,
     pad: String,
     pad_mm: [f64; 2],
-    /// The last thing that the player should know.
+    /// The last message for the player.
     notice: String,
-    /// NO_COLOR: the image as shades of characters.
+    /// NO_COLOR is set: the image is drawn with block characters.
     plain: bool,
 }
 
 impl LiveView {
-    /// Takes the terminal.
+    /// Switches the terminal to raw mode and the alternate screen.
     pub(super) fn open(title: Title, pad: &Pad) -> anyhow::Result<Self> {
-        terminal::enable_raw_mode().context("the terminal gives no raw mode: use --headless")?;
-        log::hold_back(true);
+        terminal::enable_raw_mode().context("the terminal has no raw mode: use --headless")?;
+        log::mute(true);
         let mut stdout = std::io::stdout();
         execute!(
             stdout,
@@ -77,7 +65,8 @@ impl LiveView {
             hook(info);
         }));
         Ok(Self {
-            terminal: ratatui::Terminal::new(CrosstermBackend::new(stdout))?,
+            terminal: ManuallyDrop::new(ratatui::Terminal::new(CrosstermBackend::new(stdout))?),
+            keyboard: Keyboard::open(),
             title,
             pad: pad.name.clone(),
             pad_mm: pad.outline.size_mm(),
@@ -86,16 +75,20 @@ impl LiveView {
         })
     }
 
-    /// Shows a line beneath until another one comes.
-    pub(super) fn tell(&mut self, notice: String) {
+    /// Shows a line in the footer until the next one.
+    pub(super) fn show_notice(&mut self, notice: String) {
         self.notice = notice;
     }
 
-    /// Draws a view, then waits for a while for what the player wants.
+    /// Draws a view, then waits for keys, at most `wait`.
     ///
     /// # Errors
-    /// The terminal is gone.
-    pub(super) fn draw_and_wait(&mut self, view: &View, wait: Duration) -> anyhow::Result<Wish> {
+    /// The terminal is closed.
+    pub(super) fn draw_and_wait(
+        &mut self,
+        view: &View,
+        wait: Duration,
+    ) -> Result<Vec<KeyCommand>, TerminalLost> {
         let screen = Screen {
             view,
             title: &self.title,
@@ -106,12 +99,9 @@ impl LiveView {
             plain: self.plain,
         };
         self.terminal
-            .draw(|frame| frame.render_widget(screen, frame.area()))?;
-        if event::poll(wait)? {
-            Ok(wish(&event::read()?))
-        } else {
-            Ok(Wish::GoOn)
-        }
+            .draw(|frame| frame.render_widget(screen, frame.area()))
+            .map_err(|_| TerminalLost)?;
+        self.keyboard.read(wait)
     }
 }
 
@@ -121,9 +111,9 @@ impl Drop for LiveView {
     }
 }
 
-/// Gives the terminal back; nothing can be done where that fails.
+/// Restores the terminal; errors are ignored, as the terminal may be closed.
 fn restore() {
-    log::hold_back(false);
+    log::mute(false);
     let _ = execute!(
         std::io::stdout(),
         terminal::LeaveAlternateScreen,
@@ -132,20 +122,7 @@ fn restore() {
     let _ = terminal::disable_raw_mode();
 }
 
-fn wish(event: &TerminalEvent) -> Wish {
-    let TerminalEvent::Key(key) = event else {
-        return Wish::GoOn;
-    };
-    match key.code {
-        KeyCode::Esc | KeyCode::Char('q') => Wish::End,
-        KeyCode::Char('p') => Wish::Pause,
-        KeyCode::Char('z') => Wish::Rezero,
-        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Wish::Interrupt,
-        _ => Wish::GoOn,
-    }
-}
-
-/// One picture of a view.
+/// One drawing of a view.
 struct Screen<'a> {
     view: &'a View,
     title: &'a Title,
@@ -160,21 +137,21 @@ impl Widget for Screen<'_> {
     fn render(self, area: Rect, buffer: &mut Buffer) {
         let [body, footer] =
             Layout::vertical([Constraint::Min(3), Constraint::Length(2)]).areas(area);
-        // The pad takes what height allows: characters are twice as high as wide.
+        // The pad's width follows from the height: characters are twice as high as wide.
         let height = body.height.saturating_sub(2);
         let shape = self.pad_mm[0] / self.pad_mm[1];
-        let wide = (f64::from(height) * 2.0 * shape) as u16 + 2;
-        let wide = wide.min(body.width * 6 / 10).max(12);
+        let width = (f64::from(height) * 2.0 * shape) as u16 + 2;
+        let width = width.min(body.width * 6 / 10).max(12);
         let [left, right] =
-            Layout::horizontal([Constraint::Length(wide), Constraint::Min(20)]).areas(body);
-        self.pad(left, buffer);
-        self.side(right, buffer);
-        self.footer(footer, buffer);
+            Layout::horizontal([Constraint::Length(width), Constraint::Min(20)]).areas(body);
+        self.draw_pad(left, buffer);
+        self.draw_side(right, buffer);
+        self.draw_footer(footer, buffer);
     }
 }
 
 impl Screen<'_> {
-    fn pad(&self, area: Rect, buffer: &mut Buffer) {
+    fn draw_pad(&self, area: Rect, buffer: &mut Buffer) {
         let block = Block::bordered().title(format!(" {} ", self.pad));
         let inner = block.inner(area);
         block.render(area, buffer);
@@ -200,7 +177,7 @@ impl Screen<'_> {
                 }
                 // Two pixels a character: the upper is the half block's colour, the lower its background.
                 let [upper, lower] = [0.25, 0.75].map(|part| {
-                    let [r, g, b] = heat(value(part));
+                    let [r, g, b] = heat_colour(value(part));
                     Color::Rgb(r, g, b)
                 });
                 match mark {
@@ -210,11 +187,18 @@ impl Screen<'_> {
             }
         }
         for touch in &self.view.touches {
-            self.touch(touch, inner, rows, map.rows(), buffer);
+            self.draw_touch(touch, inner, rows, map.rows(), buffer);
         }
     }
 
-    fn touch(&self, touch: &Touch, inner: Rect, shown: usize, rows: usize, buffer: &mut Buffer) {
+    fn draw_touch(
+        &self,
+        touch: &Touch,
+        inner: Rect,
+        shown: usize,
+        rows: usize,
+        buffer: &mut Buffer,
+    ) {
         let [x, y] = touch.contact.centre_mm;
         let column = (x / self.pad_mm[0] * f64::from(inner.width)) as u16;
         let row = ((1.0 - y / self.pad_mm[1]) * rows as f64) as u16;
@@ -229,7 +213,7 @@ impl Screen<'_> {
         }
     }
 
-    fn side(&self, area: Rect, buffer: &mut Buffer) {
+    fn draw_side(&self, area: Rect, buffer: &mut Buffer) {
         let bindings = self.profile.bindings.len() as u16 + 2;
         let [held, presses, touches] = Layout::vertical([
             Constraint::Length(bindings),
@@ -241,7 +225,7 @@ impl Screen<'_> {
             .profile
             .bindings
             .iter()
-            .map(|b| self.binding(b))
+            .map(|b| self.binding_line(b))
             .collect();
         Paragraph::new(lines)
             .block(Block::bordered().title(format!(" {} ", self.profile.name)))
@@ -253,7 +237,7 @@ impl Screen<'_> {
             usize::from(presses.height.saturating_sub(2)),
         );
         Paragraph::new(lines)
-            .block(Block::bordered().title(" how long is how high "))
+            .block(Block::bordered().title(" press length "))
             .render(presses, buffer);
         let lines: Vec<Line<'_>> = self.view.touches.iter().map(touch_line).collect();
         Paragraph::new(lines)
@@ -261,11 +245,11 @@ impl Screen<'_> {
             .render(touches, buffer);
     }
 
-    fn binding(&self, binding: &crate::profile::Binding) -> Line<'static> {
+    fn binding_line(&self, binding: &crate::profile::Binding) -> Line<'static> {
         let text = format!(
             "{:10} {:12}",
-            self.profile.place_of(binding),
-            self.profile.outputs_of(binding)
+            self.profile.binding_place(binding),
+            self.profile.output_names(binding)
         );
         if self.is_held(binding) {
             Line::from(vec![
@@ -287,7 +271,7 @@ impl Screen<'_> {
             .any(|output| self.view.held.contains(output))
     }
 
-    fn footer(&self, area: Rect, buffer: &mut Buffer) {
+    fn draw_footer(&self, area: Rect, buffer: &mut Buffer) {
         let view = self.view;
         let seconds = ms_from_nanos(view.t_ns) / 1000.0;
         let mut first = format!(
@@ -298,7 +282,12 @@ impl Screen<'_> {
             first.push_str(&format!("   {} LOST", view.lost_frames));
         }
         if !view.lost_electrodes.is_empty() {
-            first.push_str(&format!("   WITHOUT ELECTRODE {:?}", view.lost_electrodes));
+            let numbers = view
+                .lost_electrodes
+                .iter()
+                .map(|index| (index + 1).to_string());
+            let numbers: Vec<String> = numbers.collect();
+            first.push_str(&format!("   LOST ELECTRODES {}", numbers.join(", ")));
         }
         if view.late_events > 0 {
             first.push_str(&format!("   {} LATE", view.late_events));
@@ -312,7 +301,7 @@ impl Screen<'_> {
         }
         let second = if self.notice.is_empty() {
             format!(
-                " q ends, p pauses, z zeroes   {} -> {}",
+                " q quits, p pauses, z zeroes   {} -> {}",
                 self.title.source, self.title.output
             )
         } else {
@@ -326,13 +315,13 @@ impl Screen<'_> {
     }
 }
 
-/// A value 0..1 without colours.
+/// A block character for a value 0..1.
 fn shade(value: f32) -> char {
     const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
     SHADES[((value * SHADES.len() as f32) as usize).min(SHADES.len() - 1)]
 }
 
-/// The image's value at a place; zero off the pad.
+/// The image's value at a place; 0 off the pad.
 fn value_at(image: &Image, point: [f64; 2]) -> f32 {
     image
         .grid
@@ -349,7 +338,7 @@ fn touch_line(touch: &Touch) -> Line<'static> {
     ))
 }
 
-/// The last presses, newest first, each with a bar as long as it was held.
+/// The last presses, newest first, each with a bar as long as the press.
 fn press_lines<'a>(
     events: impl DoubleEndedIterator<Item = &'a Event>,
     held: &[Output],
@@ -367,7 +356,7 @@ fn press_lines<'a>(
                 };
                 let (_, end_ns) = ends.remove(index);
                 let ms = ms_from_nanos(end_ns.saturating_sub(event.t_ns));
-                let bar = "█".repeat(((ms / BAR_MS).ceil() as usize).clamp(1, LONGEST_BAR));
+                let bar = "█".repeat(((ms / BAR_MS).ceil() as usize).clamp(1, MAX_BAR_CHARS));
                 let name = output.to_string();
                 lines.push(Line::from(vec![
                     Span::raw(format!("{name:10} {ms:5.0} ms ")),

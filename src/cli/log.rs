@@ -1,19 +1,19 @@
-//! Logs: to stderr, but not over the live view.
+//! Log lines go to stderr, except while the live view is open.
 
 use std::io::{IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use tracing_subscriber::EnvFilter;
 
-/// Whether a view has the terminal. One terminal, one flag.
-static HELD_BACK: AtomicBool = AtomicBool::new(false);
+/// Whether log lines are dropped. Global, as there is one terminal.
+static MUTED: AtomicBool = AtomicBool::new(false);
 
-/// Drops log lines from now on, or lets them through again: while a view is open, it shows what is lost itself.
-pub(super) fn hold_back(held_back: bool) {
-    HELD_BACK.store(held_back, Ordering::Relaxed);
+/// Drops log lines while `muted`: the live view shows lost frames itself.
+pub(super) fn mute(muted: bool) {
+    MUTED.store(muted, Ordering::Relaxed);
 }
 
-/// Logs go to stderr: gelpad's own warnings and what it found out always, more with `-v` or `RUST_LOG`.
+/// Starts logging: gelpad's warnings and findings by default, more with `-v` or `RUST_LOG`.
 pub(super) fn start(verbose: u8) {
     let default = [
         "off,gelpad=warn,gelpad::told=info",
@@ -24,7 +24,7 @@ pub(super) fn start(verbose: u8) {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(|| -> Box<dyn Write> {
-            if HELD_BACK.load(Ordering::Relaxed) {
+            if MUTED.load(Ordering::Relaxed) {
                 Box::new(std::io::sink())
             } else {
                 Box::new(std::io::stderr())

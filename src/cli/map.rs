@@ -1,4 +1,4 @@
-//! Pads and regions as characters: shared by the live view and the `show` commands.
+//! Pads and regions drawn with characters, for the live view and the `show` commands.
 
 use crate::pad::Pad;
 use crate::profile::Profile;
@@ -13,7 +13,7 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// An empty map of a pad of a size, so many characters wide; characters are twice as high as wide.
+    /// An empty map of a pad, `columns` characters wide; characters are twice as high as wide.
     pub(super) fn new(size_mm: [f64; 2], columns: usize) -> Self {
         let rows = (columns as f64 / 2.0 * size_mm[1] / size_mm[0])
             .round()
@@ -26,7 +26,7 @@ impl Map {
         }
     }
 
-    /// The middle of a cell on the pad.
+    /// The centre of a cell on the pad.
     fn centre_mm(&self, row: usize, column: usize) -> PointMm {
         [
             (column as f64 + 0.5) / self.columns as f64 * self.size_mm[0],
@@ -34,7 +34,7 @@ impl Map {
         ]
     }
 
-    /// The cell of a place on the pad; places on an edge belong to the outermost cell.
+    /// Row and column of a place on the pad, limited to the map.
     fn cell_at(&self, [x, y]: PointMm) -> (usize, usize) {
         let column = x / self.size_mm[0] * self.columns as f64;
         let row = (1.0 - y / self.size_mm[1]) * self.rows as f64;
@@ -78,11 +78,11 @@ impl Map {
         self
     }
 
-    /// Draws a pad's conductor and the numbers of its electrodes.
+    /// Draws a pad's conductor and its electrodes, numbered from 1.
     pub(super) fn pad(mut self, pad: &Pad) -> Self {
         for row in 0..self.rows {
             for column in 0..self.columns {
-                // A channel may be thinner than a character: look at several places in it.
+                // A channel can be thinner than a character: several places in it are tested.
                 let [x, y] = self.centre_mm(row, column);
                 let step = self.size_mm[0] / self.columns as f64;
                 let conducts = (-2..=2).any(|i| {
@@ -96,10 +96,10 @@ impl Map {
                 }
             }
         }
-        for (number, electrode) in pad.electrodes.iter().enumerate() {
+        for (number, electrode) in (1..).zip(&pad.electrodes) {
             let (row, column) = self.cell_at(electrode.centre_mm(&pad.outline));
             let start = column.min(self.columns - 2);
-            self.write(row, start, &number.to_string());
+            self.write(row, start, &format!("{number}"));
         }
         self
     }
@@ -119,7 +119,7 @@ impl Map {
         }
     }
 
-    /// The rows, top first, framed.
+    /// All rows, top first, in a frame.
     pub(super) fn framed(&self) -> String {
         let bar = "─".repeat(self.columns);
         let mut text = format!("┌{bar}┐\n");
@@ -137,7 +137,7 @@ impl Map {
         self.cells[row * self.columns + column]
     }
 
-    /// How many rows it has.
+    /// Number of rows.
     pub(super) fn rows(&self) -> usize {
         self.rows
     }

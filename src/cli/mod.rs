@@ -1,38 +1,31 @@
-//! The command line: one file a subcommand.
+//! The command line: one file per subcommand.
 //!
-//! Exit codes: 0 success; 1 failure; 2 what `--help` forbids; 3 finished but lost data; 130 and 143 after Ctrl-C and
-//! SIGTERM, keys up. Machine-readable output goes to stdout, everything else to stderr.
+//! Exit codes: 0 success; 1 failure; 2 wrong arguments; 3 finished but lost data; 130, 143 and 129 after Ctrl-C, SIGTERM
+//! and a closed terminal, with all keys released. Machine-readable output goes to stdout, everything else to stderr.
 
 mod accuracy;
 mod args;
 mod calibrate;
-mod candidates;
-mod changes;
 mod device;
 #[cfg(target_os = "linux")]
 mod doctor;
 mod drawing;
 mod exit;
 mod export;
-mod files;
-mod gamepads;
 mod listen;
 mod live;
 mod log;
 mod map;
-mod outputs;
+mod message;
 mod pads;
-mod pick;
 mod play;
-mod played_with;
 mod profiles;
 mod progress;
 mod recover;
 mod replay;
-mod resolve;
 mod study;
-#[cfg(feature = "gui")]
-mod window;
+mod summary;
+mod terminal;
 
 use std::process::ExitCode;
 
@@ -40,16 +33,21 @@ use clap::Parser as _;
 
 use args::{Arguments, Command};
 
-/// Runs the command that the arguments name.
+/// What remains to be done after the command line was run.
+pub enum Next {
+    /// End with a code.
+    Exit(ExitCode),
+    /// Open the window: there was no command.
+    OpenWindow,
+}
+
+/// Runs the command of the arguments.
 #[must_use]
-pub fn main() -> ExitCode {
+pub fn run() -> Next {
     let arguments = Arguments::parse();
     log::start(arguments.verbose);
     let outcome = match arguments.command {
-        #[cfg(feature = "gui")]
-        None => window::open(),
-        #[cfg(not(feature = "gui"))]
-        None => play::level(),
+        None => return Next::OpenWindow,
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Recover(args)) => recover::recover(&args),
@@ -66,19 +64,31 @@ pub fn main() -> ExitCode {
         #[cfg(target_os = "linux")]
         Some(Command::Doctor(args)) => doctor::run(&args),
         #[cfg(not(target_os = "linux"))]
-        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("the doctor knows Linux only")),
+        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("`gelpad doctor` needs Linux")),
     };
-    exit::code(outcome)
+    Next::Exit(exit::code(outcome))
 }
 
-/// The whole life of a watcher.
+/// Plays the level in the terminal.
+#[must_use]
+pub fn play_level() -> ExitCode {
+    exit::code(play::play_level())
+}
+
+/// Exit code of a window that a signal ended, or that was closed.
+#[must_use]
+pub fn window_exit_code(signal: Option<i32>) -> ExitCode {
+    exit::code(Ok(signal.map_or(exit::Ending::Done, exit::Ending::Signal)))
+}
+
+/// Runs as the watcher of another gelpad.
 #[cfg(target_os = "linux")]
 fn watch(way: args::WayArg, window: u32) -> anyhow::Result<exit::Ending> {
-    use crate::output::watch::{Way, watch};
+    use crate::output::watch::{ReleaseMethod, run_watcher};
 
-    watch(match way {
-        args::WayArg::X11 => Way::X11 { window },
-        args::WayArg::Cut => Way::Cut,
+    run_watcher(match way {
+        args::WayArg::X11 => ReleaseMethod::X11 { window },
+        args::WayArg::Cut => ReleaseMethod::CutConnection,
     })?;
     Ok(exit::Ending::Done)
 }

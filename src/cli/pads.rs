@@ -1,11 +1,12 @@
-//! `gelpad pad`: the pads, and what one is.
+//! `gelpad pad`: lists, checks and shows pads.
 
 use std::io::Write as _;
 
 use super::args::PadCommand;
 use super::exit::Ending;
 use super::map::Map;
-use super::resolve;
+use crate::app::pads::{load_pad, reconstruction};
+use crate::app::texts::pad_text;
 use crate::eit::Linearised;
 use crate::pad::{Conductor, Outline, Pad, SHIPPED_PADS, TouchSign};
 use crate::types::Method;
@@ -20,22 +21,22 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
             }
         }
         PadCommand::Check { pad: argument } => {
-            let pad = resolve::pad(argument)?;
-            let matrix = resolve::reconstruction(&pad, Method::default())?;
+            let pad = load_pad(argument)?.pad;
+            let matrix = reconstruction(&pad, Method::default())?;
             writeln!(
                 stdout,
-                "{argument}: sound: {} electrodes, {} voltages a frame, {} pixels",
+                "{argument}: sound: {} electrodes, {} voltages per frame, {} pixels",
                 pad.electrodes.len(),
                 pad.channels(),
                 matrix.unknowns()
             )?;
         }
         PadCommand::Show { pad, toml: true } => {
-            write!(stdout, "{}", resolve::pad_text(pad)?.toml)?;
+            write!(stdout, "{}", pad_text(pad)?.toml)?;
         }
         PadCommand::Show { pad, toml: false } => {
-            let pad = resolve::pad(pad)?;
-            let linearised = Linearised::of_pad(&pad)?;
+            let pad = load_pad(pad)?.pad;
+            let linearised = Linearised::from_pad(&pad)?;
             writeln!(
                 stdout,
                 "{}",

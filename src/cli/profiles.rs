@@ -1,12 +1,15 @@
-//! `gelpad profile`: the profiles, what one does, and where each of its values comes from.
+//! `gelpad profile`: lists, checks, shows and draws profiles.
 
 use std::io::Write as _;
-use std::path::Path;
 
 use super::args::{ProfileCommand, ShowArgs};
+use super::drawing;
 use super::exit::{self, Ending};
 use super::map::Map;
-use super::{drawing, resolve};
+use crate::app::files;
+use crate::app::pads::load_pad;
+use crate::app::profiles::load_profile;
+use crate::app::texts::profile_text;
 use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, schema};
 use crate::types::ms_from_nanos;
 
@@ -25,12 +28,12 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
             profile: argument,
             user,
         } => {
-            let checked = resolve::checked(argument, user.as_deref())?;
+            let checked = load_profile(argument, user.as_deref())?;
             checked.warnings.iter().for_each(exit::warn);
             let warnings: usize = checked
                 .warnings
                 .iter()
-                .map(|faulty| faulty.faults.len())
+                .map(|faulty| faulty.diagnostics.len())
                 .sum();
             writeln!(
                 stdout,
@@ -46,12 +49,12 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
         }
         ProfileCommand::Schema => write!(stdout, "{}", schema())?,
         ProfileCommand::Show(args) if args.toml => {
-            write!(stdout, "{}", resolve::profile_text(&args.profile)?.toml)?;
+            write!(stdout, "{}", profile_text(&args.profile)?.toml)?;
         }
         ProfileCommand::Show(args) => {
-            let checked = resolve::checked(&args.profile, args.user.as_deref())?;
-            let pad_mm = resolve::pad(&args.pad)?.outline.size_mm();
-            let pad_mm = checked.profile.settings.seen_size_mm(pad_mm);
+            let checked = load_profile(&args.profile, args.user.as_deref())?;
+            let pad_mm = load_pad(&args.pad)?.pad.outline.size_mm();
+            let pad_mm = checked.profile.settings.size_as_player_sees_mm(pad_mm);
             if !draw(args, &checked.profile, pad_mm)? {
                 let map = Map::new(pad_mm, 60).regions(&checked.profile).framed();
                 writeln!(stdout, "{map}\n{}", facts(&checked))?;
@@ -61,29 +64,18 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// Draws what is asked for; whether anything was.
+/// Writes the requested drawings; returns whether there were any.
 fn draw(args: &ShowArgs, profile: &Profile, pad_mm: [f64; 2]) -> anyhow::Result<bool> {
     if let Some(path) = &args.svg {
-        write(path, drawing::svg(profile, pad_mm).as_bytes())?;
+        files::write(path, drawing::svg(profile, pad_mm).as_bytes())?;
     }
     if let Some(path) = &args.print {
-        write(path, drawing::print(profile, pad_mm)?.as_bytes())?;
+        files::write(path, drawing::print(profile, pad_mm)?.as_bytes())?;
     }
     if let Some(path) = &args.png {
-        write(path, &drawing::png(profile, pad_mm)?)?;
+        files::write(path, &drawing::png(profile, pad_mm)?)?;
     }
     Ok(args.svg.is_some() || args.print.is_some() || args.png.is_some())
-}
-
-/// Writes a file beside its place and moves it there: no half of one is ever found.
-fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    use anyhow::Context as _;
-
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".part");
-    std::fs::write(&beside, bytes)
-        .and_then(|()| std::fs::rename(&beside, path))
-        .with_context(|| format!("{} cannot be written", path.display()))
 }
 
 fn facts(checked: &Checked) -> String {
@@ -99,17 +91,17 @@ fn facts(checked: &Checked) -> String {
     for binding in &profile.bindings {
         lines.push(format!(
             "  {:12} {:12} {}",
-            profile.place_of(binding),
-            profile.outputs_of(binding),
-            profile.how(binding)
+            profile.binding_place(binding),
+            profile.output_names(binding),
+            profile.describe_binding(binding)
         ));
     }
     if checked.texts.len() > 1 {
         lines.push(format!(
-            "read from {}, the later over the earlier:",
+            "read from {}; later ones override earlier ones:",
             checked.texts.join(", ")
         ));
-        // What tells the texts apart says nothing about their values.
+        // These keys describe the texts themselves.
         let heads = ["about", "extends", "name", "schema"];
         let values = profile.origins.iter();
         for origin in values.filter(|origin| !heads.contains(&origin.key.as_str())) {

@@ -1,22 +1,22 @@
-//! `gelpad recover`: what a damaged recording holds, saved.
+//! `gelpad recover`: saves the readable part of a damaged recording.
 
 use anyhow::Context as _;
 
 use super::args::RecoverArgs;
 use super::exit::Ending;
-use super::play::say;
+use super::message::say;
 use crate::session;
 
 pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
     let salvage = session::recover(&args.file, &args.output)
         .with_context(|| args.file.display().to_string())?;
-    let ended = if salvage.was_whole {
+    let suffix = if salvage.was_whole {
         ""
     } else {
-        "; it was not closed"
+        "; the file was not closed"
     };
     say(&format!(
-        "{}: {} frames, {} other inputs and {} events saved{ended}",
+        "{}: {} frames, {} other inputs and {} events saved{suffix}",
         args.output.display(),
         salvage.frames,
         salvage.inputs,
@@ -25,17 +25,17 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
     for note in &salvage.notes {
         say(&format!("lost: {note}"));
     }
-    let told = salvage.notes.len() as u64;
-    if salvage.losses > told {
-        say(&format!("lost: and {} more", salvage.losses - told));
+    let printed = salvage.notes.len() as u64;
+    if salvage.losses > printed {
+        say(&format!("lost: and {} more", salvage.losses - printed));
     }
-    if salvage.left_out > 0 {
+    if salvage.dropped_inputs > 0 {
         say(&format!(
-            "missing since it was recorded: {} inputs",
-            salvage.left_out
+            "missing already in the recording: {} inputs",
+            salvage.dropped_inputs
         ));
     }
-    if !salvage.has_lost() {
+    if !salvage.is_incomplete() {
         say("nothing was lost");
         return Ok(Ending::Done);
     }

@@ -1,4 +1,4 @@
-//! `gelpad study`: which pad to build.
+//! `gelpad study`: studies of pad designs.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 
 use super::args::{StudyArgs, StudyCommand};
 use super::exit::Ending;
-use super::progress::{bar, tell};
-use super::resolve;
+use super::progress::{case_bar, case_progress};
+use crate::app::pads::{PadText, load_pad};
 use crate::study::job::{self, Folder, Shard, Study};
 use crate::study::phantoms::{self, Phantoms};
 use crate::study::thickness::{self, Thickness};
 use crate::study::width::{self, Width};
 
-/// Any study: what `study.json` holds.
+/// Settings of a study, as `study.json` stores them.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Settings {
-    Width(width::Settings),
-    Phantoms(phantoms::Settings),
-    Thickness(Box<thickness::Settings>),
+    Width(width::WidthSettings),
+    Phantoms(phantoms::PhantomSettings),
+    Thickness(Box<thickness::ThicknessSettings>),
 }
 
 pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
@@ -31,26 +31,32 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
             vary,
             rank,
             quick,
+            seed,
         } => {
             let (pad, pad_toml) = pad(common)?;
-            let settings = width::Settings {
+            let settings = width::WidthSettings {
                 version: version(),
                 pad,
                 pad_toml,
                 vary: vary.clone(),
                 rank: (*rank).into(),
                 quick: *quick,
-                seed: common.seed,
+                seed: *seed,
             };
             (common, Settings::Width(settings))
         }
-        StudyCommand::Phantoms { common, quick: _ } => {
+        StudyCommand::Phantoms {
+            common,
+            quick,
+            seed,
+        } => {
             let (pad, pad_toml) = pad(common)?;
-            let settings = phantoms::Settings {
+            let settings = phantoms::PhantomSettings {
                 version: version(),
                 pad,
                 pad_toml,
-                seed: common.seed,
+                quick: *quick,
+                seed: *seed,
             };
             (common, Settings::Phantoms(settings))
         }
@@ -60,7 +66,7 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
             quick,
         } => {
             let (pad, pad_toml) = pad(common)?;
-            let settings = thickness::Settings {
+            let settings = thickness::ThicknessSettings {
                 version: version(),
                 pad,
                 pad_toml,
@@ -76,7 +82,7 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
         Settings::Phantoms(of) => solve(&Phantoms::new(of.clone())?, &settings, out, shard),
         Settings::Thickness(of) => {
             let study = Thickness::new((**of).clone())?;
-            foretell(&study)?;
+            print_estimate(&study)?;
             solve(&study, &settings, out, shard)
         }
     }
@@ -87,24 +93,23 @@ fn version() -> String {
 }
 
 fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
-    let text = resolve::pad_text(&common.pad)?;
-    // Read once for its own messages, with the place of a mistake.
-    resolve::pad(&common.pad)?;
-    Ok((text.name, text.toml))
+    // Parsed here as well to report mistakes with their places.
+    let PadText { toml, .. } = load_pad(&common.pad)?;
+    Ok((common.pad.clone(), toml))
 }
 
-/// Says what a study of thickness takes, before it starts.
-fn foretell(study: &Thickness) -> anyhow::Result<()> {
+/// Prints the estimated memory and run time of a thickness study.
+fn print_estimate(study: &Thickness) -> anyhow::Result<()> {
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let foretold = study.foretell(workers)?;
+    let estimate = study.estimate(workers)?;
     let mut stderr = std::io::stderr().lock();
     writeln!(
         stderr,
-        "{} cases of up to {} unknowns: about {:.1} GiB for {workers} at a time, and about {} minutes",
+        "{} cases of up to {} unknowns: about {:.1} GiB for {workers} in parallel, about {} minutes",
         study.cases().len(),
-        foretold.unknowns,
-        foretold.bytes / f64::from(1 << 30),
-        (foretold.seconds / 60.0).ceil()
+        estimate.unknowns,
+        estimate.bytes / f64::from(1 << 30),
+        (estimate.seconds / 60.0).ceil()
     )?;
     Ok(())
 }
@@ -116,8 +121,8 @@ fn solve<S: Study>(
     shard: Shard,
 ) -> anyhow::Result<Ending> {
     let folder = Folder::open(out, settings)?;
-    let bar = bar();
-    job::run(&folder, study, shard, tell(&bar))?;
+    let bar = case_bar();
+    job::run_shard(&folder, study, shard, case_progress(&bar))?;
     bar.finish_and_clear();
     if shard == Shard::ALL {
         write(study, &folder)?;
@@ -126,20 +131,20 @@ fn solve<S: Study>(
 }
 
 fn write<S: Study>(study: &S, folder: &Folder) -> anyhow::Result<()> {
-    let outcomes = job::outcomes(folder, study)?;
+    let outcomes = job::load_results(folder, study)?;
     Ok(study.report(&outcomes)?.write(folder.path())?)
 }
 
 fn merge(folders: &[std::path::PathBuf], out: &Path) -> anyhow::Result<Ending> {
     let Some(first) = folders.first() else {
-        anyhow::bail!("nothing to merge: name the folders of the shards");
+        anyhow::bail!("nothing to merge: give the folders of the shards");
     };
     let text = Folder::settings_text(first)?;
     let settings: Settings = serde_json::from_str(&text)
         .map_err(|error| anyhow::anyhow!("{}/study.json: {error}", first.display()))?;
     let folder = Folder::open(out, &settings)?;
     for other in folders {
-        folder.take_over(other)?;
+        folder.copy_results_from(other)?;
     }
     match settings {
         Settings::Width(of) => write(&Width::new(of)?, &folder)?,
@@ -156,7 +161,7 @@ fn finish(folder: &Folder, shard: Shard) -> anyhow::Result<Ending> {
     } else {
         writeln!(
             stdout,
-            "{}: shard {}/{} done; join all with: gelpad study merge DIR... --out DIR",
+            "{}: shard {}/{} done; merge all with: gelpad study merge DIR... --out DIR",
             folder.path().display(),
             shard.index,
             shard.count

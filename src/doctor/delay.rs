@@ -1,8 +1,8 @@
-//! How long something takes, over many times.
+//! Delay statistics of repeated measurements.
 
 use std::time::{Duration, Instant};
 
-/// Times that it is done: enough for a 99th of a hundred to mean something.
+/// Measurements of a delay: enough for a 99th percentile.
 pub(super) const ROUNDS: usize = 200;
 
 /// Median and 99th percentile.
@@ -13,7 +13,7 @@ pub(super) struct Delay {
 }
 
 impl Delay {
-    /// Of some times, if there are any.
+    /// Statistics of some times; `None` without any.
     pub(super) fn of(mut times: Vec<Duration>) -> Option<Self> {
         times.sort();
         let at = |percent: usize| times.get(times.len().saturating_sub(1) * percent / 100);

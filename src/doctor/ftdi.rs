@@ -1,39 +1,25 @@
-//! Serial adapters of FTDI, which keep what a board sends for some milliseconds.
+//! FTDI serial adapters: their latency timer holds received bytes back for up to 16 ms.
 
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
 const DEVICES: &str = "/sys/bus/usb-serial/devices";
 
-/// A port and how long its adapter waits, ms.
-pub(super) type Timer = (String, u32);
-
-pub(super) fn look(machine: &Machine) -> Vec<Timer> {
-    let timer = |port: String| {
-        let text = machine.text(&format!("{DEVICES}/{port}/latency_timer"))?;
-        Some((port, text.parse().ok()?))
-    };
-    machine
-        .names(DEVICES)
-        .into_iter()
-        .filter_map(timer)
-        .collect()
-}
-
-pub(super) fn judge(timers: &[Timer]) -> Vec<Line> {
-    timers
-        .iter()
-        .map(|(port, ms)| {
-            let subject = format!("{port} (FTDI)");
-            match ms {
-                0 | 1 => Line::ok(&subject, format!("hands readings on within {ms} ms")),
-                _ => Line::wrong(
-                    &subject,
-                    format!("keeps readings for up to {ms} ms"),
-                    format!(
-                        "gelpad doctor --install-rule, or until it is unplugged: echo 1 | sudo tee {DEVICES}/{port}/latency_timer"
-                    ),
+pub(super) fn check(machine: &Machine) -> Vec<CheckLine> {
+    let line = |port: String| {
+        let timer = format!("{DEVICES}/{port}/latency_timer");
+        let ms: u32 = machine.text(&timer)?.parse().ok()?;
+        let subject = format!("{port} (FTDI)");
+        Some(match ms {
+            0 | 1 => CheckLine::ok(&subject, format!("latency timer {ms} ms")),
+            _ => CheckLine::wrong(
+                &subject,
+                format!("latency timer {ms} ms: frames arrive up to {ms} ms late"),
+                format!(
+                    "gelpad doctor --install-rule; or, until the adapter is unplugged: echo 1 | sudo tee {timer}"
                 ),
-            }
+            ),
         })
-        .collect()
+    };
+    let ports = machine.names(DEVICES);
+    ports.into_iter().filter_map(line).collect()
 }

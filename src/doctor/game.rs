@@ -1,18 +1,18 @@
-//! What a game sees of gelpad's gamepad, by a library that games use.
+//! Whether gelpad's gamepad is complete for a game: looked up through gilrs, a gamepad library that games use.
 
 use std::thread::sleep;
 use std::time::Duration;
 
 use gilrs::{Axis, Button, Gamepad, Gilrs};
 
-use super::Line;
+use super::CheckLine;
 use super::delay::now;
 use crate::output::uinput::{PAD_PRODUCT, PAD_VENDOR};
 
-const SUBJECT: &str = "seen by a game";
-/// The library learns of a new device by way of udev.
-const PATIENCE: Duration = Duration::from_secs(1);
-const LOOK: Duration = Duration::from_millis(20);
+const SUBJECT: &str = "seen by games";
+/// Longest wait until udev reports the device.
+const TIMEOUT: Duration = Duration::from_secs(1);
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 
 const BUTTONS: [Button; 15] = [
     Button::South,
@@ -39,11 +39,11 @@ const STICKS: [Axis; 4] = [
 ];
 const TRIGGERS: [Button; 2] = [Button::LeftTrigger2, Button::RightTrigger2];
 
-/// Looks for the pad while it is there.
-pub(super) fn sees() -> Line {
+/// Looks for the test gamepad, which must exist.
+pub(super) fn check_gilrs() -> CheckLine {
     let mut gilrs = match Gilrs::new() {
         Ok(gilrs) => gilrs,
-        Err(error) => return Line::note(SUBJECT, format!("gilrs does not start ({error})")),
+        Err(error) => return CheckLine::note(SUBJECT, format!("cannot start gilrs ({error})")),
     };
     let start = now();
     loop {
@@ -52,17 +52,17 @@ pub(super) fn sees() -> Line {
             (pad.vendor_id(), pad.product_id()) == (Some(PAD_VENDOR), Some(PAD_PRODUCT))
         };
         if let Some((_, pad)) = gilrs.gamepads().find(own) {
-            return judge(pad.name(), missing(&pad));
+            return judge(pad.name(), missing_controls(&pad));
         }
-        if start.elapsed() > PATIENCE {
-            return judge_unseen();
+        if start.elapsed() > TIMEOUT {
+            return judge_not_found();
         }
-        sleep(LOOK);
+        sleep(POLL_PERIOD);
     }
 }
 
-/// What the library's map of the pad lacks.
-fn missing(pad: &Gamepad<'_>) -> Vec<String> {
+/// Buttons and axes that gilrs does not map.
+fn missing_controls(pad: &Gamepad<'_>) -> Vec<String> {
     let buttons = BUTTONS.iter().chain(&TRIGGERS);
     let buttons = buttons.filter(|button| pad.button_code(**button).is_none());
     let sticks = STICKS.iter().filter(|axis| pad.axis_code(**axis).is_none());
@@ -72,39 +72,39 @@ fn missing(pad: &Gamepad<'_>) -> Vec<String> {
         .collect()
 }
 
-fn judge(name: &str, missing: Vec<String>) -> Line {
+fn judge(name: &str, missing: Vec<String>) -> CheckLine {
     if missing.is_empty() {
         let (buttons, triggers) = (BUTTONS.len(), TRIGGERS.len());
-        return Line::ok(
+        return CheckLine::ok(
             SUBJECT,
             format!("{name}, with {buttons} buttons, 2 sticks and {triggers} triggers (gilrs)"),
         );
     }
-    Line::wrong(
+    CheckLine::wrong(
         SUBJECT,
-        format!("{name}, without {} (gilrs)", missing.join(", ")),
-        "unset SDL_GAMECONTROLLERCONFIG, which maps it otherwise",
+        format!("{name} lacks {} (gilrs)", missing.join(", ")),
+        "unset SDL_GAMECONTROLLERCONFIG: it changes the mapping",
     )
 }
 
-fn judge_unseen() -> Line {
-    Line::wrong(
+fn judge_not_found() -> CheckLine {
+    CheckLine::wrong(
         SUBJECT,
-        "nothing: gilrs finds no such gamepad",
-        "sudo usermod -aG input $USER, and log in again; without udev set GILRS_DISABLE_UDEV=1",
+        "gilrs does not find the gamepad",
+        "sudo usermod -aG input $USER, then log in again; without udev: set GILRS_DISABLE_UDEV=1",
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     #[test]
-    fn a_pad_without_a_button_is_no_pad() {
-        assert_eq!(judge("pad", Vec::new()).state, State::Ok);
+    fn a_missing_button_or_gamepad_is_wrong() {
+        assert_eq!(judge("pad", Vec::new()).state, CheckStatus::Ok);
         let line = judge("pad", vec!["DPadUp".to_owned()]);
-        assert!(line.state == State::Wrong && line.found.contains("DPadUp"));
-        assert_eq!(judge_unseen().state, State::Wrong);
+        assert!(line.state == CheckStatus::Wrong && line.found.contains("DPadUp"));
+        assert_eq!(judge_not_found().state, CheckStatus::Wrong);
     }
 }

@@ -1,29 +1,29 @@
-//! The groups that give a user what udev does not.
+//! Groups that give a user access to boards and gamepads without a udev rule.
 
 use rustix::process::{geteuid, getgid, getgroups};
 
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
-/// Groups and what they are for.
+/// Groups and what they allow.
 const GROUPS: [(&str, &str); 2] = [
-    ("dialout", "to read a board"),
-    ("input", "to read gamepads back"),
+    ("dialout", "access to boards"),
+    ("input", "access to gamepads"),
 ];
 
-/// What is known of this user.
+/// The groups of this user.
 #[derive(Clone, Debug)]
 pub(super) struct Groups {
     user: String,
     is_root: bool,
-    /// Those of this process.
-    now: Vec<String>,
-    /// Those that the next login gives.
+    /// Of this process.
+    active: Vec<String>,
+    /// From the next login.
     next: Vec<String>,
 }
 
-pub(super) fn look(machine: &Machine) -> Groups {
+pub(super) fn examine(machine: &Machine) -> Groups {
     let uid = geteuid();
-    let user = machine.name_of("/etc/passwd", uid.as_raw());
+    let user = machine.account_name("/etc/passwd", uid.as_raw());
     let ids = getgroups().unwrap_or_default();
     let ids = ids.into_iter().chain([getgid()]);
     let table = machine.text("/etc/group").unwrap_or_default();
@@ -36,8 +36,8 @@ pub(super) fn look(machine: &Machine) -> Groups {
             .then(|| group.to_owned())
     });
     Groups {
-        now: ids
-            .map(|id| machine.name_of("/etc/group", id.as_raw()))
+        active: ids
+            .map(|id| machine.account_name("/etc/group", id.as_raw()))
             .collect(),
         next: listed.collect(),
         is_root: uid.is_root(),
@@ -45,30 +45,30 @@ pub(super) fn look(machine: &Machine) -> Groups {
     }
 }
 
-pub(super) fn judge(groups: &Groups) -> Vec<Line> {
+pub(super) fn judge(groups: &Groups) -> Vec<CheckLine> {
     if groups.is_root {
-        return vec![Line::ok("groups", "root needs none")];
+        return vec![CheckLine::ok("groups", "root needs no groups")];
     }
     let has = |list: &[String], name: &str| list.iter().any(|group| group == name);
     GROUPS
         .iter()
         .map(|(name, purpose)| {
             let subject = format!("group {name}");
-            if has(&groups.now, name) {
-                Line::ok(&subject, format!("you are in it, {purpose}"))
+            if has(&groups.active, name) {
+                CheckLine::ok(&subject, format!("member: {purpose}"))
             } else if has(&groups.next, name) {
-                Line::wrong(
+                CheckLine::wrong(
                     &subject,
-                    format!("you are in it from your next login on, {purpose}"),
-                    "log out, and in again",
+                    format!("member from the next login: {purpose}"),
+                    "log out and in again",
                 )
             } else {
-                Line::note(
+                CheckLine::note(
                     &subject,
-                    format!("you are not in it; it is one way {purpose}"),
+                    format!("not a member; membership gives {purpose}"),
                 )
-                .mend(format!(
-                    "sudo usermod -aG {name} {}, and log in again",
+                .with_fix(format!(
+                    "sudo usermod -aG {name} {}, then log in again",
                     groups.user
                 ))
             }
@@ -79,27 +79,27 @@ pub(super) fn judge(groups: &Groups) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     #[test]
-    fn a_group_of_the_next_login_does_not_count_yet() {
+    fn a_group_from_the_next_login_does_not_count_yet() {
         let groups = Groups {
             user: "anna".to_owned(),
             is_root: false,
-            now: vec!["input".to_owned()],
+            active: vec!["input".to_owned()],
             next: vec!["input".to_owned(), "dialout".to_owned()],
         };
         let lines = judge(&groups);
-        assert_eq!(lines[0].mend.as_deref(), Some("log out, and in again"));
-        assert_eq!(lines[1].state, State::Ok);
-        let stranger = Groups {
-            now: Vec::new(),
+        assert_eq!(lines[0].fix.as_deref(), Some("log out and in again"));
+        assert_eq!(lines[1].state, CheckStatus::Ok);
+        let no_member = Groups {
+            active: Vec::new(),
             next: Vec::new(),
             ..groups
         };
         assert_eq!(
-            judge(&stranger)[0].mend.as_deref(),
-            Some("sudo usermod -aG dialout anna, and log in again")
+            judge(&no_member)[0].fix.as_deref(),
+            Some("sudo usermod -aG dialout anna, then log in again")
         );
     }
 }

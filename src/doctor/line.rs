@@ -1,53 +1,53 @@
-//! A line of the report.
+//! The result of one check.
 
-/// How something is.
+/// Outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// As it should be.
+pub enum CheckStatus {
+    /// Works.
     Ok,
-    /// Worth knowing, and no fault.
+    /// Information, not a fault.
     Note,
-    /// Not as it should be; there is a command that mends it.
+    /// A fault; [`CheckLine::fix`] names its fix.
     Wrong,
 }
 
-/// What was found about one thing.
+/// Result of one check: a line of the report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
-    /// How it is.
-    pub state: State,
-    /// What it is about, a few words.
+pub struct CheckLine {
+    /// Outcome.
+    pub state: CheckStatus,
+    /// What was checked, in a few words.
     pub subject: String,
-    /// What was found, half a sentence.
+    /// What was found.
     pub found: String,
-    /// The command that mends it, or what to do.
-    pub mend: Option<String>,
+    /// The command that fixes it, or what to do.
+    pub fix: Option<String>,
 }
 
-impl Line {
+impl CheckLine {
     pub(super) fn ok(subject: &str, found: impl Into<String>) -> Self {
-        Self::new(State::Ok, subject, found)
+        Self::new(CheckStatus::Ok, subject, found)
     }
 
     pub(super) fn note(subject: &str, found: impl Into<String>) -> Self {
-        Self::new(State::Note, subject, found)
+        Self::new(CheckStatus::Note, subject, found)
     }
 
-    pub(super) fn wrong(subject: &str, found: impl Into<String>, mend: impl Into<String>) -> Self {
-        Self::new(State::Wrong, subject, found).mend(mend)
+    pub(super) fn wrong(subject: &str, found: impl Into<String>, fix: impl Into<String>) -> Self {
+        Self::new(CheckStatus::Wrong, subject, found).with_fix(fix)
     }
 
-    pub(super) fn mend(mut self, mend: impl Into<String>) -> Self {
-        self.mend = Some(mend.into());
+    pub(super) fn with_fix(mut self, fix: impl Into<String>) -> Self {
+        self.fix = Some(fix.into());
         self
     }
 
-    fn new(state: State, subject: &str, found: impl Into<String>) -> Self {
+    fn new(state: CheckStatus, subject: &str, found: impl Into<String>) -> Self {
         Self {
             state,
             subject: subject.to_owned(),
             found: found.into(),
-            mend: None,
+            fix: None,
         }
     }
 }

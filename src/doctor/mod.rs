@@ -1,10 +1,9 @@
-//! Whether this machine can play, and what to do where it cannot.
+//! Checks whether this machine can play, and names the fix for each fault.
 //!
 //! ```text
-//! Machine ─look─▶ facts ─judge─▶ lines: ok, or what is wrong and the command that mends it
+//! Machine ─examine─▶ facts ─judge─▶ lines: ok, note, or wrong with its fix
 //! ```
-//! One file a check. What is looked at and what that means are apart: judging is pure, so that every fault can be
-//! provoked in a test.
+//! One file per check. `judge` is pure, and a [`Machine`] can be a folder, so that tests can provoke every fault.
 
 mod delay;
 mod ftdi;
@@ -22,55 +21,55 @@ mod session;
 mod wayland;
 mod x11;
 
-pub use line::{Line, State};
+pub use line::{CheckLine, CheckStatus};
 pub use machine::Machine;
 
-/// Lines that belong together.
+/// A section of the report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Section {
-    /// What they are about.
+pub struct ReportSection {
+    /// Heading.
     pub title: &'static str,
-    /// One or more.
-    pub lines: Vec<Line>,
+    /// Results of its checks, at least one.
+    pub lines: Vec<CheckLine>,
 }
 
-/// What the doctor has found.
+/// Results of all checks.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Report {
-    /// In the order of the way of a press: device, desktop, board.
-    pub sections: Vec<Section>,
+pub struct DoctorReport {
+    /// Kernel devices, desktop, board.
+    pub sections: Vec<ReportSection>,
     /// Outputs that work, best first.
     pub outputs: Vec<&'static str>,
-    /// Boards that are plugged in, and whether one of them can be read.
-    pub boards: Boards,
+    /// Whether a board can be read.
+    pub boards: BoardAccess,
 }
 
-/// Serial ports that may be boards.
+/// CheckStatus of the serial ports that may be boards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Boards {
-    /// None is plugged in: the simulated pad plays.
+pub enum BoardAccess {
+    /// No board is plugged in.
     None,
-    /// At least one can be read.
+    /// At least one board can be read.
     Readable,
-    /// None of those that are there.
+    /// BoardAccess are plugged in, and none can be read.
     Unreadable,
 }
 
-impl Report {
-    /// Whether `gelpad play` would work: some output takes its events, and a board that is there can be read.
+impl DoctorReport {
+    /// Whether `gelpad play` would work: an output works, and a board that is plugged in can be read.
     #[must_use]
-    pub fn plays(&self) -> bool {
-        !self.outputs.is_empty() && self.boards != Boards::Unreadable
+    pub fn can_play(&self) -> bool {
+        !self.outputs.is_empty() && self.boards != BoardAccess::Unreadable
     }
 }
 
-/// Looks at everything. Makes a gamepad for about a second, if it can.
+/// Runs all checks. Creates a test gamepad for about a second if possible.
 #[must_use]
-pub fn examine(machine: &Machine) -> Report {
-    let module = module::look(machine);
-    let node = node::look(machine);
-    let rules = rule::look(machine);
-    let pad = pad::look(&node);
+pub fn run_checks(machine: &Machine) -> DoctorReport {
+    let module = module::examine(machine);
+    let node = node::examine(machine);
+    let rules = rule::examine(machine);
+    let pad = pad::examine(&node);
     let mut device = vec![
         module::judge(&module),
         node::judge(&node, &module),
@@ -78,32 +77,32 @@ pub fn examine(machine: &Machine) -> Report {
     ];
     device.extend(pad::judge(&pad));
 
-    let x11 = x11::look(machine);
-    let wayland = wayland::look(machine);
+    let x11 = x11::examine(machine);
+    let wayland = wayland::examine(machine);
     let desktop = vec![
-        session::judge(&session::look(machine)),
+        session::check(machine),
         x11::judge(&x11),
         wayland::judge(&wayland, cfg!(feature = "wayland")),
     ];
 
-    let ports = serial::look(machine);
+    let ports = serial::examine(machine);
     let mut board = serial::judge(&ports);
-    board.extend(ftdi::judge(&ftdi::look(machine)));
-    board.extend(groups::judge(&groups::look(machine)));
+    board.extend(ftdi::check(machine));
+    board.extend(groups::judge(&groups::examine(machine)));
 
     let mut outputs = Vec::new();
     if pad.works() {
-        outputs.push("gamepad, keyboard and mouse of the kernel");
+        outputs.push("kernel (gamepad, keyboard and mouse)");
     }
     if x11.works() {
-        outputs.push("keyboard and mouse of the X11 display");
+        outputs.push("X11 display (keyboard and mouse)");
     }
     if wayland.works() && cfg!(feature = "wayland") {
-        outputs.push("keyboard of the Wayland desktop");
+        outputs.push("Wayland desktop (keyboard)");
     }
-    Report {
+    DoctorReport {
         sections: vec![
-            section("Devices of the kernel", device),
+            section("Kernel devices", device),
             section("Desktop", desktop),
             section("Board", board),
         ],
@@ -112,6 +111,6 @@ pub fn examine(machine: &Machine) -> Report {
     }
 }
 
-fn section(title: &'static str, lines: Vec<Line>) -> Section {
-    Section { title, lines }
+fn section(title: &'static str, lines: Vec<CheckLine>) -> ReportSection {
+    ReportSection { title, lines }
 }

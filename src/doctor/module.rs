@@ -1,20 +1,20 @@
-//! The kernel's module that makes input devices.
+//! The kernel module that creates input devices.
 
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
 const SUBJECT: &str = "kernel module";
 
-/// What is known of the module.
+/// CheckStatus of the `uinput` module.
 #[derive(Clone, Debug)]
 pub(super) struct Module {
-    /// The kernel's release.
+    /// Kernel release.
     release: String,
     pub(super) loaded: bool,
-    /// Whether the kernel comes with it; none if its modules are not here to be looked at.
+    /// Whether the kernel has it; `None` if the kernel's modules are not on this file system.
     available: Option<bool>,
 }
 
-pub(super) fn look(machine: &Machine) -> Module {
+pub(super) fn examine(machine: &Machine) -> Module {
     let release = machine
         .text("/proc/sys/kernel/osrelease")
         .unwrap_or_default();
@@ -30,22 +30,24 @@ pub(super) fn look(machine: &Machine) -> Module {
     }
 }
 
-pub(super) fn judge(module: &Module) -> Line {
+pub(super) fn judge(module: &Module) -> CheckLine {
     let release = &module.release;
     match (module.loaded, module.available) {
-        (true, _) => Line::ok(SUBJECT, format!("uinput is loaded (Linux {release})")),
-        (false, Some(true)) => Line::wrong(SUBJECT, "uinput is not loaded", "sudo modprobe uinput"),
-        (false, Some(false)) => Line::wrong(
+        (true, _) => CheckLine::ok(SUBJECT, format!("uinput is loaded (Linux {release})")),
+        (false, Some(true)) => {
+            CheckLine::wrong(SUBJECT, "uinput is not loaded", "sudo modprobe uinput")
+        }
+        (false, Some(false)) => CheckLine::wrong(
             SUBJECT,
-            format!("the kernel {release} comes without uinput, as kernels for clouds do"),
-            "sudo apt install linux-image-amd64, and start that kernel",
+            format!("kernel {release} has no uinput module (cloud kernels leave it out)"),
+            "sudo apt install linux-image-amd64, then reboot into that kernel",
         ),
-        (false, None) => Line::wrong(
+        (false, None) => CheckLine::wrong(
             SUBJECT,
             format!(
-                "uinput is not loaded, and the modules of {release} are not here: a container?"
+                "uinput is not loaded, and the modules of kernel {release} are not installed here (a container?)"
             ),
-            "sudo modprobe uinput, on the machine that runs the kernel",
+            "sudo modprobe uinput, on the machine that runs the container",
         ),
     }
 }
@@ -53,7 +55,7 @@ pub(super) fn judge(module: &Module) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     fn module(loaded: bool, available: Option<bool>) -> Module {
         Module {
@@ -64,12 +66,12 @@ mod tests {
     }
 
     #[test]
-    fn a_module_that_is_not_loaded_is_told_from_one_that_is_not_there() {
-        assert_eq!(judge(&module(true, None)).state, State::Ok);
+    fn an_unloaded_and_a_missing_module_have_different_fixes() {
+        assert_eq!(judge(&module(true, None)).state, CheckStatus::Ok);
         let faults = [Some(true), Some(false), None].map(|available| {
             let line = judge(&module(false, available));
-            assert_eq!(line.state, State::Wrong);
-            line.mend.expect("a command")
+            assert_eq!(line.state, CheckStatus::Wrong);
+            line.fix.expect("a command")
         });
         assert_eq!(faults[0], "sudo modprobe uinput");
         assert!(faults[1].contains("apt install"), "{}", faults[1]);

@@ -1,30 +1,30 @@
-//! The file through which devices are made: whether it is there, and for whom.
+//! The device file that creates input devices: whether it exists and is writable.
 
 use std::os::unix::fs::MetadataExt as _;
 
 use rustix::fs::{Access, access};
 
 use super::module::Module;
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
-/// Where it is.
+/// Path of the device file.
 pub(super) const PATH: &str = "/dev/uinput";
 
-/// What is known of it.
+/// CheckStatus of the device file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Node {
-    /// It is not there.
+    /// It does not exist.
     Missing,
     /// This user may write to it.
     Writable,
-    /// This user may not.
+    /// This user may not write to it.
     Refused {
-        /// Whose it is: `root:root 600`.
-        owned: String,
+        /// Owner and mode, such as `root:root 600`.
+        owner: String,
     },
 }
 
-pub(super) fn look(machine: &Machine) -> Node {
+pub(super) fn examine(machine: &Machine) -> Node {
     let path = machine.path(PATH);
     let Ok(about) = path.metadata() else {
         return Node::Missing;
@@ -32,30 +32,30 @@ pub(super) fn look(machine: &Machine) -> Node {
     if access(&path, Access::READ_OK | Access::WRITE_OK).is_ok() {
         return Node::Writable;
     }
-    let user = machine.name_of("/etc/passwd", about.uid());
-    let group = machine.name_of("/etc/group", about.gid());
+    let user = machine.account_name("/etc/passwd", about.uid());
+    let group = machine.account_name("/etc/group", about.gid());
     Node::Refused {
-        owned: format!("{user}:{group} {:o}", about.mode() & 0o777),
+        owner: format!("{user}:{group} {:o}", about.mode() & 0o777),
     }
 }
 
-pub(super) fn judge(node: &Node, module: &Module) -> Line {
+pub(super) fn judge(node: &Node, module: &Module) -> CheckLine {
     match node {
-        Node::Writable => Line::ok(PATH, "yours to write"),
-        Node::Refused { owned } => Line::wrong(
+        Node::Writable => CheckLine::ok(PATH, "writable"),
+        Node::Refused { owner } => CheckLine::wrong(
             PATH,
-            format!("not yours to write ({owned})"),
+            format!("no write permission ({owner})"),
             "gelpad doctor --install-rule",
         ),
-        Node::Missing if module.loaded => Line::wrong(
+        Node::Missing if module.loaded => CheckLine::wrong(
             PATH,
-            "not there, though the module is loaded: a container?",
+            "missing although the module is loaded (a container?)",
             "start the container with --device /dev/uinput",
         ),
-        Node::Missing => Line::wrong(
+        Node::Missing => CheckLine::wrong(
             PATH,
-            "not there: the module makes it",
-            "see the kernel module",
+            "missing: the kernel module creates it",
+            "fix the kernel module first",
         ),
     }
 }

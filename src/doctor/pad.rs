@@ -1,4 +1,4 @@
-//! A gamepad is made for a moment, pressed, and read back as a game would.
+//! Creates a test gamepad, presses a button and reads it back as a game would.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,57 +9,57 @@ use std::time::{Duration, Instant};
 
 use evdev::EventType;
 
-use super::Line;
+use super::CheckLine;
 use super::delay::{Delay, ROUNDS, now};
 use super::node::Node;
 use crate::output::uinput::PAD_NAME;
-use crate::output::{Device as _, OutputError, Uinput};
+use crate::output::{OutputDevice as _, OutputError, Uinput};
 use crate::types::{Action, Button, Event, Output};
 
 const SUBJECT: &str = "test gamepad";
-/// udev needs a moment to let the user read a new device.
-const PATIENCE: Duration = Duration::from_secs(1);
-const LOOK: Duration = Duration::from_millis(20);
-/// Between two presses: a reader is asleep when one comes, as a game is.
+/// Longest wait until udev gives access to a new device.
+const TIMEOUT: Duration = Duration::from_secs(1);
+const POLL_PERIOD: Duration = Duration::from_millis(20);
+/// Between presses, so that the reader sleeps when one arrives, as a game does.
 const PAUSE: Duration = Duration::from_millis(1);
 const INPUTS: &str = "/sys/class/input";
 
-/// What became of it.
+/// Result of the test.
 #[derive(Debug)]
-pub(super) enum Tried {
-    /// It was not: `/dev/uinput` is not to be had.
-    No,
-    /// The kernel refused it.
+pub(super) enum PadTest {
+    /// Skipped: `/dev/uinput` is not writable.
+    Skipped,
+    /// The kernel refused to create a gamepad.
     Refused(String),
-    /// It was made.
-    Made {
+    /// The gamepad was created.
+    Created {
         /// Its name under `/dev/input`.
         node: Option<String>,
         read_back: Result<Option<Delay>, String>,
-        /// What a game saw, if one was asked.
-        game: Option<Line>,
+        /// Result of the check through gilrs.
+        game: Option<CheckLine>,
     },
 }
 
-impl Tried {
+impl PadTest {
     pub(super) fn works(&self) -> bool {
-        matches!(self, Self::Made { .. })
+        matches!(self, Self::Created { .. })
     }
 }
 
-pub(super) fn look(node: &Node) -> Tried {
+pub(super) fn examine(node: &Node) -> PadTest {
     if *node != Node::Writable {
-        return Tried::No;
+        return PadTest::Skipped;
     }
-    let before = inputs();
+    let before = event_devices();
     let mut pad = match Uinput::create() {
         Ok(pad) => pad,
-        Err(error) => return Tried::Refused(error.to_string()),
+        Err(error) => return PadTest::Refused(error.to_string()),
     };
-    let Some(node) = wait_for(|| fresh(&before)) else {
-        return Tried::Made {
+    let Some(node) = wait_for(|| new_gamepad(&before)) else {
+        return PadTest::Created {
             node: None,
-            read_back: Err("the kernel shows no device: a container?".to_owned()),
+            read_back: Err("its device file is missing (a container?)".to_owned()),
             game: None,
         };
     };
@@ -72,21 +72,21 @@ pub(super) fn look(node: &Node) -> Tried {
             None
         }
     });
-    Tried::Made {
+    PadTest::Created {
         read_back: match device {
-            Some(device) => measure(&mut pad, device),
+            Some(device) => measure_delay(&mut pad, device),
             None => Err(why),
         },
         #[cfg(feature = "gilrs")]
-        game: Some(super::game::sees()),
+        game: Some(super::game::check_gilrs()),
         #[cfg(not(feature = "gilrs"))]
         game: None,
         node: Some(node),
     }
 }
 
-/// Event devices.
-fn inputs() -> BTreeSet<String> {
+/// Names of all event devices.
+fn event_devices() -> BTreeSet<String> {
     let Ok(entries) = fs::read_dir(INPUTS) else {
         return BTreeSet::new();
     };
@@ -96,32 +96,32 @@ fn inputs() -> BTreeSet<String> {
         .collect()
 }
 
-/// The gamepad among the devices that have come since.
-fn fresh(before: &BTreeSet<String>) -> Option<String> {
+/// The gamepad among the devices that are new.
+fn new_gamepad(before: &BTreeSet<String>) -> Option<String> {
     let is_pad = |node: &String| {
         let name = fs::read_to_string(format!("{INPUTS}/{node}/device/name"));
         name.is_ok_and(|name| name.trim() == PAD_NAME)
     };
-    inputs()
+    event_devices()
         .into_iter()
         .find(|node| !before.contains(node) && is_pad(node))
 }
 
-fn wait_for<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+fn wait_for<T>(mut find: impl FnMut() -> Option<T>) -> Option<T> {
     let start = now();
     loop {
-        let found = look();
-        if found.is_some() || start.elapsed() > PATIENCE {
+        let found = find();
+        if found.is_some() || start.elapsed() > TIMEOUT {
             return found;
         }
-        sleep(LOOK);
+        sleep(POLL_PERIOD);
     }
 }
 
-/// Presses again and again; another thread reads, as a game does.
-fn measure(pad: &mut Uinput, mut device: evdev::Device) -> Result<Option<Delay>, String> {
-    let (seen, sees) = sync_channel::<Instant>(1);
-    // Reads as many reports as are sent, then ends.
+/// Presses a button [`ROUNDS`] times while another thread reads, as a game does.
+fn measure_delay(pad: &mut Uinput, mut device: evdev::Device) -> Result<Option<Delay>, String> {
+    let (sender, receiver) = sync_channel::<Instant>(1);
+    // Ends after as many reports as are sent.
     let reader = Builder::new().name("reader".to_owned()).spawn(move || {
         let mut left = 2 * ROUNDS;
         while left > 0 {
@@ -132,7 +132,7 @@ fn measure(pad: &mut Uinput, mut device: evdev::Device) -> Result<Option<Delay>,
             let reports = events.filter(|event| event.event_type() == EventType::SYNCHRONIZATION);
             for _ in reports {
                 left = left.saturating_sub(1);
-                if seen.send(at).is_err() {
+                if sender.send(at).is_err() {
                     return;
                 }
             }
@@ -146,14 +146,14 @@ fn measure(pad: &mut Uinput, mut device: evdev::Device) -> Result<Option<Delay>,
             sleep(PAUSE);
             let start = now();
             press(pad, action).map_err(|error| error.to_string())?;
-            match sees.recv_timeout(PATIENCE) {
+            match receiver.recv_timeout(TIMEOUT) {
                 Ok(at) => times.push(at.saturating_duration_since(start)),
-                // The reader still waits for an event: it ends with the device.
-                Err(_) => return Err("a press did not come back".to_owned()),
+                // The reader still waits for an event; it ends with the device.
+                Err(_) => return Err("a press was not received".to_owned()),
             }
         }
     }
-    drop(sees);
+    drop(receiver);
     let _ = reader.join();
     Ok(Delay::of(times))
 }
@@ -163,17 +163,17 @@ fn press(pad: &mut Uinput, action: Action) -> Result<(), OutputError> {
     pad.flush()
 }
 
-pub(super) fn judge(tried: &Tried) -> Vec<Line> {
-    let (node, read_back, game) = match tried {
-        Tried::No => return vec![Line::note(SUBJECT, "not tried: see above")],
-        Tried::Refused(why) => {
-            return vec![Line::wrong(
+pub(super) fn judge(test: &PadTest) -> Vec<CheckLine> {
+    let (node, read_back, game) = match test {
+        PadTest::Skipped => return vec![CheckLine::note(SUBJECT, "skipped: see above")],
+        PadTest::Refused(why) => {
+            return vec![CheckLine::wrong(
                 SUBJECT,
-                format!("the kernel refused it ({why})"),
+                format!("the kernel refused to create it ({why})"),
                 "sudo modprobe -r uinput, then sudo modprobe uinput",
             )];
         }
-        Tried::Made {
+        PadTest::Created {
             node,
             read_back,
             game,
@@ -185,10 +185,10 @@ pub(super) fn judge(tried: &Tried) -> Vec<Line> {
     let line = match read_back {
         Ok(delay) => {
             let delay = delay.map_or(String::new(), |delay| format!("; write to read: {delay}"));
-            Line::ok(SUBJECT, format!("made{name} and read back{delay}"))
+            CheckLine::ok(SUBJECT, format!("created{name} and read back{delay}"))
         }
-        Err(why) => Line::note(SUBJECT, format!("made{name}, but not read back ({why})")).mend(
-            "sudo usermod -aG input $USER, and log in again: games that may not read it see no gamepad",
+        Err(why) => CheckLine::note(SUBJECT, format!("created{name}, but not readable ({why})")).with_fix(
+            "sudo usermod -aG input $USER, then log in again: without read access, games see no gamepad",
         ),
     };
     std::iter::once(line).chain(game.clone()).collect()
@@ -197,24 +197,24 @@ pub(super) fn judge(tried: &Tried) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     #[test]
-    fn a_pad_that_cannot_be_made_or_read_is_named() {
-        assert_eq!(judge(&Tried::No)[0].state, State::Note);
-        let refused = &judge(&Tried::Refused("no space".to_owned()))[0];
-        assert!(refused.state == State::Wrong && refused.found.contains("no space"));
-        let unread = Tried::Made {
+    fn gamepads_that_cannot_be_created_or_read_are_reported() {
+        assert_eq!(judge(&PadTest::Skipped)[0].state, CheckStatus::Note);
+        let refused = &judge(&PadTest::Refused("no space".to_owned()))[0];
+        assert!(refused.state == CheckStatus::Wrong && refused.found.contains("no space"));
+        let unread = PadTest::Created {
             node: Some("event7".to_owned()),
             read_back: Err("Permission denied".to_owned()),
             game: None,
         };
-        assert!(unread.works(), "games of others may read it");
+        assert!(unread.works(), "other programs may be able to read it");
         let line = &judge(&unread)[0];
         assert!(
-            line.mend
+            line.fix
                 .as_ref()
-                .is_some_and(|mend| mend.contains("-aG input"))
+                .is_some_and(|fix| fix.contains("-aG input"))
         );
     }
 }

@@ -1,39 +1,39 @@
-//! Serial ports that may be boards: whether they can be opened, and who else holds them.
+//! Serial ports that may be boards: whether they can be opened, and which program has them open.
 
 use std::fs;
 
 use rustix::fs::{Access, access};
 
-use super::{Boards, Line, Machine};
+use super::{BoardAccess, CheckLine, Machine};
 
 const SUBJECT: &str = "serial ports";
-/// Names of ports that boards have: adapters, boards with USB of their own, Bluetooth.
-const KINDS: [&str; 3] = ["ttyUSB", "ttyACM", "rfcomm"];
-/// Programs that take new ports for something else, and how to keep them away.
-const GRABBERS: [(&str, &str); 2] = [
+/// Prefixes of the ports of boards: USB adapters, boards with USB, Bluetooth.
+const PREFIXES: [&str; 3] = ["ttyUSB", "ttyACM", "rfcomm"];
+/// Programs that open new ports on their own, and the command that stops them.
+const PORT_GRABBERS: [(&str, &str); 2] = [
     ("ModemManager", "sudo systemctl disable --now ModemManager"),
     ("brltty", "sudo apt remove brltty"),
 ];
 
-/// What is known of all ports.
+/// All ports that may be boards.
 #[derive(Clone, Debug)]
 pub(super) struct Ports {
     ports: Vec<Port>,
-    /// Those of [`GRABBERS`] that run.
+    /// Running programs of [`PORT_GRABBERS`].
     grabbers: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
 struct Port {
     path: String,
-    /// What it says it is.
+    /// Product name from USB.
     product: String,
     accessible: bool,
-    /// Who has it open: process and name.
+    /// Processes that have it open: id and name.
     holders: Vec<(String, String)>,
 }
 
-pub(super) fn look(machine: &Machine) -> Ports {
+pub(super) fn examine(machine: &Machine) -> Ports {
     let processes: Vec<(String, String)> = machine
         .names("/proc")
         .into_iter()
@@ -41,11 +41,11 @@ pub(super) fn look(machine: &Machine) -> Ports {
         .filter_map(|pid| Some((machine.text(&format!("/proc/{pid}/comm"))?, pid)))
         .map(|(name, pid)| (pid, name))
         .collect();
-    let is_grabber = |name: &String| GRABBERS.iter().any(|(grabber, _)| grabber == name);
+    let is_grabber = |name: &String| PORT_GRABBERS.iter().any(|(grabber, _)| grabber == name);
     let ports = machine
         .names("/sys/class/tty")
         .into_iter()
-        .filter(|name| KINDS.iter().any(|kind| name.starts_with(kind)))
+        .filter(|name| PREFIXES.iter().any(|prefix| name.starts_with(prefix)))
         .map(|name| port(machine, &name, &processes))
         .collect();
     let names = processes.into_iter().map(|(_, name)| name);
@@ -57,7 +57,7 @@ pub(super) fn look(machine: &Machine) -> Ports {
 
 fn port(machine: &Machine, name: &str, processes: &[(String, String)]) -> Port {
     let path = format!("/dev/{name}");
-    // The port hangs on an interface, that on the device which has a name.
+    // The USB device with the product name is one to three levels above the port.
     let above = ["..", "../..", "../../.."];
     let product = above
         .iter()
@@ -81,57 +81,53 @@ fn port(machine: &Machine, name: &str, processes: &[(String, String)]) -> Port {
     }
 }
 
-/// Whether some board can be read.
-pub(super) fn boards(ports: &Ports) -> Boards {
+/// Whether a board can be read.
+pub(super) fn boards(ports: &Ports) -> BoardAccess {
     let readable = |port: &Port| port.accessible && port.holders.is_empty();
     match ports.ports.as_slice() {
-        [] => Boards::None,
-        ports if ports.iter().any(readable) => Boards::Readable,
-        _ => Boards::Unreadable,
+        [] => BoardAccess::None,
+        ports if ports.iter().any(readable) => BoardAccess::Readable,
+        _ => BoardAccess::Unreadable,
     }
 }
 
-pub(super) fn judge(ports: &Ports) -> Vec<Line> {
-    let mut lines: Vec<Line> = ports.ports.iter().map(judge_port).collect();
+pub(super) fn judge(ports: &Ports) -> Vec<CheckLine> {
+    let mut lines: Vec<CheckLine> = ports.ports.iter().map(judge_port).collect();
     if lines.is_empty() {
-        lines.push(Line::note(
+        lines.push(CheckLine::note(
             SUBJECT,
-            "no board is plugged in: the simulated pad plays without one",
+            "no board is plugged in; the simulated pad works without one",
         ));
     }
     for grabber in &ports.grabbers {
-        let mend = GRABBERS.iter().find(|(name, _)| name == grabber);
-        let line = Line::note(
-            grabber,
-            "runs, and may take a board's port when it is plugged in",
-        );
-        lines.push(line.mend(mend.map_or("", |(_, mend)| mend)));
+        let grabber_fix = PORT_GRABBERS.iter().find(|(name, _)| name == grabber);
+        let line = CheckLine::note(grabber, "is running and may open the port of a new board");
+        lines.push(line.with_fix(grabber_fix.map_or("", |(_, fix)| fix)));
     }
     lines
 }
 
-fn judge_port(port: &Port) -> Line {
+fn judge_port(port: &Port) -> CheckLine {
     let Port { path, product, .. } = port;
     if !port.accessible {
-        return Line::wrong(
+        return CheckLine::wrong(
             path,
-            format!("{product}: not yours to read"),
-            "sudo usermod -aG dialout $USER, and log in again",
+            format!("{product}: no read permission"),
+            "sudo usermod -aG dialout $USER, then log in again",
         );
     }
     match port.holders.first() {
-        None => Line::ok(
+        None => CheckLine::ok(
             path,
             format!("{product}: gelpad play --source serial:{path}"),
         ),
         Some((pid, name)) => {
-            let grabber = GRABBERS.iter().find(|(grabber, _)| grabber == name);
-            let mend =
-                grabber.map_or_else(|| format!("kill {pid}"), |(_, mend)| (*mend).to_owned());
-            Line::wrong(
+            let grabber = PORT_GRABBERS.iter().find(|(grabber, _)| grabber == name);
+            let fix = grabber.map_or_else(|| format!("kill {pid}"), |(_, fix)| (*fix).to_owned());
+            CheckLine::wrong(
                 path,
-                format!("{product}: held by {name} (process {pid})"),
-                mend,
+                format!("{product}: in use by {name} (process {pid})"),
+                fix,
             )
         }
     }
@@ -140,7 +136,7 @@ fn judge_port(port: &Port) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     fn port(accessible: bool, holders: &[(&str, &str)]) -> Ports {
         let own = |(pid, name): &(&str, &str)| ((*pid).to_owned(), (*name).to_owned());
@@ -156,33 +152,33 @@ mod tests {
     }
 
     #[test]
-    fn a_port_is_named_with_who_keeps_us_from_it() {
-        let mend = |ports: &Ports| judge(ports)[0].mend.clone().unwrap_or_default();
-        assert_eq!(judge(&port(true, &[]))[0].state, State::Ok);
-        assert_eq!(boards(&port(true, &[])), Boards::Readable);
+    fn an_unreadable_port_is_reported_with_its_reason() {
+        let fix = |ports: &Ports| judge(ports)[0].fix.clone().unwrap_or_default();
+        assert_eq!(judge(&port(true, &[]))[0].state, CheckStatus::Ok);
+        assert_eq!(boards(&port(true, &[])), BoardAccess::Readable);
         let refused = port(false, &[]);
-        assert!(mend(&refused).contains("dialout"));
-        assert_eq!(boards(&refused), Boards::Unreadable);
+        assert!(fix(&refused).contains("dialout"));
+        assert_eq!(boards(&refused), BoardAccess::Unreadable);
         for (holder, expected) in [
             ("ModemManager", "sudo systemctl disable --now ModemManager"),
             ("brltty", "sudo apt remove brltty"),
             ("screen", "kill 812"),
         ] {
             let held = port(true, &[("812", holder)]);
-            assert_eq!(mend(&held), expected);
-            assert_eq!(boards(&held), Boards::Unreadable);
+            assert_eq!(fix(&held), expected);
+            assert_eq!(boards(&held), BoardAccess::Unreadable);
         }
     }
 
     #[test]
-    fn a_program_that_takes_ports_is_named_before_it_does() {
+    fn a_running_port_grabber_is_reported() {
         let ports = Ports {
             ports: Vec::new(),
             grabbers: vec!["brltty".to_owned()],
         };
         let lines = judge(&ports);
-        assert_eq!(lines[0].state, State::Note);
-        assert_eq!(lines[1].mend.as_deref(), Some("sudo apt remove brltty"));
-        assert_eq!(boards(&ports), Boards::None);
+        assert_eq!(lines[0].state, CheckStatus::Note);
+        assert_eq!(lines[1].fix.as_deref(), Some("sudo apt remove brltty"));
+        assert_eq!(boards(&ports), BoardAccess::None);
     }
 }

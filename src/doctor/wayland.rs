@@ -1,21 +1,21 @@
 //! The Wayland desktop: whether it lets programs press keys.
 //!
-//! Asked in Wayland's own wire format, which takes two requests: which protocols are there? (wayland-book.com, "Wire
-//! protocol": object, size and opcode, arguments; all words in the machine's byte order.)
+//! Lists the compositor's protocols with two requests of the wire protocol (wayland-book.com, "Wire protocol": object,
+//! size and opcode, arguments; words in native byte order).
 
 use std::io::{self, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
 const SUBJECT: &str = "Wayland";
-/// The protocol by which a program presses keys.
+/// The protocol for pressing keys.
 const PROTOCOL: &str = "zwp_virtual_keyboard_manager_v1";
 /// Longest wait for an answer.
-const PATIENCE: Duration = Duration::from_secs(2);
-/// Objects: the display is 1; we name the registry and the callback.
+const TIMEOUT: Duration = Duration::from_secs(2);
+/// Object ids: the display is always 1, the others are ours.
 const DISPLAY: u32 = 1;
 const REGISTRY: u32 = 2;
 const CALLBACK: u32 = 3;
@@ -23,16 +23,16 @@ const CALLBACK: u32 = 3;
 const SYNC: u32 = 0;
 const GET_REGISTRY: u32 = 1;
 
-/// What is known of the desktop.
+/// CheckStatus of the Wayland compositor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Compositor {
-    /// None is named.
-    Unnamed,
-    /// It does not answer, and why.
+    /// `WAYLAND_DISPLAY` is not set.
+    NotSet,
+    /// Does not answer: name, reason.
     Silent(String, String),
-    /// It lets no program press keys.
+    /// Lacks [`PROTOCOL`].
     WithoutProtocol(String),
-    /// It would take keys.
+    /// Accepts keys.
     Works(String),
 }
 
@@ -42,12 +42,12 @@ impl Compositor {
     }
 }
 
-pub(super) fn look(machine: &Machine) -> Compositor {
-    let Some(name) = machine.setting("WAYLAND_DISPLAY").map(str::to_owned) else {
-        return Compositor::Unnamed;
+pub(super) fn examine(machine: &Machine) -> Compositor {
+    let Some(name) = machine.variable("WAYLAND_DISPLAY").map(str::to_owned) else {
+        return Compositor::NotSet;
     };
-    // An absolute name stands for itself.
-    let folder = machine.setting("XDG_RUNTIME_DIR").unwrap_or("/run");
+    // An absolute name replaces the folder.
+    let folder = machine.variable("XDG_RUNTIME_DIR").unwrap_or("/run");
     let socket = PathBuf::from(folder).join(&name);
     match globals(&socket) {
         Ok(globals) if globals.iter().any(|global| global == PROTOCOL) => Compositor::Works(name),
@@ -56,10 +56,10 @@ pub(super) fn look(machine: &Machine) -> Compositor {
     }
 }
 
-/// The protocols that a compositor offers.
+/// Names of the protocols that a compositor offers.
 fn globals(socket: &std::path::Path) -> io::Result<Vec<String>> {
     let mut stream = UnixStream::connect(socket)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_read_timeout(Some(TIMEOUT))?;
     let mut requests = Vec::new();
     for (opcode, object) in [(GET_REGISTRY, REGISTRY), (SYNC, CALLBACK)] {
         for word in [DISPLAY, 12 << 16 | opcode, object] {
@@ -76,15 +76,15 @@ fn globals(socket: &std::path::Path) -> io::Result<Vec<String>> {
         let mut body = vec![0; (size as usize).saturating_sub(head.len())];
         stream.read_exact(&mut body)?;
         match (object, opcode) {
-            // The callback: everything has been told.
+            // The sync callback: the list is complete.
             (CALLBACK, _) => return Ok(globals),
-            // A global: number, length of its name with the final zero, name, version.
+            // A global: number, length of its name with the final NUL, name, version.
             (REGISTRY, 0) if body.len() > 8 => {
                 let length = (word(&body, 4) as usize).saturating_sub(1);
                 let name = body.get(8..8 + length).unwrap_or_default();
                 globals.push(String::from_utf8_lossy(name).into_owned());
             }
-            (DISPLAY, 0) => return Err(io::Error::other("it refused the question")),
+            (DISPLAY, 0) => return Err(io::Error::other("the request was refused")),
             _ => {}
         }
     }
@@ -96,33 +96,29 @@ fn word(bytes: &[u8], at: usize) -> u32 {
     u32::from_ne_bytes(word)
 }
 
-pub(super) fn judge(compositor: &Compositor, built_in: bool) -> Line {
+pub(super) fn judge(compositor: &Compositor, built_in: bool) -> CheckLine {
     match compositor {
-        Compositor::Unnamed => Line::note(
+        Compositor::NotSet => {
+            CheckLine::note(SUBJECT, "no Wayland desktop: WAYLAND_DISPLAY is not set")
+        }
+        Compositor::Silent(name, why) => CheckLine::wrong(
             SUBJECT,
-            "WAYLAND_DISPLAY is not set: no Wayland desktop here",
+            format!("desktop {name} does not answer ({why})"),
+            "start gelpad from a terminal of the desktop, as the logged-in user",
         ),
-        Compositor::Silent(name, why) => Line::wrong(
+        Compositor::WithoutProtocol(name) => CheckLine::wrong(
             SUBJECT,
-            format!("the desktop {name} does not answer ({why})"),
-            "start gelpad from a terminal of the desktop, as the user who is logged in there",
+            format!("desktop {name} does not let programs press keys: it lacks {PROTOCOL}"),
+            "use kernel devices, which work on every desktop: gelpad doctor --install-rule",
         ),
-        Compositor::WithoutProtocol(name) => Line::wrong(
+        Compositor::Works(name) if built_in => {
+            CheckLine::ok(SUBJECT, format!("desktop {name} accepts keys ({PROTOCOL})"))
+        }
+        Compositor::Works(name) => CheckLine::note(
             SUBJECT,
-            format!("the desktop {name} lets no program press keys: it lacks {PROTOCOL}"),
-            "play through the kernel, which reaches every desktop: gelpad doctor --install-rule",
-        ),
-        Compositor::Works(name) if built_in => Line::ok(
-            SUBJECT,
-            format!("the desktop {name} takes keys ({PROTOCOL})"),
-        ),
-        Compositor::Works(name) => Line::note(
-            SUBJECT,
-            format!(
-                "the desktop {name} would take keys, but this gelpad was built without Wayland"
-            ),
+            format!("desktop {name} would accept keys, but this gelpad was built without Wayland"),
         )
-        .mend("install libxkbcommon-dev, then cargo install --path . --features wayland"),
+        .with_fix("install libxkbcommon-dev, then cargo install --path . --features wayland"),
     }
 }
 
@@ -131,7 +127,7 @@ mod tests {
     use std::os::unix::net::UnixListener;
 
     use super::*;
-    use crate::doctor::State;
+    use crate::doctor::CheckStatus;
 
     fn message(object: u32, opcode: u32, body: &[u8]) -> Vec<u8> {
         let size = (8 + body.len()) as u32;
@@ -148,21 +144,21 @@ mod tests {
         message(REGISTRY, 0, &body)
     }
 
-    /// A desktop that offers some protocols, as the format's description says.
-    fn asked(offered: &[&str]) -> Compositor {
+    /// What is found about a compositor that offers these protocols.
+    fn compositor_with(offered: &[&str]) -> Compositor {
         let folder = tempfile::tempdir().expect("a folder");
         let listener = UnixListener::bind(folder.path().join("wayland-9")).expect("a socket");
-        let mut said: Vec<u8> = offered
+        let mut answer: Vec<u8> = offered
             .iter()
             .zip(1..)
             .flat_map(|(name, i)| global(i, name))
             .collect();
-        said.extend(message(CALLBACK, 0, &7_u32.to_ne_bytes()));
+        answer.extend(message(CALLBACK, 0, &7_u32.to_ne_bytes()));
         std::thread::scope(|scope| {
             scope.spawn(|| {
-                let (mut stream, _) = listener.accept().expect("someone");
-                stream.write_all(&said).expect("told");
-                // Until it has read everything.
+                let (mut stream, _) = listener.accept().expect("a client");
+                stream.write_all(&answer).expect("sent");
+                // Wait until the client has read everything.
                 let _ = stream.read(&mut [0; 64]);
                 let _ = stream.read(&mut [0; 64]);
             });
@@ -170,36 +166,33 @@ mod tests {
                 ("WAYLAND_DISPLAY", "wayland-9"),
                 ("XDG_RUNTIME_DIR", folder.path().to_str().expect("a path")),
             ];
-            look(&Machine::under(std::path::Path::new("/"), &settings))
+            examine(&Machine::at_root(std::path::Path::new("/"), &settings))
         })
     }
 
     #[test]
-    fn a_desktop_takes_keys_if_it_offers_the_protocol() {
-        let sway = asked(&["wl_compositor", PROTOCOL, "wl_seat"]);
+    fn the_protocol_decides_whether_keys_are_accepted() {
+        let sway = compositor_with(&["wl_compositor", PROTOCOL, "wl_seat"]);
         assert_eq!(sway, Compositor::Works("wayland-9".to_owned()));
-        assert_eq!(judge(&sway, true).state, State::Ok);
+        assert_eq!(judge(&sway, true).state, CheckStatus::Ok);
         let unbuilt = judge(&sway, false);
         assert!(
             unbuilt
-                .mend
-                .is_some_and(|mend| mend.contains("--features wayland"))
+                .fix
+                .is_some_and(|fix| fix.contains("--features wayland"))
         );
-        let weston = asked(&["wl_compositor", "wl_seat"]);
+        let weston = compositor_with(&["wl_compositor", "wl_seat"]);
         let line = judge(&weston, true);
-        assert!(line.state == State::Wrong && line.found.contains(PROTOCOL));
-        assert!(
-            line.mend
-                .is_some_and(|mend| mend.contains("--install-rule"))
-        );
+        assert!(line.state == CheckStatus::Wrong && line.found.contains(PROTOCOL));
+        assert!(line.fix.is_some_and(|fix| fix.contains("--install-rule")));
     }
 
     #[test]
-    fn a_desktop_that_is_gone_is_told_from_none() {
+    fn a_dead_desktop_is_a_fault_and_no_desktop_is_not() {
         let nowhere = [("WAYLAND_DISPLAY", "/nowhere/at-all")];
-        let gone = look(&Machine::under(std::path::Path::new("/"), &nowhere));
-        assert_eq!(judge(&gone, true).state, State::Wrong);
-        let none = look(&Machine::under(std::path::Path::new("/"), &[]));
-        assert_eq!(judge(&none, true).state, State::Note);
+        let gone = examine(&Machine::at_root(std::path::Path::new("/"), &nowhere));
+        assert_eq!(judge(&gone, true).state, CheckStatus::Wrong);
+        let none = examine(&Machine::at_root(std::path::Path::new("/"), &[]));
+        assert_eq!(judge(&none, true).state, CheckStatus::Note);
     }
 }

@@ -1,4 +1,4 @@
-//! The X11 display: whether it answers, whether programs may press keys on it, and how long that takes.
+//! The X11 display: whether it answers and accepts keys from programs, and the delay of a key.
 
 use std::time::Duration;
 
@@ -11,27 +11,27 @@ use x11rb::protocol::xtest::{ConnectionExt as _, X11_EXTENSION_NAME};
 use x11rb::rust_connection::RustConnection;
 
 use super::delay::{Delay, ROUNDS, now};
-use super::{Line, Machine};
+use super::{CheckLine, Machine};
 
 const SUBJECT: &str = "X11";
-/// Longest wait for one key.
-const PATIENCE: Duration = Duration::from_millis(500);
+/// Longest wait for a key.
+const TIMEOUT: Duration = Duration::from_millis(500);
 
-/// What is known of the display.
+/// CheckStatus of the X11 display.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Display {
-    /// None is named.
-    Unnamed,
-    /// It does not answer, and why.
+    /// `DISPLAY` is not set.
+    NotSet,
+    /// Does not answer: name, reason.
     Silent(String, String),
-    /// It lets no program press keys.
+    /// Lacks the XTEST extension.
     WithoutXtest(String),
-    /// It takes keys.
+    /// Accepts keys.
     Works {
         name: String,
-        /// Whether only programs for X11 see them: a Wayland desktop's own do not.
+        /// Under Wayland: native Wayland programs do not see the keys.
         is_xwayland: bool,
-        /// From press to a client that reads it; none where no key was spare to be pressed.
+        /// From sending a key to a client that reads it; `None` if the layout has no unused key.
         delay: Option<Delay>,
     },
 }
@@ -42,9 +42,9 @@ impl Display {
     }
 }
 
-pub(super) fn look(machine: &Machine) -> Display {
-    let Some(name) = machine.setting("DISPLAY").map(str::to_owned) else {
-        return Display::Unnamed;
+pub(super) fn examine(machine: &Machine) -> Display {
+    let Some(name) = machine.variable("DISPLAY").map(str::to_owned) else {
+        return Display::NotSet;
     };
     let (connection, _) = match x11rb::connect(Some(&name)) {
         Ok(connected) => connected,
@@ -58,16 +58,16 @@ pub(super) fn look(machine: &Machine) -> Display {
     let xwayland = connection.extension_information("XWAYLAND");
     Display::Works {
         is_xwayland: matches!(xwayland, Ok(Some(_)))
-            || machine.setting("WAYLAND_DISPLAY").is_some(),
-        delay: measure(&connection, &name),
+            || machine.variable("WAYLAND_DISPLAY").is_some(),
+        delay: measure_delay(&connection, &name),
         name,
     }
 }
 
-/// Presses a key that types nothing. It is grabbed: nobody else sees it.
-fn measure(sender: &RustConnection, name: &str) -> Option<Delay> {
+/// Presses an unused key, grabbed so that no other program sees it.
+fn measure_delay(sender: &RustConnection, name: &str) -> Option<Delay> {
     let (reader, screen) = x11rb::connect(Some(name)).ok()?;
-    let key = spare_key(&reader)?;
+    let key = unused_key(&reader)?;
     let root = reader.setup().roots.get(screen)?.root;
     reader
         .grab_key(
@@ -100,7 +100,7 @@ fn measure(sender: &RustConnection, name: &str) -> Option<Delay> {
 
 fn wait_for(reader: &RustConnection, kind: u8, key: u8) -> Option<()> {
     let start = now();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < TIMEOUT {
         let seen = match reader.poll_for_event().ok()? {
             Some(Event::KeyPress(seen)) if kind == KEY_PRESS_EVENT => seen,
             Some(Event::KeyRelease(seen)) if kind == KEY_RELEASE_EVENT => seen,
@@ -113,50 +113,52 @@ fn wait_for(reader: &RustConnection, kind: u8, key: u8) -> Option<()> {
     None
 }
 
-/// The highest key that the layout gives no meaning.
-fn spare_key(connection: &RustConnection) -> Option<u8> {
-    let (least, most) = (
+/// The highest key code without a symbol in the layout.
+fn unused_key(connection: &RustConnection) -> Option<u8> {
+    let (min, max) = (
         connection.setup().min_keycode,
         connection.setup().max_keycode,
     );
     let mapping = connection
-        .get_keyboard_mapping(least, most - least + 1)
+        .get_keyboard_mapping(min, max - min + 1)
         .ok()?
         .reply()
         .ok()?;
     let width = usize::from(mapping.keysyms_per_keycode).max(1);
-    let keys = mapping.keysyms.chunks(width).zip(least..=most);
-    let spare = keys.filter(|(symbols, _)| symbols.iter().all(|symbol| *symbol == 0));
-    spare.map(|(_, key)| key).next_back()
+    let keys = mapping.keysyms.chunks(width).zip(min..=max);
+    let unused = keys.filter(|(symbols, _)| symbols.iter().all(|symbol| *symbol == 0));
+    unused.map(|(_, key)| key).next_back()
 }
 
-pub(super) fn judge(display: &Display) -> Line {
+pub(super) fn judge(display: &Display) -> CheckLine {
     match display {
-        Display::Unnamed => Line::note(SUBJECT, "DISPLAY is not set: no X11 desktop here")
-            .mend("start gelpad from a terminal of the desktop"),
-        Display::Silent(name, why) => Line::wrong(
+        Display::NotSet => CheckLine::note(SUBJECT, "no X11 desktop: DISPLAY is not set")
+            .with_fix("start gelpad from a terminal of the desktop"),
+        Display::Silent(name, why) => CheckLine::wrong(
             SUBJECT,
-            format!("the display {name} does not answer ({why})"),
-            "start gelpad from a terminal of the desktop, as the user who is logged in there",
+            format!("display {name} does not answer ({why})"),
+            "start gelpad from a terminal of the desktop, as the logged-in user",
         ),
-        Display::WithoutXtest(name) => Line::wrong(
+        Display::WithoutXtest(name) => CheckLine::wrong(
             SUBJECT,
-            format!("the display {name} lets no program press keys: it lacks XTEST"),
-            "start the server without `-extension XTEST`, or play through the kernel: gelpad doctor --install-rule",
+            format!("display {name} does not let programs press keys: it lacks XTEST"),
+            "start the X server without `-extension XTEST`, or use kernel devices: gelpad doctor --install-rule",
         ),
         Display::Works {
             name,
             is_xwayland,
             delay,
         } => {
-            let delay = delay.map_or(String::new(), |delay| format!("; press to reader: {delay}"));
-            let found = format!("the display {name} takes keys (XTEST){delay}");
+            let delay = delay.map_or(String::new(), |delay| {
+                format!("; delay to a program: {delay}")
+            });
+            let found = format!("display {name} accepts keys (XTEST){delay}");
             match is_xwayland {
-                true => Line::note(
+                true => CheckLine::note(
                     SUBJECT,
-                    format!("{found}; programs of the Wayland desktop do not see them"),
+                    format!("{found}; native Wayland programs do not see them"),
                 ),
-                false => Line::ok(SUBJECT, found),
+                false => CheckLine::ok(SUBJECT, found),
             }
         }
     }

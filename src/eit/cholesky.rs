@@ -1,7 +1,10 @@
-//! Small dense systems, solved in an order of summation that this source fixes.
+//! Small dense systems, solved in an order of summation fixed by this source.
 
-/// Solves a symmetric positive definite system by Cholesky, `matrix` by rows (its lower triangle), the answer in `vector`; false if it is
-/// not positive definite. A library's would not promise its order of summation.
+use std::ops::{AddAssign, Mul};
+
+/// Solves a symmetric positive definite system by Cholesky factorisation. `matrix` holds the lower triangle in row-major
+/// order; the solution replaces `vector`. Returns false if the matrix is not positive definite. No library promises the
+/// order of summation.
 pub(crate) fn solve_in_place(matrix: &mut [f64], vector: &mut [f64]) -> bool {
     let n = vector.len();
     for row in 0..n {
@@ -32,7 +35,14 @@ pub(crate) fn solve_in_place(matrix: &mut [f64], vector: &mut [f64]) -> bool {
     true
 }
 
-/// Eight running sums, added in a fixed tree.
+/// y += a x.
+pub(crate) fn add_scaled<T: Copy + AddAssign + Mul<Output = T>>(y: &mut [T], x: &[T], a: T) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * *x;
+    }
+}
+
+/// Dot product by eight running sums, added in a fixed tree.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];

@@ -1,10 +1,9 @@
 //! The forward model: potentials of a sheet with electrodes (complete electrode model).
 //!
-//! Linear triangles; a sheet of thickness t carries current in its plane only. Nodes come first among the
-//! unknowns, then the electrodes but the last, which is ground: the matrix is symmetric positive definite,
-//! and sparse Cholesky (faer) solves for one unit current into each electrode at once. Every stimulation and
-//! measurement is a sum of these fields, so one factorisation serves any protocol, and reciprocity holds to
-//! rounding.
+//! Linear triangles; a sheet of thickness t carries current in its plane only. The unknowns are the nodes, then the
+//! electrodes except the last, which is ground: the matrix is symmetric positive definite, and sparse Cholesky (faer)
+//! solves for one unit current into each electrode at once. Every stimulation and measurement is a sum of these fields, so
+//! one factorisation serves any protocol, and reciprocity holds to rounding.
 //!
 //! Equations: Somersalo, Cheney, Isaacson, SIAM J. Appl. Math. 52 (1992), (2.2)-(2.6); its finite-element form
 //! as in Vauhkonen et al., IEEE Trans. Biomed. Eng. 46 (1999), eq. 10-15.
@@ -12,7 +11,7 @@
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Mat, Side};
 
 use super::Mesh;
@@ -21,19 +20,19 @@ use crate::pad::{Channel, Pad, Protocol};
 /// Metres in a millimetre.
 const M_PER_MM: f64 = 1e-3;
 
-/// What the mesh alone does not say about a sheet and its electrodes.
+/// Thickness of the sheet and impedance of its contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactModel {
-    /// Thickness of the sheet, m; 1 gives plain 2-D units.
+    /// Thickness of the sheet, m; 1 for two-dimensional units.
     pub thickness_m: f64,
     /// Contact impedance of each electrode, ohm m2.
     pub impedance_ohm_m2: Vec<f64>,
 }
 
 impl ContactModel {
-    /// The contacts that a pad's text states.
+    /// The contacts of a pad.
     #[must_use]
-    pub fn of_pad(pad: &Pad) -> Self {
+    pub fn from_pad(pad: &Pad) -> Self {
         Self {
             thickness_m: pad.thickness_mm * M_PER_MM,
             impedance_ohm_m2: vec![pad.contact_impedance_ohm_m2; pad.electrodes.len()],
@@ -44,28 +43,27 @@ impl ContactModel {
 /// Why a forward model cannot be solved.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ForwardError {
-    /// The mesh holds no edge of an electrode.
-    #[error("electrode {0} touches no conductor of the mesh")]
+    /// An electrode without an edge of the mesh, counted from 0.
+    #[error("electrode {} touches no conductor of the mesh", .0 + 1)]
     BareElectrode(usize),
     /// The matrix is not positive definite.
     #[error(
-        "the conductor falls apart: some of it is joined to no electrode, or a conductivity is not above zero"
+        "a part of the conductor is connected to no electrode, or a conductivity is not above zero"
     )]
     Disconnected,
-    /// Too large for this machine.
+    /// The mesh is too large for this machine.
     #[error("the mesh is too large to factorise")]
     TooLarge,
 }
 
-/// A mesh with its contacts, ready to be solved for any conductivity.
+/// A mesh with its contacts, prepared for any conductivity.
 #[derive(Clone, Debug)]
 pub struct ForwardModel {
     mesh: Mesh,
     /// Lower triangle, by columns.
     pattern: SymbolicSparseColMat<usize>,
-    /// What the contacts add to each entry.
+    /// The part of each entry that comes from the contacts.
     contact_values: Vec<f64>,
-    /// For each triangle, its geometry and the entries to which it adds.
     elements: Vec<Element>,
     symbolic: SymbolicLlt<usize>,
 }
@@ -74,9 +72,9 @@ pub struct ForwardModel {
 struct Element {
     /// Gradients of the three shape functions, 1/mm.
     gradients: [[f64; 2]; 3],
-    /// Area x thickness, as it enters the stiffness (mm2 m).
+    /// Area x thickness, mm2 m: factor of the stiffness.
     weight: f64,
-    /// Entries (0,0) (1,1) (2,2) (1,0) (2,1) (2,0).
+    /// Its entries of the matrix, in the order of [`CORNER_PAIRS`].
     entries: [usize; 6],
 }
 
@@ -87,20 +85,68 @@ impl Element {
     }
 }
 
-/// Index pairs of a triangle's corners, in the order of [`Element::entries`].
+/// Pairs of a triangle's corners.
 const CORNER_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 0), (2, 1), (2, 0)];
 
-/// The solution: one field for a unit current into each electrode but the last, out of the last.
+/// Positions of the entries of the stiffness matrix: its lower triangle, by columns.
+struct LowerTriangle {
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl LowerTriangle {
+    fn new(mesh: &Mesh, contact_terms: &[(usize, usize, f64)]) -> Self {
+        let unknowns = mesh.nodes_mm.len() + mesh.electrodes.len() - 1;
+        let mut columns: Vec<Vec<usize>> = (0..unknowns).map(|column| vec![column]).collect();
+        let of_triangles = mesh
+            .triangles
+            .iter()
+            .flat_map(|triangle| CORNER_PAIRS.map(|(i, j)| ordered(triangle[i], triangle[j])));
+        let of_contacts = contact_terms.iter().map(|(row, column, _)| (*row, *column));
+        for (row, column) in of_triangles.chain(of_contacts) {
+            if row != column {
+                columns[column].push(row);
+            }
+        }
+        let mut column_starts = vec![0];
+        let mut rows = Vec::new();
+        for column in &mut columns {
+            column.sort_unstable();
+            column.dedup();
+            rows.extend_from_slice(column);
+            column_starts.push(rows.len());
+        }
+        Self {
+            column_starts,
+            rows,
+        }
+    }
+
+    /// Index of the entry between two unknowns.
+    fn entry(&self, a: usize, b: usize) -> usize {
+        let (row, column) = ordered(a, b);
+        let start = self.column_starts[column];
+        let rows = &self.rows[start..self.column_starts[column + 1]];
+        start + rows.partition_point(|r| *r < row)
+    }
+
+    fn into_pattern(self) -> SymbolicSparseColMat<usize> {
+        let unknowns = self.column_starts.len() - 1;
+        SymbolicSparseColMat::new_checked(unknowns, unknowns, self.column_starts, None, self.rows)
+    }
+}
+
+/// The solution: one field for a unit current into each electrode except the last and out of the last.
 #[derive(Clone, Debug)]
 pub struct Fields {
-    /// Nodes (and electrodes) by fields, V/A.
+    /// Nodes and electrodes x fields, V/A.
     potentials: Mat<f64>,
     nodes: usize,
     electrodes: usize,
 }
 
 impl ForwardModel {
-    /// Prepares a mesh: assembles the pattern and orders the unknowns.
+    /// Prepares a mesh: assembles the pattern of the matrix and orders the unknowns.
     ///
     /// # Errors
     /// An electrode without an edge of the mesh; a mesh too large for the memory.
@@ -108,42 +154,11 @@ impl ForwardModel {
         if let Some(bare) = mesh.electrodes.iter().position(Vec::is_empty) {
             return Err(ForwardError::BareElectrode(bare));
         }
-        let nodes = mesh.nodes_mm.len();
-        let contact_terms = contact_terms(&mesh, contacts);
-        let mut lower: Vec<Vec<usize>> = (0..nodes + mesh.electrodes.len() - 1)
-            .map(|column| vec![column])
-            .collect();
-        for triangle in &mesh.triangles {
-            for (i, j) in CORNER_PAIRS {
-                let (row, column) = ordered(triangle[i], triangle[j]);
-                if row != column {
-                    lower[column].push(row);
-                }
-            }
-        }
-        for (row, column, _) in &contact_terms {
-            if row != column {
-                lower[*column].push(*row);
-            }
-        }
-        let mut column_starts = Vec::with_capacity(lower.len() + 1);
-        let mut rows = Vec::new();
-        column_starts.push(0);
-        for column in &mut lower {
-            column.sort_unstable();
-            column.dedup();
-            rows.extend_from_slice(column);
-            column_starts.push(rows.len());
-        }
-        let entry = |a: usize, b: usize| {
-            let (row, column) = ordered(a, b);
-            let range = column_starts[column]..column_starts[column + 1];
-            let within = rows[range.clone()].partition_point(|r| *r < row);
-            range.start + within
-        };
-        let mut contact_values = vec![0.0; rows.len()];
-        for (row, column, value) in &contact_terms {
-            contact_values[entry(*row, *column)] += value;
+        let terms = contact_terms(&mesh, contacts);
+        let lower = LowerTriangle::new(&mesh, &terms);
+        let mut contact_values = vec![0.0; lower.rows.len()];
+        for (row, column, value) in &terms {
+            contact_values[lower.entry(*row, *column)] += value;
         }
         let elements = (0..mesh.triangles.len())
             .map(|index| {
@@ -151,44 +166,34 @@ impl ForwardModel {
                 Element {
                     gradients: shape_gradients(&mesh, index),
                     weight: mesh.area_mm2(index) * contacts.thickness_m,
-                    entries: CORNER_PAIRS.map(|(i, j)| entry(triangle[i], triangle[j])),
+                    entries: CORNER_PAIRS.map(|(i, j)| lower.entry(triangle[i], triangle[j])),
                 }
             })
             .collect();
-        let unknowns = lower.len();
-        let symbolic = SymbolicLlt::try_new(
-            SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &column_starts, None, &rows),
-            Side::Lower,
-        )
-        .map_err(|_| ForwardError::TooLarge)?;
+        let pattern = lower.into_pattern();
         Ok(Self {
-            pattern: SymbolicSparseColMat::new_checked(
-                unknowns,
-                unknowns,
-                column_starts,
-                None,
-                rows,
-            ),
+            symbolic: SymbolicLlt::try_new(pattern.as_ref(), Side::Lower)
+                .map_err(|_| ForwardError::TooLarge)?,
+            pattern,
             mesh,
             contact_values,
             elements,
-            symbolic,
         })
     }
 
-    /// The mesh that is solved on.
+    /// The mesh.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// Solves for a conductivity a triangle, S/m.
+    /// Solves for one conductivity per triangle, S/m.
     ///
     /// # Errors
-    /// A matrix that is not positive definite: a conductivity at or below zero, or a loose part.
+    /// A matrix that is not positive definite: a conductivity at or below zero, or a part without electrode.
     ///
     /// # Panics
-    /// If there is not one conductivity a triangle.
+    /// If there is not one conductivity per triangle.
     pub fn solve(&self, conductivity_s_per_m: &[f64]) -> Result<Fields, ForwardError> {
         let factor = self.factorise(conductivity_s_per_m)?;
         let nodes = self.mesh.nodes_mm.len();
@@ -206,7 +211,7 @@ impl ForwardModel {
     }
 
     /// The inverse of the stiffness between nodes, V/A: column j holds the potentials of all nodes for a unit current
-    /// into node j. Dense, nodes by nodes, in single precision: for coarse meshes only.
+    /// into node j. Dense, nodes x nodes, in single precision: for coarse meshes only.
     ///
     /// # Errors
     /// As [`Self::solve`].
@@ -217,7 +222,7 @@ impl ForwardModel {
         &self,
         conductivity_s_per_m: &[f64],
     ) -> Result<Mat<f32>, ForwardError> {
-        /// Right-hand sides solved at once: enough to use the caches, few enough to fit in them.
+        /// Right-hand sides solved together: few enough to fit in the caches.
         const BATCH: usize = 32;
         let factor = self.factorise(conductivity_s_per_m)?;
         let nodes = self.mesh.nodes_mm.len();
@@ -264,17 +269,17 @@ impl ForwardModel {
         self.solve(&vec![conductivity_s_per_m; self.elements.len()])
     }
 
-    /// What a unit conductivity of a triangle adds between two of its corners (0 to 2), siemens.
+    /// Stiffness between two corners (0 to 2) of a triangle for a unit conductivity, siemens.
     pub(super) fn stiffness(&self, triangle: usize, i: usize, j: usize) -> f64 {
         self.elements[triangle].stiffness(i, j)
     }
 
-    /// Area x thickness of a triangle, mm2 m: what a conductivity is multiplied by in the stiffness.
+    /// Area x thickness of a triangle, mm2 m.
     pub(super) fn weight(&self, triangle: usize) -> f64 {
         self.elements[triangle].weight
     }
 
-    /// Gradients of all fields in one triangle, V/A/mm: x and y parts, one value a field.
+    /// Gradients of all fields in one triangle, V/A/mm: x and y components, one value per field.
     pub(super) fn gradients(&self, fields: &Fields, triangle: usize, x: &mut [f64], y: &mut [f64]) {
         let corners = self.mesh.triangles[triangle];
         let shape = self.elements[triangle].gradients;
@@ -288,7 +293,7 @@ impl ForwardModel {
 }
 
 impl Fields {
-    /// Number of fields: electrodes but one.
+    /// Number of fields: one less than electrodes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.electrodes - 1
@@ -300,7 +305,7 @@ impl Fields {
         self.len() == 0
     }
 
-    /// Potential of a node in a field (the last electrode's is zero everywhere and has none), V/A.
+    /// Potential of a node in a field, V/A. The field of the last electrode is zero and not stored.
     pub(super) fn at_node(&self, node: usize, field: usize) -> f64 {
         self.potentials[(node, field)]
     }
@@ -352,7 +357,7 @@ fn shape_gradients(mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
     })
 }
 
-/// What the contacts add: (row, column, siemens) of the lower triangle. For an edge of length l,
+/// The terms of the contacts: (row, column, siemens) in the lower triangle. For an edge of length l,
 /// y = l t / z: y/3 and y/6 between its nodes, -y/2 to the electrode, y on the electrode.
 fn contact_terms(mesh: &Mesh, contacts: &ContactModel) -> Vec<(usize, usize, f64)> {
     let nodes = mesh.nodes_mm.len();

@@ -1,11 +1,11 @@
-//! The Jacobian by the adjoint method: one pair of fields gives the change of one reading for a change of
-//! conductivity anywhere.
+//! The Jacobian by the adjoint method: a pair of fields gives the change of a reading for a change of conductivity in any
+//! triangle.
 //!
 //! dV / dsigma_e = - t * integral over e of grad u_drive . grad u_measure, with u_measure the field of a unit
 //! current through the measuring pair (Geselowitz 1971; Polydorides and Lionheart 2002, eq. 10).
 //!
-//! Products of gradients are summed per pair of electrodes first and combined to channels after: the inner
-//! loop does not know the protocol.
+//! Products of gradients are first summed per pair of electrodes and then combined to channels, so the inner loop does not
+//! depend on the protocol.
 
 use faer::Mat;
 
@@ -36,13 +36,13 @@ impl Sensitivity {
         }
     }
 
-    /// The readings' change for a unit rise of conductivity (V/A per S/m), channel by channel.
+    /// Change of each channel's reading per unit rise of conductivity, V/A per S/m.
     fn channels<'a>(&'a self, protocol: &'a Protocol) -> impl Iterator<Item = f64> + 'a {
         pair_sums(protocol, self.fields, |k, l| self.sums[k * self.fields + l])
     }
 }
 
-/// The readings' change from sums over pairs of fields of grad u_k . dsigma grad u_l, channel by channel.
+/// Change of each channel's reading, from sums over pairs of fields of grad u_k . dsigma grad u_l.
 pub(super) fn pair_sums(
     protocol: &Protocol,
     fields: usize,
@@ -62,7 +62,7 @@ pub(super) fn pair_sums(
         .map(move |channel| -combine(channel, &term))
 }
 
-/// Channels by the listed triangles, V/A per S/m.
+/// Channels x the listed triangles, V/A per S/m.
 #[must_use]
 pub fn element_jacobian(
     model: &ForwardModel,
@@ -96,12 +96,12 @@ pub struct PixelJacobian {
     pub active: Vec<usize>,
     /// Share of each pixel of the grid that is conductor, 0 to 1.
     pub coverage: Vec<f64>,
-    /// Channels by active pixels, V/A per S/m in the conductor of that pixel.
+    /// Channels x active pixels, V/A per S/m in the conductor of the pixel.
     pub matrix: Mat<f64>,
 }
 
-/// The Jacobian for the conductivity of each pixel's conductor. A triangle's quarters go to the pixels
-/// in which they lie.
+/// The Jacobian for the conductivity of each pixel's conductor. Each quarter of a triangle counts for the pixel that
+/// contains it.
 #[must_use]
 pub fn pixel_jacobian(
     model: &ForwardModel,

@@ -1,26 +1,34 @@
 //! Voltages to image: mesh, forward model, Jacobian, reconstruction, reference.
 //!
-//! The forward model (complete electrode model on linear triangles, f64) runs when a pad is set up or
-//! simulated. A frame only meets what was made from it: a reference, and one f32 matrix.
+//! The forward model (complete electrode model on linear triangles, f64) runs only when a pad is set up or simulated. A
+//! frame is processed with what was computed from it: a reference, an f32 matrix and a response table.
 
 pub(crate) mod cholesky;
-mod faults;
+mod electrode_monitor;
+mod first_frames;
 mod forward;
 mod jacobian;
+mod kalman;
 pub mod mesh;
 mod noise;
 pub mod order;
 mod press;
+mod quantization;
 pub mod reconstruct;
 mod reference;
 pub mod response;
+mod shared_noise;
 
-pub use faults::{Faults, Verdict};
+pub use electrode_monitor::ElectrodeMonitor;
+pub use first_frames::FirstFrames;
 pub(crate) use forward::combine;
 pub use forward::{ContactModel, Fields, ForwardError, ForwardModel};
 pub use jacobian::{element_jacobian, pixel_jacobian};
 pub use mesh::{Mesh, MeshSize};
-pub use press::{PRESS_UNKNOWNS, Press, pressed};
+pub(crate) use noise::median;
+pub use press::{PRESS_UNKNOWNS, Press, conductivity_factor};
+pub(crate) use quantization::quantization_step;
 pub use reconstruct::{Imager, LAMBDA, Linearised, Reconstruction, SetupError};
 pub use reference::{REFERENCE_FRAMES, Reference};
 pub use response::{ResponseBuilder, ResponseTable};
+pub use shared_noise::{SharedNoise, SharedNoiseEstimator};

@@ -1,12 +1,12 @@
-//! How noisy a board's readings are: two numbers, from the first frames of all channels together.
+//! The noise of a board: two numbers, estimated from the first frames of all channels.
 
-/// A channel that is noisier than this, relative, says nothing about what the board's noise is like: it may be loose.
+/// Channels with more relative noise than this are ignored: they may be loose.
 const USELESS_NOISE: f64 = 0.15;
-/// Below this share of the smallest readings' variance, a part that all readings share is taken for chance.
+/// An additive part below this share of the smallest readings' variance is taken for chance.
 const LEAST_ADDITIVE: f64 = 0.5;
 
-/// Variance of a reading as boards make it: a part in proportion to the reading, a part that is the same for all. Ten frames
-/// tell one channel's noise too badly, but these two numbers well.
+/// Variance of a reading: a part proportional to the reading squared and an additive part. Ten frames are too few for the
+/// noise of one channel, but enough for these two numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NoiseModel {
     proportional: f64,
@@ -14,9 +14,9 @@ pub(super) struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// From the variances of the channels: relative variances are a line in 1 / V^2, laid through the medians of the
-    /// smallest and of the largest third of the readings. Loose channels do not sway it.
-    pub(super) fn of(volts: &[f64], variances: &[f64]) -> Self {
+    /// Fits the model to the variances of the channels. Relative variances lie on a line in 1 / V^2, drawn through the
+    /// medians of the smallest and the largest third of the readings, so that loose channels have no influence.
+    pub(super) fn from_variances(volts: &[f64], variances: &[f64]) -> Self {
         let mut readings: Vec<(f64, f64)> = volts
             .iter()
             .zip(variances)
@@ -42,21 +42,23 @@ impl NoiseModel {
         }
     }
 
+    /// Variance of a reading, from its square.
     pub(super) fn variance(&self, square: f64) -> f64 {
         self.proportional * square + self.additive
     }
 }
 
-/// Medians of either part of some pairs.
+/// Medians of the first and the second values of pairs.
 fn medians(pairs: &[(f64, f64)]) -> [f64; 2] {
-    let mut parts = [
+    let parts = [
         pairs.iter().map(|pair| pair.0).collect::<Vec<_>>(),
         pairs.iter().map(|pair| pair.1).collect(),
     ];
-    [median(&mut parts[0]), median(&mut parts[1])]
+    parts.map(|mut values| median(&mut values).unwrap_or(0.0))
 }
 
-fn median(values: &mut [f64]) -> f64 {
+/// The median (upper one of two), after sorting the values; `None` without values.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    values.get(values.len() / 2).copied()
 }

@@ -1,126 +1,84 @@
-//! The reference: what the untouched pad reads, now.
+//! The reference: the present readings of the untouched pad.
 //!
-//! Gels dry, warm and creep: each channel drifts on its own way at nearly constant speed, percents a minute. The
-//! reference is therefore a level and a rate a channel, kept by a Kalman filter that measures only what no
-//! touch changes. Under a touch a channel goes on along its rate and grows less sure of itself, so that a held press never
-//! fades and drift under a long hold is foreseen rather than seen as a touch.
+//! Gels dry, warm and creep: each channel drifts at a nearly constant rate, some percent per minute. So the reference is a
+//! level and a rate per channel, estimated by a Kalman filter (`kalman`) from channels that no touch changes. Under a touch,
+//! a channel continues along its rate while its uncertainty grows: a held press does not fade, and drift during a long hold
+//! is predicted instead of taken for a touch.
 //!
-//! A touch in one corner leaves the channels of another as they were: these go on being followed, and what they have in
-//! common moves the rest. How noisy each channel is, is learnt on the way. (Model: Bar-Shalom, Li and Kirubarajan 2001, section 6.2,
-//! the nearly constant velocity model.)
+//! A touch in one corner does not change channels far away. These are still measured, and their common drift corrects the
+//! others. The noise of each channel is estimated along the way.
 
+use super::kalman::Covariance;
 use super::noise::NoiseModel;
+use super::shared_noise::{SharedNoise, SharedNoiseEstimator};
 
-/// Frames whose mean is the first reference.
+/// The first reference is the mean of this many frames.
 pub const REFERENCE_FRAMES: usize = 10;
 
-/// How fast pads drift before anything is known, as a share a second: 3 % a minute.
+/// Standard deviation of the initial drift, share per second: 3 % per minute.
 const FIRST_RATE_PER_S: f64 = 5e-4;
-/// How fast all channels may drift together, a share a second: 12 % a minute.
+/// Standard deviation of the initial drift common to all channels, share per second: 12 % per minute.
 const FIRST_COMMON_RATE_PER_S: f64 = 2e-3;
-/// How much the rate wanders, a share a second within a second.
-const RATE_WALK_PER_S: f64 = 5e-5;
-/// How much the level wanders beside its rate, a share within a second.
-const LEVEL_WALK: f64 = 1e-4;
-/// Noise is never taken to be below this share: 100 dB.
+/// Lower bound of the noise, as a share: 100 dB.
 const LEAST_NOISE: f64 = 1e-5;
-/// Gaps between frames count at most this long: a source that paused must not fling the reference along its rate.
+/// Least share of the noise of the first frames that is the channel's own, whatever channels share.
+const LEAST_OWN_SHARE: f64 = 0.01;
+/// Longest step of time: a source that paused must not carry the reference far along its rate.
 const LONGEST_STEP_S: f64 = 0.2;
-/// Frames that pass after a touch before the pad counts as untouched again: the gel springs back.
+/// Frames after a touch in which the gel springs back and the reference is not updated.
 const SETTLE_FRAMES: u32 = 3;
-/// A channel whose first readings spread this many times as widely as the median channel's is dead or loose.
+/// A channel is loose if its first readings spread this many times as widely as expected.
 const LOOSE_SPREAD: f64 = 20.0;
-/// Share by which the estimate of a channel's noise moves with each frame in which it is free: some seconds.
-const NOISE_FOLLOW: f64 = 0.004;
-/// Under a touch a channel's own rate is believed for about so long, s: seen for a second, it must not be followed for minutes.
+/// Weight of a frame in the running estimate of a channel's noise: a time constant of some seconds.
+const NOISE_WEIGHT: f64 = 0.004;
+/// Time constant, s, with which the rate of a channel under a touch decays: it may have been measured only briefly.
 const UNSEEN_RATE_S: f64 = 10.0;
-/// A channel is followed if the touches change it by less than this many of its deviations.
+/// A channel is measured if the touches change it by less than this many standard deviations.
 const FREE_DEVIATIONS: f64 = 1.0;
-/// What the touches are said to change in a channel is wrong by about this share.
+/// Relative error of the change that touches explain.
 const TOUCH_ERROR: f64 = 0.1;
 
-/// The untouched pad's voltages.
+/// The voltages of the untouched pad, tracked over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     volts: Vec<f64>,
-    /// Volts a second.
+    /// Volts per second.
     rates: Vec<f64>,
     covariances: Vec<Covariance>,
-    /// Of the gain that all channels share.
+    /// Covariance of the gain common to all channels.
     common: Covariance,
-    /// Variance of a reading of each channel, relative.
+    /// Relative variance of the readings of each channel, without the noise that channels share.
     noise: Vec<f64>,
-    /// Sum over the first frames of the squares of the volts, a channel.
+    /// Step of the board's converter, V; 0 if the readings show none.
+    step: f64,
+    /// Relative variance of rounding of each channel, which no repetition averages out.
+    rounding: Vec<f64>,
+    /// Noise that channels share; `None` if their drives are unknown.
+    shared: Option<SharedNoiseEstimator>,
+    /// Sums of squares of the first frames' volts.
     squares: Vec<f64>,
-    /// Channels that are left out.
+    /// Excluded channels.
     muted: Vec<bool>,
     frames: usize,
     quiet_frames: u32,
     last_ns: u64,
-    /// What is left of an unseen channel's rate after the last step of time.
+    /// Factor of the last time step for the rate of a channel under a touch.
     unseen_keep: f64,
 }
 
-/// Variance of the level, of the rate, and their covariance, relative to the level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Covariance {
-    level: f64,
-    cross: f64,
-    rate: f64,
-}
-
-impl Covariance {
-    /// Of something that has a level, and a rate of the given deviation that is not known yet.
-    fn of_rate(rate_per_s: f64) -> Self {
-        Self {
-            level: 0.0,
-            cross: 0.0,
-            rate: rate_per_s * rate_per_s,
-        }
-    }
-
-    /// Less sure after some time.
-    fn advance(&mut self, elapsed_s: f64) {
-        let Self { level, cross, rate } = *self;
-        *self = Self {
-            level: level
-                + elapsed_s * (2.0 * cross + elapsed_s * rate)
-                + LEVEL_WALK * LEVEL_WALK * elapsed_s,
-            cross: cross + elapsed_s * rate,
-            rate: rate + RATE_WALK_PER_S * RATE_WALK_PER_S * elapsed_s,
-        };
-    }
-
-    /// A rate of which only a share is still believed.
-    fn forget_rate(&mut self, keep: f64) {
-        self.cross *= keep;
-        self.rate *= keep * keep;
-    }
-
-    /// Surer after a measurement of a variance; returns by what level and rate move.
-    fn measure(&mut self, surprise: f64, variance: f64) -> (f64, f64) {
-        let Self { level, cross, rate } = *self;
-        let total = level + variance;
-        let (level_gain, rate_gain) = (level / total, cross / total);
-        *self = Self {
-            level: level - level_gain * level,
-            cross: cross - level_gain * cross,
-            rate: rate - rate_gain * cross,
-        };
-        (level_gain * surprise, rate_gain * surprise)
-    }
-}
-
 impl Reference {
-    /// A reference that has seen nothing yet.
+    /// A reference before its first frame.
     #[must_use]
     pub fn new(channels: usize) -> Self {
         Self {
             volts: vec![0.0; channels],
             rates: vec![0.0; channels],
-            covariances: vec![Covariance::of_rate(FIRST_RATE_PER_S); channels],
-            common: Covariance::of_rate(FIRST_COMMON_RATE_PER_S),
+            covariances: vec![Covariance::from_rate(FIRST_RATE_PER_S); channels],
+            common: Covariance::from_rate(FIRST_COMMON_RATE_PER_S),
             noise: vec![LEAST_NOISE * LEAST_NOISE; channels],
+            step: 0.0,
+            rounding: vec![0.0; channels],
+            shared: None,
             squares: vec![0.0; channels],
             muted: vec![false; channels],
             frames: 0,
@@ -130,7 +88,28 @@ impl Reference {
         }
     }
 
-    /// Whether the first frames are in, so that changes mean something.
+    /// Also estimates the noise that channels share; `drives` is the drive of each channel, counted from 0.
+    #[must_use]
+    pub fn with_drives(mut self, drives: Vec<u16>) -> Self {
+        self.shared = Some(SharedNoiseEstimator::new(drives));
+        self
+    }
+
+    /// Sets the step of the board's converter, V.
+    pub fn set_step(&mut self, step: Option<f64>) {
+        self.step = step.unwrap_or(0.0);
+    }
+
+    /// Variances of the gains that channels share; 0 where the frames show none.
+    #[must_use]
+    pub fn shared_noise(&self) -> SharedNoise {
+        let estimator = self.shared.as_ref();
+        estimator
+            .map(SharedNoiseEstimator::estimate)
+            .unwrap_or_default()
+    }
+
+    /// Whether all first frames are in; only then are changes meaningful.
     #[must_use]
     pub fn is_ready(&self) -> bool {
         self.frames >= REFERENCE_FRAMES
@@ -142,50 +121,51 @@ impl Reference {
         &self.volts
     }
 
-    /// Variance of a channel's relative change: of the reading itself, and of the reference's own doubt.
+    /// Variances of a channel's relative change: the noise of the reading, and the uncertainty of the reference.
     #[must_use]
     pub fn variances(&self, channel: usize) -> [f64; 2] {
-        let doubt = self.covariances[channel].level + self.common.level;
+        let doubt = self.covariances[channel].level + self.common.level + self.rounding[channel];
         [self.noise[channel], doubt]
     }
 
-    /// Variance of a relative change in the mean over the channels that count: of the noise and of the reference's own doubt.
+    /// Mean variance of a relative change over the channels in use: noise plus uncertainty of the reference.
     #[must_use]
     pub fn change_variance(&self) -> f64 {
         self.mean(|channel| self.noise[channel] + self.covariances[channel].level)
             + self.common.level
     }
 
-    /// Deviation of a relative change; see [`Self::change_variance`].
+    /// Standard deviation of a relative change; see [`Self::change_variance`].
     #[must_use]
     pub fn change_noise(&self) -> f64 {
         libm::sqrt(self.change_variance())
     }
 
-    /// By how much the reference's own doubt widens the noise of a change: 1 when it is certain.
+    /// Factor by which the reference's uncertainty increases the noise of a change; 1 if it is certain.
     #[must_use]
     pub fn doubt(&self) -> f64 {
         libm::sqrt(self.change_variance() / self.mean(|channel| self.noise[channel]))
     }
 
-    /// Deviations of the readings from frame to frame, relative, one a channel; infinite for one that is left out.
+    /// Relative standard deviation of each channel's readings; infinite for a muted channel.
     #[must_use]
     pub fn deviations(&self) -> Vec<f64> {
         self.noise
             .iter()
+            .zip(&self.rounding)
             .zip(&self.muted)
-            .map(|(noise, muted)| {
+            .map(|((noise, rounding), muted)| {
                 if *muted {
                     f64::INFINITY
                 } else {
-                    libm::sqrt(*noise)
+                    libm::sqrt(noise + rounding)
                 }
             })
             .collect()
     }
 
-    /// Takes one of the first frames into the mean.
-    pub fn begin(&mut self, t_ns: u64, volts: &[f32]) {
+    /// Adds one of the first frames to the mean.
+    pub fn add_first_frame(&mut self, t_ns: u64, volts: &[f32]) {
         self.frames += 1;
         let share = 1.0 / self.frames as f64;
         for ((level, square), volt) in self.volts.iter_mut().zip(&mut self.squares).zip(volts) {
@@ -195,14 +175,37 @@ impl Reference {
         }
         self.last_ns = t_ns;
         if self.is_ready() {
-            self.judge_first_frames();
+            self.measure_first_frames();
             for (covariance, noise) in self.covariances.iter_mut().zip(&self.noise) {
                 covariance.level = noise / self.frames as f64;
             }
         }
     }
 
-    /// Goes on to a time: along the rates, and less sure.
+    /// Estimates from the first frames the noise that channels share, and removes it from their own.
+    pub fn learn_first_shared_noise(&mut self, frames: &[(u64, Vec<f32>)]) {
+        let untouched = vec![0.0; self.volts.len()];
+        for (_, volts) in frames {
+            self.learn_shared_noise(volts, &untouched);
+        }
+        let shared = self.shared_noise();
+        for noise in &mut self.noise {
+            let own = *noise - shared.gain - shared.drive;
+            *noise = own
+                .max(LEAST_OWN_SHARE * *noise)
+                .max(LEAST_NOISE * LEAST_NOISE);
+        }
+    }
+
+    /// Multiplies all levels: the gain of the board has changed.
+    pub fn scale(&mut self, factor: f64) {
+        for (volt, rate) in self.volts.iter_mut().zip(&mut self.rates) {
+            *volt *= factor;
+            *rate *= factor;
+        }
+    }
+
+    /// Predicts the reference at a time: levels move along their rates, uncertainties grow.
     pub fn advance(&mut self, t_ns: u64) {
         let elapsed_s = (t_ns.saturating_sub(self.last_ns) as f64 * 1e-9).min(LONGEST_STEP_S);
         self.last_ns = t_ns;
@@ -216,15 +219,16 @@ impl Reference {
         }
     }
 
-    /// Measures a frame at the time to which it has advanced. `volts` are those of the frame less its touches, `touched` what
-    /// these change in each channel, relative: the channels that they leave alone are followed one by one; what all have in
-    /// common, a gain that they share, moves every one.
-    pub fn follow(&mut self, volts: &[f32], touched: &[f32]) {
+    /// Updates the reference with a frame at the time of the last [`Self::advance`]. `volts` are the frame without its
+    /// touches, `touched` the relative change of each channel by the touches. A gain common to all channels corrects every
+    /// channel; channels that touches do not change are then measured one by one.
+    pub fn update(&mut self, volts: &[f32], touched: &[f32]) {
         self.quiet_frames += 1;
         if self.quiet_frames <= SETTLE_FRAMES {
             return;
         }
-        self.follow_common(volts, touched);
+        self.measure_common(volts, touched);
+        self.learn_shared_noise(volts, touched);
         for (channel, (volt, touched)) in volts.iter().zip(touched).enumerate() {
             if !self.is_live(channel) {
                 continue;
@@ -235,19 +239,19 @@ impl Reference {
                 self.measure(channel, f64::from(*volt));
             } else {
                 self.rates[channel] *= self.unseen_keep;
-                self.covariances[channel].forget_rate(self.unseen_keep);
+                self.covariances[channel].shrink_rate(self.unseen_keep);
             }
         }
     }
 
-    /// Measures the gain that all channels share, and moves them all by it.
-    fn follow_common(&mut self, volts: &[f32], touched: &[f32]) {
+    /// Measures the gain common to all channels and corrects them by it.
+    fn measure_common(&mut self, volts: &[f32], touched: &[f32]) {
         let (mut surprise, mut weights) = (0.0, 0.0);
         for (channel, (volt, touched)) in volts.iter().zip(touched).enumerate() {
             if !self.is_live(channel) {
                 continue;
             }
-            // The quiet channels tell most, those under a touch hardly anything.
+            // Quiet channels weigh most, those under a touch hardly anything.
             let error = TOUCH_ERROR * f64::from(*touched);
             let weight =
                 1.0 / (self.noise[channel] + self.covariances[channel].level + error * error);
@@ -257,11 +261,30 @@ impl Reference {
         if weights == 0.0 {
             return;
         }
-        let (level_by, rate_by) = self.common.measure(surprise / weights, 1.0 / weights);
+        let variance = 1.0 / weights + self.shared_noise().of_mean();
+        let (level_by, rate_by) = self.common.measure(surprise / weights, variance);
         for (volt, rate) in self.volts.iter_mut().zip(&mut self.rates) {
             *volt += level_by * *volt;
             *rate += rate_by * *volt;
         }
+    }
+
+    /// Updates the estimate of the noise that channels share.
+    fn learn_shared_noise(&mut self, volts: &[f32], touched: &[f32]) {
+        let Some(mut shared) = self.shared.take() else {
+            return;
+        };
+        shared.take_frame(|channel| {
+            if !self.is_live(channel) {
+                return None;
+            }
+            let change = f64::from(volts[channel]) / self.volts[channel] - 1.0;
+            let error = TOUCH_ERROR * f64::from(touched[channel]);
+            let own =
+                self.noise[channel] + self.rounding[channel] + self.covariances[channel].level;
+            Some((change, own + error * error))
+        });
+        self.shared = Some(shared);
     }
 
     fn is_live(&self, channel: usize) -> bool {
@@ -271,32 +294,34 @@ impl Reference {
     /// Measures one channel.
     fn measure(&mut self, channel: usize, volt: f64) {
         let reference = self.volts[channel];
-        let surprise = volt / reference - 1.0;
+        let shared = self.shared.as_ref();
+        let gain = shared.map_or(0.0, |shared| shared.gain_of(channel));
+        let surprise = volt / reference - 1.0 - gain;
         let level = self.covariances[channel].level;
         let (level_by, rate_by) = self.covariances[channel].measure(surprise, self.noise[channel]);
         self.volts[channel] += level_by * reference;
         self.rates[channel] += rate_by * reference;
-        self.follow_noise(channel, surprise * surprise - level);
+        self.update_noise(channel, surprise * surprise - level);
     }
 
-    /// Lets a frame of a touched pad pass.
-    pub fn hold(&mut self) {
+    /// Skips a frame of a touched pad.
+    pub fn skip_frame(&mut self) {
         self.quiet_frames = 0;
     }
 
-    /// Takes a channel out, or takes it back with its level corrected by a share.
+    /// Mutes a channel, or takes it back with its level corrected by a relative change.
     pub fn mute(&mut self, channel: usize, muted: bool, corrected_by: f64) {
         self.muted[channel] = muted;
         self.volts[channel] *= 1.0 + corrected_by;
     }
 
-    /// Whether a channel is left out.
+    /// Whether a channel is muted.
     #[must_use]
     pub fn is_muted(&self, channel: usize) -> bool {
         self.muted[channel]
     }
 
-    /// Channels that are left out: they change by nothing.
+    /// Muted channels, ascending; their change is always 0.
     #[must_use]
     pub fn muted_channels(&self) -> Vec<usize> {
         (0..self.muted.len())
@@ -304,20 +329,20 @@ impl Reference {
             .collect()
     }
 
-    /// The estimate of a channel's noise goes after what a frame shows of it.
-    fn follow_noise(&mut self, channel: usize, square: f64) {
+    /// Updates the estimate of a channel's noise.
+    fn update_noise(&mut self, channel: usize, square: f64) {
         let noise = &mut self.noise[channel];
-        // One wild reading is no noise level.
+        // Limited, because one outlier is not a noise level.
         let square = square.clamp(0.0, 10.0 * *noise);
-        *noise = (*noise + NOISE_FOLLOW * (square - *noise)).max(LEAST_NOISE * LEAST_NOISE);
+        *noise = (*noise + NOISE_WEIGHT * (square - *noise)).max(LEAST_NOISE * LEAST_NOISE);
     }
 
-    /// Mean over the channels that count.
-    fn mean(&self, of: impl Fn(usize) -> f64) -> f64 {
+    /// Mean over the channels in use.
+    fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
         let (mut count, mut sum) = (0usize, 0.0);
         for channel in (0..self.muted.len()).filter(|channel| !self.muted[*channel]) {
             count += 1;
-            sum += of(channel);
+            sum += value(channel);
         }
         if count == 0 {
             LEAST_NOISE * LEAST_NOISE
@@ -326,11 +351,11 @@ impl Reference {
         }
     }
 
-    /// Relative changes (v - v0) / v0; a muted channel changes by nothing.
+    /// Relative changes (v - v0) / v0; 0 for a muted channel.
     ///
     /// # Panics
     /// If the slices differ in length.
-    pub fn changes(&self, volts: &[f32], changes: &mut [f32]) {
+    pub fn relative_changes(&self, volts: &[f32], changes: &mut [f32]) {
         assert_eq!(volts.len(), self.volts.len());
         assert_eq!(changes.len(), self.volts.len());
         for (channel, change) in changes.iter_mut().enumerate() {
@@ -343,8 +368,9 @@ impl Reference {
         }
     }
 
-    /// Learns from the spread of the first frames how noisy readings are, and which channels are no readings at all.
-    fn judge_first_frames(&mut self) {
+    /// Estimates the noise from the spread of the first frames and mutes dead and loose channels.
+    fn measure_first_frames(&mut self) {
+        let rounding = self.step * self.step / 12.0;
         let count = self.frames as f64;
         let variances: Vec<f64> = self
             .volts
@@ -352,14 +378,19 @@ impl Reference {
             .zip(&self.squares)
             .map(|(mean, square)| (square - count * mean * mean).max(0.0) / (count - 1.0))
             .collect();
-        let noise = NoiseModel::of(&self.volts, &variances);
+        let noise = NoiseModel::from_variances(&self.volts, &variances);
         for (channel, variance) in variances.iter().enumerate() {
             let square = self.volts[channel] * self.volts[channel];
             let expected = noise
                 .variance(square)
                 .max(LEAST_NOISE * LEAST_NOISE * square);
+            self.rounding[channel] = if square == 0.0 {
+                0.0
+            } else {
+                rounding / square
+            };
             self.muted[channel] =
-                square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * expected;
+                square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * (expected + rounding);
             self.noise[channel] = if square == 0.0 {
                 1.0
             } else {
@@ -376,7 +407,7 @@ mod tests {
     const FRAME_NS: u64 = 10_000_000;
     const CHANNELS: usize = 7;
 
-    /// Readings of 1 with a deterministic noise of about 60 dB, and a drift a second.
+    /// Readings of 1 V with a deterministic noise of about 60 dB and a drift per second.
     fn reading(frame: u64, drift_per_s: f64) -> [f32; CHANNELS] {
         std::array::from_fn(|channel| {
             let wobble = (frame as f64 * 1.7 + channel as f64 * 2.9).sin() * 1.4e-3;
@@ -389,40 +420,40 @@ mod tests {
         for frame in 0..frames {
             let (t_ns, volts) = (frame * FRAME_NS, reading(frame, drift_per_s));
             if !reference.is_ready() {
-                reference.begin(t_ns, &volts);
+                reference.add_first_frame(t_ns, &volts);
                 continue;
             }
             reference.advance(t_ns);
             if touched(frame) {
-                reference.hold();
+                reference.skip_frame();
             } else {
-                reference.follow(&volts, &[0.0; CHANNELS]);
+                reference.update(&volts, &[0.0; CHANNELS]);
             }
         }
         reference
     }
 
     #[test]
-    fn it_begins_as_the_mean_of_the_first_frames() {
+    fn it_starts_as_the_mean_of_the_first_frames() {
         let mut reference = Reference::new(1);
         for frame in 0..REFERENCE_FRAMES {
             assert!(!reference.is_ready());
-            reference.begin(0, &[frame as f32]);
+            reference.add_first_frame(0, &[frame as f32]);
         }
         assert!(reference.is_ready());
         assert!((reference.volts()[0] - 4.5).abs() < 1e-12);
     }
 
     #[test]
-    fn drift_that_was_seen_is_foreseen_under_a_hold() {
-        // 2 % a minute; ten seconds seen, five seconds held.
+    fn drift_is_predicted_during_a_hold() {
+        // 2 % per minute; measured for ten seconds, held for five.
         let drift = 0.02 / 60.0;
         let reference = played(1500, drift, |frame| frame >= 1000);
         let truth = 1.0 + drift * 15.0;
         for volt in reference.volts() {
             assert!((volt - truth).abs() < 4e-4, "{volt} for {truth}");
         }
-        assert!(reference.doubt() > 1.05, "a hold leaves doubt");
+        assert!(reference.doubt() > 1.05, "a hold leaves uncertainty");
     }
 
     #[test]
@@ -434,28 +465,28 @@ mod tests {
     }
 
     #[test]
-    fn a_loose_channel_is_left_out() {
+    fn a_loose_channel_is_muted() {
         let mut reference = Reference::new(CHANNELS);
         for frame in 0..REFERENCE_FRAMES as u64 {
             let mut volts = reading(frame, 0.0);
             volts[2] = if frame % 2 == 0 { 1.0 } else { -0.4 };
-            reference.begin(frame * FRAME_NS, &volts);
+            reference.add_first_frame(frame * FRAME_NS, &volts);
         }
         assert_eq!(reference.muted_channels(), [2]);
         let mut changes = [9.0; CHANNELS];
-        reference.changes(&[2.0; CHANNELS], &mut changes);
+        reference.relative_changes(&[2.0; CHANNELS], &mut changes);
         assert_eq!(changes[2], 0.0);
         assert!(changes[3] > 0.9);
     }
 
     #[test]
-    fn a_dead_channel_changes_by_nothing() {
+    fn a_dead_channel_has_no_change() {
         let mut reference = Reference::new(1);
         for _ in 0..REFERENCE_FRAMES {
-            reference.begin(0, &[0.0]);
+            reference.add_first_frame(0, &[0.0]);
         }
         let mut changes = [9.0];
-        reference.changes(&[0.5], &mut changes);
+        reference.relative_changes(&[0.5], &mut changes);
         assert_eq!(changes, [0.0]);
     }
 }

@@ -1,9 +1,9 @@
-//! The regions of a profile as they lie on the pad, and which of them a touch counts for.
+//! The regions of a profile on the pad, and which of them a touch counts for.
 
-use crate::profile::{Area, Placed, Profile, Region, Settings, Slide};
+use crate::profile::{Area, PlacedRegion, Profile, Region, Settings, Slide};
 use crate::types::PointMm;
 
-/// A touch counts for so many regions at once at most.
+/// Most regions that one touch counts for.
 const MOST_COVERED: usize = 4;
 
 /// The regions that a touch counts for.
@@ -24,7 +24,7 @@ impl Covered {
         self.iter().any(|other| other == region)
     }
 
-    /// The one place that a part of a gamepad is.
+    /// A single place: that of a part of a gamepad.
     pub(super) fn only(place: usize) -> Self {
         let mut covered = Self::default();
         covered.push(place);
@@ -39,21 +39,21 @@ impl Covered {
     }
 }
 
-/// Regions on a pad of a size.
+/// The regions of a profile on a pad of a known size.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    /// As it is wired, (width, height).
+    /// (Width, height), without mirror and rotation.
     pad_mm: [f64; 2],
     settings: Settings,
-    spots: Vec<Spot>,
+    regions: Vec<RegionOnPad>,
     /// Whether any touch can leave or enter a region by moving.
     slides: bool,
 }
 
 #[derive(Clone, Debug)]
-struct Spot {
-    placed: Placed,
-    /// Corners of the box around it, reach included: most places are outside it, and quickly known to be.
+struct RegionOnPad {
+    placed: PlacedRegion,
+    /// Corners of its bounding box including its reach, for a quick test.
     low_mm: PointMm,
     high_mm: PointMm,
     reach: f64,
@@ -64,7 +64,7 @@ struct Spot {
     rest: bool,
 }
 
-impl Spot {
+impl RegionOnPad {
     fn new(region: &Region, seen_mm: [f64; 2], area: &Area) -> Self {
         let placed = region.placed(seen_mm, area);
         let (low, high) = placed.bounds_mm();
@@ -82,17 +82,17 @@ impl Spot {
         }
     }
 
-    /// Whether it takes a touch that goes down at a place.
+    /// Whether a touch at a place goes down in it.
     fn takes(&self, [x, y]: PointMm) -> bool {
         x >= self.low_mm[0]
             && x <= self.high_mm[0]
             && y >= self.low_mm[1]
             && y <= self.high_mm[1]
-            && self.placed.holds([x, y], self.reach)
+            && self.placed.contains([x, y], self.reach)
     }
 
-    /// Whether a footprint reaches it.
-    fn is_stepped_on(&self, at_mm: PointMm, radius_mm: f64) -> bool {
+    /// Whether the footprint of a touch reaches it.
+    fn is_reached_by(&self, at_mm: PointMm, radius_mm: f64) -> bool {
         self.footprint > 0.0 && self.placed.distance_mm(at_mm) <= self.footprint * radius_mm
     }
 }
@@ -100,45 +100,45 @@ impl Spot {
 impl Layout {
     pub(super) fn new(profile: &Profile, pad_mm: [f64; 2]) -> Self {
         let settings = profile.settings.clone();
-        let seen_mm = settings.seen_size_mm(pad_mm);
-        let spots: Vec<Spot> = profile
+        let seen_mm = settings.size_as_player_sees_mm(pad_mm);
+        let regions: Vec<RegionOnPad> = profile
             .regions
             .iter()
-            .map(|region| Spot::new(region, seen_mm, &settings.area))
+            .map(|region| RegionOnPad::new(region, seen_mm, &settings.area))
             .collect();
         Self {
             pad_mm,
             settings,
-            slides: spots
+            slides: regions
                 .iter()
-                .any(|spot| spot.slide != Slide::Keep || spot.footprint > 0.0),
-            spots,
+                .any(|region| region.slide != Slide::Keep || region.footprint > 0.0),
+            regions,
         }
     }
 
-    /// A place on the pad, where the player sees it.
-    pub(super) fn seen(&self, point: PointMm) -> PointMm {
-        self.settings.seen(point, self.pad_mm)
+    /// A place on the pad, as the player sees it.
+    pub(super) fn as_seen(&self, point: PointMm) -> PointMm {
+        self.settings.as_player_sees(point, self.pad_mm)
     }
 
-    /// The topmost region of a place.
+    /// The topmost region at a place.
     pub(super) fn topmost(&self, at_mm: PointMm) -> Option<usize> {
-        self.spots.iter().position(|spot| spot.takes(at_mm))
+        self.regions.iter().position(|region| region.takes(at_mm))
     }
 
-    /// Whether touches that begin in a region give nothing.
-    pub(super) fn is_for_rest(&self, region: usize) -> bool {
-        self.spots[region].rest
+    /// Whether touches that begin in a region are ignored.
+    pub(super) fn ignores_touches(&self, region: usize) -> bool {
+        self.regions[region].rest
     }
 
-    /// Middle and radius of a region, or of the pad, mm; of a part of a gamepad, in shares of its way.
-    pub(super) fn middle(&self, region: Option<usize>) -> (PointMm, f64) {
+    /// Centre and radius of a region, or of the pad, mm; of a part of a gamepad, in shares of its travel.
+    pub(super) fn centre_and_radius(&self, region: Option<usize>) -> (PointMm, f64) {
         match region {
-            Some(place) => self.spots.get(place).map_or(([0.0; 2], 1.0), |spot| {
-                (spot.placed.centre_mm(), spot.placed.radius_mm())
+            Some(place) => self.regions.get(place).map_or(([0.0; 2], 1.0), |region| {
+                (region.placed.centre_mm(), region.placed.radius_mm())
             }),
             None => {
-                let [width, height] = self.settings.seen_size_mm(self.pad_mm);
+                let [width, height] = self.settings.size_as_player_sees_mm(self.pad_mm);
                 ([width / 2.0, height / 2.0], width.min(height) / 2.0)
             }
         }
@@ -147,14 +147,14 @@ impl Layout {
     /// The regions that a touch counts for where it goes down.
     pub(super) fn covered(&self, at_mm: PointMm, radius_mm: f64) -> Covered {
         let mut covered = Covered::default();
-        let mut taken = false;
-        for (region, spot) in self.spots.iter().enumerate() {
-            if spot.is_stepped_on(at_mm, radius_mm) {
-                covered.push(region);
+        let mut is_taken = false;
+        for (index, region) in self.regions.iter().enumerate() {
+            if region.is_reached_by(at_mm, radius_mm) {
+                covered.push(index);
             }
-            if !taken && spot.takes(at_mm) {
-                covered.push(region);
-                taken = spot.exclusive;
+            if !is_taken && region.takes(at_mm) {
+                covered.push(index);
+                is_taken = region.exclusive;
             }
         }
         covered
@@ -166,23 +166,23 @@ impl Layout {
             return before;
         }
         let mut covered = Covered::default();
-        let mut taken = false;
-        for region in before.iter() {
-            let spot = &self.spots[region];
-            let held =
-                spot.placed.holds(at_mm, spot.held_reach) || spot.is_stepped_on(at_mm, radius_mm);
-            if held || (spot.slide == Slide::Keep && spot.footprint == 0.0) {
-                covered.push(region);
-                taken |= spot.exclusive && spot.footprint == 0.0;
+        let mut is_taken = false;
+        for index in before.iter() {
+            let region = &self.regions[index];
+            let held = region.placed.contains(at_mm, region.held_reach)
+                || region.is_reached_by(at_mm, radius_mm);
+            if held || (region.slide == Slide::Keep && region.footprint == 0.0) {
+                covered.push(index);
+                is_taken |= region.exclusive && region.footprint == 0.0;
             }
         }
-        for (region, spot) in self.spots.iter().enumerate() {
-            if spot.is_stepped_on(at_mm, radius_mm) {
-                covered.push(region);
+        for (index, region) in self.regions.iter().enumerate() {
+            if region.is_reached_by(at_mm, radius_mm) {
+                covered.push(index);
             }
-            if spot.slide == Slide::Across && !taken && spot.takes(at_mm) {
-                covered.push(region);
-                taken = spot.exclusive;
+            if region.slide == Slide::Across && !is_taken && region.takes(at_mm) {
+                covered.push(index);
+                is_taken = region.exclusive;
             }
         }
         covered

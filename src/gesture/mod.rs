@@ -1,39 +1,26 @@
-//! Touches, and the parts of gamepads, to events: each binding decides when it wants its output held, and the outputs see to it that no
-//! press and no gap is shorter than a game can see.
+//! Turns touches and gamepad states into events. Each binding decides when its outputs are held; the outputs keep presses
+//! and gaps long enough for games to see.
 //!
 //! ```text
-//! Touch ─▶ panic ─▶ accept ─▶ layout ─▶ one file a gesture ─▶ drive ─▶ outputs ─▶ Event
-//!          safety    who       which     what it is           how      ref-counted
-//! Control ─▶ parts ──▶ counts    places
+//! Touch ─▶ panic ─▶ accept ─▶ layout ─▶ recognizers ─▶ driver ─▶ outputs ─▶ Event
+//!                   which     which     which          how       how long
+//! Control ─▶ parts ─▶ count   regions   gesture
 //! ```
-//! Time is passed in. A decision that falls between two frames (the end of a minimum hold, of a latch, of a tapping
-//! term) is made at its due time, which [`Gestures::next_due`] tells; the event carries that time, however late the
-//! call comes. So events do not depend on how frames are batched. No finger waits for another, and no step allocates
-//! once the profile is loaded.
+//! Time is passed in. A decision between two frames (the end of a minimum hold, a latch or a tapping term) is made at its
+//! due time ([`Gestures::next_due`]), and the event carries that time, however late the call comes: events do not depend
+//! on how frames are batched. No finger waits for another. After the profile is loaded, nothing allocates.
 
 mod accept;
-mod active;
-mod begin;
-mod crowd;
-mod double_tap;
-mod dpad;
-mod drive;
+mod binding_index;
+mod driver;
 mod fingers;
-mod force;
-mod hold;
-mod latch;
 mod layout;
+mod moment;
 mod outputs;
+mod panic;
 mod parts;
-mod play;
-mod pointer;
-mod safety;
-mod sequence;
-mod step;
-mod stick;
-mod swipe;
-mod tap;
-mod tap_hold;
+mod recognizers;
+mod runtime;
 
 use std::sync::Arc;
 
@@ -41,12 +28,12 @@ use crate::profile::Profile;
 use crate::types::{Control, Event, NANOS_PER_MS, Nanos, Output, Touch};
 use accept::Accept;
 use layout::Layout;
+use moment::Moment;
+use panic::PanicDetector;
 use parts::Parts;
-use play::Players;
-use safety::Panic;
-use step::Step;
+use runtime::BindingRuntime;
 
-/// A new profile waits this long at most for the outputs to come up by themselves.
+/// A new profile waits at most this long for the outputs to be released.
 const SWITCH_WAIT_NS: Nanos = 1000 * NANOS_PER_MS;
 
 /// The gestures of one profile on one pad.
@@ -54,31 +41,31 @@ const SWITCH_WAIT_NS: Nanos = 1000 * NANOS_PER_MS;
 pub struct Gestures {
     profile: Arc<Profile>,
     pad_mm: [f64; 2],
-    panic: Panic,
+    panic: PanicDetector,
     layout: Layout,
     parts: Parts,
     accept: Accept,
-    players: Players,
+    runtime: BindingRuntime,
     paused: bool,
-    /// The profile that takes over, and when at the latest.
+    /// The profile that takes over, and the latest time for it.
     next: Option<(Arc<Profile>, Nanos)>,
-    /// When the next decision falls, as of the last change.
+    /// When the next decision is due.
     due: Option<Nanos>,
 }
 
 impl Gestures {
-    /// Gestures of a profile on a pad of a size (width, height).
+    /// The gestures of a profile on a pad of a size (width, height).
     #[must_use]
     pub fn new(profile: Arc<Profile>, pad_mm: [f64; 2]) -> Self {
         Self {
-            panic: Panic::new(&profile.settings),
+            panic: PanicDetector::new(&profile.settings),
             layout: Layout::new(&profile, pad_mm),
             accept: Accept::new(
                 &profile.settings,
                 profile.regions.len() + profile.parts.len(),
             ),
             parts: Parts::new(&profile),
-            players: Players::new(&profile),
+            runtime: BindingRuntime::new(&profile),
             profile,
             pad_mm,
             paused: false,
@@ -87,7 +74,7 @@ impl Gestures {
         }
     }
 
-    /// The profile in force.
+    /// The current profile.
     #[must_use]
     pub fn profile(&self) -> &Arc<Profile> {
         &self.profile
@@ -95,46 +82,46 @@ impl Gestures {
 
     /// The outputs that are down.
     pub fn held(&self) -> impl Iterator<Item = Output> + '_ {
-        self.players.driver.outputs.held()
+        self.runtime.driver.outputs.held()
     }
 
-    /// Whether nothing counts but the gesture that ends the pause.
+    /// Whether only the gesture that ends the pause counts.
     #[must_use]
     pub fn is_paused(&self) -> bool {
         self.paused
     }
 
-    /// When the next decision falls, if one is pending.
+    /// When the next decision is due, if any is pending.
     #[must_use]
     pub fn next_due(&self) -> Option<Nanos> {
         self.due
     }
 
-    /// Makes every decision that is due by a time, in the order in which they fall.
+    /// Makes all decisions that are due by a time, in the order of their due times.
     pub fn tick(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
         while let Some(due) = self.due.filter(|due| *due <= t_ns) {
             self.accept.tick(due);
-            self.play_passed(due, events);
+            self.play_accepted(due, events);
             let Self {
                 profile,
                 layout,
-                players,
+                runtime,
                 ..
             } = self;
-            players.tick(&mut Step {
+            runtime.tick(&mut Moment {
                 profile,
                 layout,
                 t_ns: due,
                 events,
             });
-            self.after(due, events);
+            self.finish(due, events);
         }
     }
 
-    /// Takes what became of the touches in a frame.
+    /// Takes the changes of the touches in a frame.
     pub fn touches(&mut self, t_ns: Nanos, changed: &[Touch], events: &mut Vec<Event>) {
         self.tick(t_ns, events);
-        // What rests comes first: the smaller parts of an arm that lies down are known by it.
+        // Large contacts come first: smaller parts of a resting arm are recognized by them.
         for large in [true, false] {
             for touch in changed {
                 if self.accept.is_large(touch.contact.area_mm2) == large {
@@ -145,22 +132,22 @@ impl Gestures {
     }
 
     fn touch(&mut self, t_ns: Nanos, touch: &Touch, events: &mut Vec<Event>) {
-        let panic = self.panic.sees(touch);
-        if panic {
+        let is_panic = self.panic.update(touch);
+        if is_panic {
             self.pause(t_ns, !self.paused, events);
         }
         self.accept.touch(t_ns, touch, &self.layout);
-        if panic {
-            // The contact that made it a panic plays nothing itself.
-            self.accept.passed.clear();
+        if is_panic {
+            // The contact that completed the panic plays nothing.
+            self.accept.accepted.clear();
         }
-        self.play_passed(t_ns, events);
-        self.after(t_ns, events);
-        // What a touch makes due at this very time is done before the next touch: one call or several, the same events.
+        self.play_accepted(t_ns, events);
+        self.finish(t_ns, events);
+        // What a touch makes due now comes before the next touch, so that one call or several give the same events.
         self.tick(t_ns, events);
     }
 
-    /// Takes what gamepads and switches say. When the last of them goes everything is released.
+    /// Takes the state of gamepads and switches. Releases everything when the last one is unplugged.
     pub fn control(&mut self, control: &Control, events: &mut Vec<Event>) {
         let t_ns = control.t_ns;
         self.tick(t_ns, events);
@@ -170,51 +157,51 @@ impl Gestures {
             }
             return;
         }
-        self.parts.take(control);
+        self.parts.update(control);
         for index in 0..self.parts.changes.len() {
             let change = self.parts.changes[index];
             self.accept.part(t_ns, &change);
-            self.play_passed(t_ns, events);
-            self.after(t_ns, events);
+            self.play_accepted(t_ns, events);
+            self.finish(t_ns, events);
             self.tick(t_ns, events);
         }
     }
 
-    /// Releases everything now and forgets what was pending: the source is gone.
+    /// Releases everything and forgets what was pending: the source was lost.
     pub fn release_all(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
-        self.let_go(t_ns, events);
-        self.players.forget_fingers();
+        self.end_gestures(t_ns, events);
+        self.runtime.forget_fingers();
         self.accept.clear();
         self.parts.clear();
         self.panic.clear();
-        self.after(t_ns, events);
+        self.finish(t_ns, events);
     }
 
-    /// Pauses or goes on. A pause releases everything.
+    /// Pauses or resumes. Both release everything.
     pub fn pause(&mut self, t_ns: Nanos, paused: bool, events: &mut Vec<Event>) {
         self.paused = paused;
-        self.players.paused = paused;
-        self.let_go(t_ns, events);
-        self.after(t_ns, events);
+        self.runtime.paused = paused;
+        self.end_gestures(t_ns, events);
+        self.finish(t_ns, events);
     }
 
-    /// Another profile from now on, or from when the outputs are up: a second later at most, and then they are released.
-    /// Fingers that are down when it takes over belong to neither.
+    /// Switches to another profile as soon as no output is down; after a second, outputs are released for it.
+    /// Fingers that are down at the switch play nothing until they lift.
     pub fn replace(&mut self, profile: Arc<Profile>, t_ns: Nanos, events: &mut Vec<Event>) {
         self.tick(t_ns, events);
         self.next = Some((profile, t_ns + SWITCH_WAIT_NS));
-        self.after(t_ns, events);
+        self.finish(t_ns, events);
     }
 
-    /// Ends every gesture; fingers that are down stay known, and give nothing more.
-    fn let_go(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+    /// Ends every gesture; fingers that are down play nothing more.
+    fn end_gestures(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
         let Self {
             profile,
             layout,
-            players,
+            runtime,
             ..
         } = self;
-        players.release_all(&mut Step {
+        runtime.release_all(&mut Moment {
             profile,
             layout,
             t_ns,
@@ -222,39 +209,39 @@ impl Gestures {
         });
     }
 
-    fn play_passed(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+    fn play_accepted(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
         let Self {
             profile,
             layout,
-            players,
+            runtime,
             accept,
             ..
         } = self;
-        let mut step = Step {
+        let mut moment = Moment {
             profile,
             layout,
             t_ns,
             events,
         };
-        for passed in accept.passed.drain(..) {
-            players.finger(&mut step, &passed);
+        for accepted in accept.accepted.drain(..) {
+            runtime.finger(&mut moment, &accepted);
         }
     }
 
-    /// What a step may have left to do: a pause, a switch, and the time of the next decision.
-    fn after(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
-        if std::mem::take(&mut self.players.driver.pause_wished) {
+    /// Completes a step: carries out a pause or a switch, and finds the time of the next decision.
+    fn finish(&mut self, t_ns: Nanos, events: &mut Vec<Event>) {
+        if std::mem::take(&mut self.runtime.driver.pause_requested) {
             self.paused = !self.paused;
-            self.players.paused = self.paused;
-            self.let_go(t_ns, events);
+            self.runtime.paused = self.paused;
+            self.end_gestures(t_ns, events);
         }
         if let Some((_, deadline_ns)) = self.next
-            && (self.players.is_idle() || deadline_ns <= t_ns)
+            && (self.runtime.is_idle() || deadline_ns <= t_ns)
         {
             self.switch(t_ns, events);
         }
         let deadline = self.next.as_ref().map(|(_, deadline_ns)| *deadline_ns);
-        self.due = [self.accept.next_due(), self.players.next_due(), deadline]
+        self.due = [self.accept.next_due(), self.runtime.next_due(), deadline]
             .into_iter()
             .flatten()
             .min();
@@ -264,14 +251,14 @@ impl Gestures {
         let Some((profile, _)) = self.next.take() else {
             return;
         };
-        self.let_go(t_ns, events);
-        let panic = self.panic.clone().under(&profile.settings);
-        let parts = self.parts.clone().under(&profile);
+        self.end_gestures(t_ns, events);
+        let panic = self.panic.clone().with_settings(&profile.settings);
+        let parts = self.parts.clone().with_profile(&profile);
         let mut fresh = Self::new(profile, self.pad_mm);
         fresh.parts = parts;
         fresh.panic = panic;
         fresh.paused = self.paused;
-        fresh.players.paused = self.paused;
+        fresh.runtime.paused = self.paused;
         *self = fresh;
     }
 }

@@ -1,148 +1,80 @@
-//! The application: joins the views, starts games, and passes the player's wishes on.
+//! The application: joins the views, starts games, performs what a view requests.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
-use egui::{Align2, CornerRadius, FontId, Key, Rect, Sense, Stroke, Ui, Vec2};
+use egui::{Rect, Stroke, Ui, Vec2};
 
 use super::comfort::Comfort;
-use super::desk::{Choice, Desk, From, Started, To};
-use super::edit::{EditView, Learning};
+use super::edit::{BindStep, EditView};
 use super::pad_window::PadWindow;
 use super::picture::Picture;
-use super::play::{self, Names, Wish};
+use super::play;
 use super::playing::Playing;
 use super::practice::PracticeTab;
-use super::problem::{self, Around, Mend};
+use super::problem::{self, UiContext};
+use super::rail;
 use super::record::RecordView;
+use super::request::{Names, UiAction};
 use super::setup::SetUpView;
 use super::signals::SignalsView;
+use super::tab::Tab;
 use super::theme;
 use super::waker::Waker;
-use crate::runtime::Command;
+use crate::app::services::{AppServices, PlayRequest, Started};
+use crate::runtime::PlayCommand;
 
-/// The rail of the views, wide and narrow, points.
+/// Width of the list of views at the left, in a wide and a narrow window, points.
 const RAIL: (f32, f32) = (92.0, 70.0);
-/// A window narrower than this has the narrow rail, points.
+/// Windows narrower than this have the narrow rail, points.
 const NARROW: f32 = 1000.0;
-/// The line at the bottom, points.
+/// Height of the status line at the bottom, points.
 const STATUS: f32 = 26.0;
 
-/// The views.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tab {
-    /// The pad and what it does.
-    Play,
-    /// The level of our own.
-    Practice,
-    /// Regions, bindings, thresholds.
-    Edit,
-    /// From port to play.
-    SetUp,
-    /// Recordings.
-    Record,
-    /// Voltages.
-    Signals,
-    /// How the window looks and answers.
-    Feedback,
-}
-
-impl Tab {
-    /// All, in the order of the rail.
-    pub const ALL: [Self; 7] = [
-        Self::Play,
-        Self::Practice,
-        Self::Edit,
-        Self::SetUp,
-        Self::Record,
-        Self::Signals,
-        Self::Feedback,
-    ];
-
-    /// Its word in the rail.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Play => "Play",
-            Self::Practice => "Practice",
-            Self::Edit => "Edit",
-            Self::SetUp => "Set up",
-            Self::Record => "Record",
-            Self::Signals => "Signals",
-            Self::Feedback => "Comfort",
-        }
-    }
-
-    fn icon(self) -> &'static str {
-        match self {
-            Self::Play => "▶",
-            Self::Practice => "★",
-            Self::Edit => "✏",
-            Self::SetUp => "🔧",
-            Self::Record => "⏺",
-            Self::Signals => "📈",
-            Self::Feedback => "🔔",
-        }
-    }
-
-    fn key(self) -> Key {
-        match self {
-            Self::Play => Key::F1,
-            Self::Practice => Key::F2,
-            Self::Edit => Key::F3,
-            Self::SetUp => Key::F4,
-            Self::Record => Key::F5,
-            Self::Signals => Key::F6,
-            Self::Feedback => Key::F7,
-        }
-    }
-}
-
-/// Everything that the window shows.
+/// State of the window.
 pub struct App {
-    /// The view that is shown.
+    /// The current view.
     pub tab: Tab,
     /// The game.
     pub playing: Playing,
     /// Why the last start failed.
     pub failed: Option<String>,
-    /// The pad in a window of its own.
+    /// The small pad-only window.
     pub pad_window: PadWindow,
-    /// The practice level.
+    /// The practice view.
     pub practice: PracticeTab,
-    /// The editor.
+    /// The profile editor.
     pub edit: EditView,
-    /// The wizard.
+    /// The setup wizard.
     pub set_up: SetUpView,
-    /// Recordings.
+    /// The recording view.
     pub record: RecordView,
-    /// Voltages.
+    /// The signals view.
     pub signals: SignalsView,
-    /// How the window looks and answers.
+    /// Appearance and feedback.
     pub comfort: Comfort,
-    desk: Arc<dyn Desk>,
+    services: Arc<dyn AppServices>,
     names: Names,
-    starting: Option<(Choice, Receiver<Result<Started, String>>)>,
+    starting: Option<(PlayRequest, Receiver<Result<Started, String>>)>,
     waker: Option<Waker>,
     picture: Picture,
-    dressed: bool,
-    /// When the last new view came, by egui's time, s.
+    styled: bool,
+    /// Arrival of the newest view, egui time, s.
     last_view_s: f64,
 }
 
 impl App {
-    /// A window on nothing yet.
-    #[must_use]
-    pub fn new(desk: Arc<dyn Desk>) -> Self {
+    /// The window before the first game.
+    pub fn new(services: Arc<dyn AppServices>) -> Self {
         let names = Names {
-            profiles: desk.profiles(),
-            pads: desk.pads(),
-            users: desk.users(),
-            ports: desk.ports(),
+            profiles: services.profiles(),
+            pads: services.pads(),
+            users: services.users(),
+            ports: services.ports(),
         };
-        let comfort = Comfort::of(desk.as_ref());
+        let comfort = Comfort::load(services.as_ref());
         let mut practice = PracticeTab::default();
-        practice.practice.set_best_s(comfort.look.best_s);
+        practice.practice.set_best_s(comfort.preferences.best_s);
         Self {
             set_up: SetUpView::default(),
             record: RecordView::default(),
@@ -150,105 +82,105 @@ impl App {
             practice,
             comfort,
             tab: Tab::Play,
-            playing: Playing::nothing(),
+            playing: Playing::idle(),
             failed: None,
             pad_window: PadWindow::default(),
             edit: EditView::default(),
-            desk,
+            services,
             names,
             starting: None,
             waker: None,
             picture: Picture::default(),
-            dressed: false,
+            styled: false,
             last_view_s: 0.0,
         }
     }
 
-    /// Lets games wake the window of a context.
+    /// Starts the thread that repaints the window when a game has a new view.
     ///
     /// # Errors
-    /// The system gives no thread.
-    pub fn wake_by(&mut self, ctx: &egui::Context) -> std::io::Result<()> {
+    /// The thread cannot be started.
+    pub fn start_waker(&mut self, ctx: &egui::Context) -> std::io::Result<()> {
         self.waker = Some(Waker::start(ctx.clone())?);
         Ok(())
     }
 
-    /// Plays something else, as soon as it has started; what was played ends now.
-    pub fn play(&mut self, choice: Choice) {
-        self.playing.end();
+    /// Ends the current game and starts another on a thread.
+    pub fn play(&mut self, request: PlayRequest) {
+        self.playing.stop();
         self.failed = None;
         let (sender, receiver) = sync_channel(1);
-        let desk = Arc::clone(&self.desk);
-        let wanted = choice.clone();
+        let services = Arc::clone(&self.services);
+        let to_start = request.clone();
         let waker = self.waker.as_ref().and_then(Waker::thread);
         let spawned = std::thread::Builder::new()
             .name("start".to_owned())
             .spawn(move || {
-                // Whoever wanted it may have gone.
-                let _ = sender.send(desk.start(&wanted));
+                // The receiver is gone when another game was requested meanwhile.
+                let _ = sender.send(services.start(&to_start));
                 if let Some(waker) = waker {
                     waker.unpark();
                 }
             });
         match spawned {
-            Ok(_) => self.starting = Some((choice, receiver)),
-            Err(error) => self.failed = Some(format!("no thread to start on: {error}")),
+            Ok(_) => self.starting = Some((request, receiver)),
+            Err(error) => self.failed = Some(format!("The game cannot start: {error}")),
         }
     }
 
     /// Whether a game is being started.
-    #[must_use]
     pub fn is_starting(&self) -> bool {
         self.starting.is_some()
     }
 
-    /// Looks at what is new; draws nothing.
-    pub fn look(&mut self, ctx: &egui::Context) {
-        if let Some((choice, receiver)) = &self.starting {
-            match receiver.try_recv() {
-                Ok(Ok(started)) => {
-                    self.playing = Playing::of(choice.clone(), started);
-                    if let (Some(running), Some(thread)) = (
-                        self.playing.running(),
-                        self.waker.as_ref().and_then(Waker::thread),
-                    ) {
-                        running.wake(thread);
-                    }
-                    self.starting = None;
-                    self.last_view_s = ctx.time();
-                }
-                Ok(Err(why)) => {
-                    self.playing.choice = choice.clone();
-                    self.failed = Some(why);
-                    self.starting = None;
-                }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.failed = Some("a bug in gelpad kept it from starting".to_owned());
-                    self.starting = None;
-                }
-            }
-        }
-        if self.playing.look() {
+    /// Polls the starting and the running game; draws nothing.
+    pub fn poll(&mut self, ctx: &egui::Context) {
+        self.poll_start(ctx.time());
+        if self.playing.poll() {
             self.last_view_s = ctx.time();
         }
-        self.practice.take(&self.playing.view);
-        self.comfort.look.best_s = self.practice.practice.best_s();
+        self.practice.play_new_events(&self.playing.view);
+        self.comfort.preferences.best_s = self.practice.practice.best_s();
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
-        // While it checks the output, the window wants to see its own keys.
-        self.playing.hush(focused && !self.checks_keys());
+        // The setup's key check needs the keys in this window.
+        self.playing.block_keys(focused && !self.checks_keys());
+    }
+
+    /// Takes over the game that was starting, if it has started or failed.
+    fn poll_start(&mut self, now_s: f64) {
+        let Some((request, receiver)) = &self.starting else {
+            return;
+        };
+        match receiver.try_recv() {
+            Ok(Ok(started)) => {
+                self.playing = Playing::from_started(request.clone(), started);
+                if let Some(thread) = self.waker.as_ref().and_then(Waker::thread) {
+                    self.playing.wake_with(thread);
+                }
+                self.last_view_s = now_s;
+            }
+            Ok(Err(why)) => {
+                self.playing.request = request.clone();
+                self.failed = Some(why);
+            }
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => {
+                self.failed = Some("The game cannot start because of a bug in gelpad".to_owned());
+            }
+        }
+        self.starting = None;
     }
 
     /// Draws the window.
     pub fn ui(&mut self, ui: &mut Ui) {
-        if !self.dressed {
-            theme::dress(ui.ctx());
-            self.dressed = true;
+        if !self.styled {
+            theme::apply_style(ui.ctx());
+            self.styled = true;
         }
-        self.comfort.dress(ui.ctx());
-        self.look(&ui.ctx().clone());
-        self.keys(ui);
-        let palette = theme::of(ui);
+        self.comfort.apply(ui.ctx());
+        self.poll(&ui.ctx().clone());
+        self.handle_keys(ui);
+        let palette = theme::palette_of(ui);
         let whole = ui.max_rect();
         ui.painter().rect_filled(whole, 0.0, palette.ground);
         let rail_width = if whole.width() < NARROW {
@@ -261,7 +193,7 @@ impl App {
             Rect::from_min_max(egui::pos2(rail.right(), whole.bottom() - STATUS), whole.max);
         let body =
             Rect::from_min_max(rail.right_top(), status.right_top()).shrink2(Vec2::new(12.0, 12.0));
-        self.rail(ui, rail);
+        rail::draw(ui, rail, &mut self.tab);
         self.status(ui, status);
         let mut body_ui = ui.new_child(
             egui::UiBuilder::new()
@@ -270,26 +202,25 @@ impl App {
                 .layout(egui::Layout::top_down(egui::Align::Min)),
         );
         body_ui.set_clip_rect(body.expand(10.0));
-        if let Some(wish) = self.view(&mut body_ui) {
-            self.fulfil(wish);
+        if let Some(action) = self.view(&mut body_ui) {
+            self.perform(action);
         }
         let ctx = ui.ctx().clone();
         self.pad_window.show(&ctx, &mut self.playing);
-        self.comfort.sign(ui, &self.playing);
+        self.comfort.show_feedback(ui, &self.playing);
     }
 
-    /// The worst problem now.
-    #[must_use]
+    /// The most severe problem of this moment.
     pub fn problem(&self, ctx: &egui::Context) -> Option<problem::Problem> {
-        let around = Around {
+        let context = UiContext {
             failed: self.failed.as_deref(),
             starting: self.starting.is_some(),
             silent_s: ctx.time() - self.last_view_s,
         };
-        problem::worst(&self.playing, around)
+        problem::most_severe(&self.playing, context)
     }
 
-    fn view(&mut self, ui: &mut Ui) -> Option<Wish> {
+    fn view(&mut self, ui: &mut Ui) -> Option<UiAction> {
         match self.tab {
             Tab::Play => {
                 let problem = self.problem(ui.ctx());
@@ -305,73 +236,54 @@ impl App {
                 self.practice.ui(ui, &mut self.picture, &mut self.playing);
                 None
             }
-            Tab::Edit => self.edit.ui(ui, &mut self.playing, self.desk.as_ref()),
+            Tab::Edit => self.edit.ui(ui, &mut self.playing, self.services.as_ref()),
             Tab::SetUp => self
                 .set_up
-                .ui(ui, &mut self.playing, &self.desk, &mut self.names),
-            Tab::Record => self.record.ui(ui, &self.playing, &self.desk),
+                .ui(ui, &mut self.playing, &self.services, &mut self.names),
+            Tab::Record => self.record.ui(ui, &self.playing, &self.services),
             Tab::Signals => {
                 self.signals.ui(ui, &self.playing);
                 None
             }
-            Tab::Feedback => {
+            Tab::Comfort => {
                 self.comfort.ui(ui, &self.playing);
                 None
             }
         }
     }
 
-    fn fulfil(&mut self, wish: Wish) {
-        match wish {
-            Wish::Play(choice) => self.play(choice),
-            Wish::PadWindow => self.pad_window.open = true,
-            Wish::Record => self.record(),
-            Wish::ShowPlay => self.tab = Tab::Play,
-            Wish::Mend(mend) => self.mend(&mend),
+    fn perform(&mut self, action: UiAction) {
+        match action {
+            UiAction::Play(request) => self.play(request),
+            UiAction::PadWindow => self.pad_window.open = true,
+            UiAction::Record => self.toggle_recording(),
+            UiAction::Show(tab) => self.tab = tab,
+            UiAction::Pause => self.playing.send_command(PlayCommand::Pause),
+            UiAction::Dismiss => self.playing.notice = None,
         }
     }
 
-    /// Begins a recording, or ends it: the game starts anew, as a recording begins with the untouched pad.
-    fn record(&mut self) {
-        let mut choice = self.playing.choice.clone();
-        match choice.record.take() {
+    /// Starts or stops recording. The game restarts: a recording begins with the untouched pad.
+    fn toggle_recording(&mut self) {
+        let mut request = self.playing.request.clone();
+        match request.record.take() {
             Some(file) => self.record.suggest(&file),
-            None => choice.record = Some(RecordView::fresh_file(self.desk.as_ref())),
+            None => request.record = Some(RecordView::next_file(self.services.as_ref())),
         }
-        self.play(choice);
-    }
-
-    fn mend(&mut self, mend: &Mend) {
-        let mut choice = self.playing.choice.clone();
-        match mend {
-            Mend::Again => self.play(choice),
-            Mend::GoOn => self.playing.ask(Command::Pause),
-            Mend::SetUp => self.tab = Tab::SetUp,
-            Mend::Signals => self.tab = Tab::Signals,
-            Mend::Send => {
-                choice.to = To::Auto;
-                self.play(choice);
-            }
-            Mend::PadWindow => self.pad_window.open = true,
-            Mend::Simulate => {
-                choice.from = From::Hand;
-                self.play(choice);
-            }
-            Mend::Read => self.playing.notice = None,
-        }
+        self.play(request);
     }
 
     fn checks_keys(&self) -> bool {
-        self.tab == Tab::SetUp && self.set_up.checks_keys()
+        self.tab == Tab::SetUp && self.set_up.captures_keys()
     }
 
-    /// F1 to F7 show views.
-    fn keys(&mut self, ui: &Ui) {
+    /// F1 to F7 switch views.
+    fn handle_keys(&mut self, ui: &Ui) {
         if self.checks_keys() {
             self.set_up.take_keys(ui);
         }
-        if self.tab == Tab::Edit && matches!(self.edit.learning, Learning::Key(_)) {
-            // The next key is an answer.
+        if self.tab == Tab::Edit && matches!(self.edit.bind_step, BindStep::Key(_)) {
+            // The next key becomes the binding.
             return;
         }
         for tab in Tab::ALL {
@@ -381,40 +293,9 @@ impl App {
         }
     }
 
-    fn rail(&mut self, ui: &mut Ui, room: Rect) {
-        let palette = theme::of(ui);
-        ui.painter().rect_filled(room, 0.0, palette.card);
-        ui.painter().vline(
-            room.right(),
-            room.y_range(),
-            Stroke::new(1.0, palette.line.gamma_multiply(0.6)),
-        );
-        let mut rail = ui.new_child(
-            egui::UiBuilder::new()
-                .id_salt("rail")
-                .max_rect(room.shrink(6.0)),
-        );
-        rail.spacing_mut().item_spacing.y = 4.0;
-        let size = (((room.height() - 60.0) / Tab::ALL.len() as f32) - 4.0).clamp(44.0, 62.0);
-        let (name, _) =
-            rail.allocate_exact_size(Vec2::new(room.width() - 12.0, 30.0), Sense::hover());
-        rail.painter().text(
-            name.center(),
-            Align2::CENTER_CENTER,
-            "gelpad",
-            FontId::proportional(if room.width() > 80.0 { 19.0 } else { 16.0 }),
-            palette.accent,
-        );
-        for tab in Tab::ALL {
-            if rail_button(&mut rail, tab, self.tab == tab, size) {
-                self.tab = tab;
-            }
-        }
-    }
-
-    /// What plays from where to where, and how well.
+    /// Source, output, profile, frame rate and latency.
     fn status(&mut self, ui: &mut Ui, room: Rect) {
-        let palette = theme::of(ui);
+        let palette = theme::palette_of(ui);
         let line = Stroke::new(1.0, palette.line.gamma_multiply(0.6));
         ui.painter().hline(room.x_range(), room.top(), line);
         let mut ui = ui.new_child(
@@ -437,7 +318,7 @@ impl App {
         let view = &playing.view;
         let words = format!(
             "{state}   {} → {}   ·   {}   ·   {:.0} frames/s   ·   {:.2} ms",
-            playing.choice.source_words(),
+            playing.request.source_label(),
             playing.output,
             view.profile.name,
             view.frames_per_s,
@@ -445,45 +326,4 @@ impl App {
         );
         ui.add(egui::Label::new(egui::RichText::new(words).size(12.5)).truncate());
     }
-}
-
-/// A view's button in the rail; whether it was clicked.
-fn rail_button(ui: &mut Ui, tab: Tab, chosen: bool, height: f32) -> bool {
-    let palette = theme::of(ui);
-    let (rect, response) =
-        ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Tab, true, chosen, tab.name()));
-    let painter = ui.painter();
-    let round = CornerRadius::same(theme::ROUND);
-    if chosen {
-        painter.rect_filled(rect, round, palette.accent.gamma_multiply(0.18));
-        let mark = Rect::from_min_size(
-            rect.left_top() + Vec2::new(0.0, 8.0),
-            Vec2::new(3.0, height - 16.0),
-        );
-        painter.rect_filled(mark, 2.0, palette.accent);
-    } else if response.hovered() {
-        painter.rect_filled(rect, round, palette.line.gamma_multiply(0.4));
-    }
-    if response.has_focus() {
-        let line = Stroke::new(2.0, palette.accent);
-        painter.rect_stroke(rect, round, line, egui::StrokeKind::Inside);
-    }
-    let colour = if chosen { palette.accent } else { palette.text };
-    painter.text(
-        rect.center() - Vec2::new(0.0, height * 0.14),
-        Align2::CENTER_CENTER,
-        tab.icon(),
-        FontId::proportional(19.0),
-        colour,
-    );
-    painter.text(
-        rect.center() + Vec2::new(0.0, height * 0.28),
-        Align2::CENTER_CENTER,
-        tab.name(),
-        FontId::proportional(12.5),
-        colour,
-    );
-    let key = format!("{:?}", tab.key());
-    response.on_hover_text(key).clicked()
 }

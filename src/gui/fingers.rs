@@ -1,36 +1,36 @@
-//! Fingers that a mouse, a touch screen or the keyboard puts on the simulated pad. Pure: what is pressed goes in, fingers for
-//! the forward model come out.
+//! Fingers on the simulated pad, placed by mouse, touch screen or keyboard. No drawing.
 //!
-//! Invariant: a finger on the screen is on the pad until it is lifted, pinned ones until they are unpinned or all are lifted.
+//! Invariant: a finger stays until it is lifted; a pinned one until it is unpinned or all are lifted.
 
+use crate::eit::Press;
 use crate::source::Finger;
 use crate::types::PointMm;
 
-/// How hard a press is before the wheel has turned.
-pub const USUAL_FORCE: f64 = 0.5;
-/// A notch of the wheel.
+/// Initial force, 0 to 1.
+pub const DEFAULT_FORCE: f64 = 0.5;
+/// Change of the force per notch of the mouse wheel.
 const FORCE_STEP: f64 = 0.1;
-/// The softest press is still one.
-const FORCES: (f64, f64) = (0.1, 1.0);
-/// Radius (mm) and relative rise of conductivity of the softest finger, and what the full force adds: 7 mm and 1.2 at half of
-/// it, the finger of the scripts.
+/// Smallest and largest force.
+const FORCE_RANGE: (f64, f64) = (0.1, 1.0);
+/// Radius (mm) and relative rise of conductivity at force 0, and the increase up to force 1. Force 0.5 gives the finger of the
+/// touch scripts: 7 mm and 1.2.
 const RADIUS_MM: (f64, f64) = (5.5, 3.0);
 const RISE: (f64, f64) = (0.4, 1.6);
-/// A pinned finger is met this near, mm.
-const REACH_MM: f64 = 7.0;
-/// The pad tells so many fingers apart at most.
-const MOST_FINGERS: usize = 5;
+/// A press within this distance of a pinned finger removes it, mm.
+const UNPIN_MM: f64 = 7.0;
+/// Largest number of fingers on the pad.
+const MAX_FINGERS: usize = 5;
 
 /// What holds a finger down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Holder {
-    /// The mouse's button.
+    /// The mouse button.
     Mouse,
-    /// A finger on a touch screen, by its number.
+    /// A finger on a touch screen, by its id.
     Screen(u64),
-    /// A digit of the keyboard.
+    /// A digit key.
     Digit(u8),
-    /// Nothing: it is pinned.
+    /// Nothing: the finger is pinned.
     Pin,
 }
 
@@ -55,13 +55,13 @@ impl Default for Fingers {
         Self {
             held: Vec::new(),
             next_id: 1,
-            force: USUAL_FORCE,
+            force: DEFAULT_FORCE,
         }
     }
 }
 
 impl Fingers {
-    /// Puts a finger down, or takes a pinned one away that the mouse meets; whether anything changed.
+    /// Puts a finger down; the mouse on a pinned finger removes that one instead. Returns whether anything changed.
     pub fn press(&mut self, holder: Holder, place_mm: PointMm) -> bool {
         if holder == Holder::Mouse
             && let Some(pinned) = self.pinned_at(place_mm)
@@ -70,7 +70,7 @@ impl Fingers {
             return true;
         }
         self.lift(holder);
-        if self.held.len() == MOST_FINGERS {
+        if self.held.len() == MAX_FINGERS {
             return false;
         }
         self.held.push(Held {
@@ -83,7 +83,7 @@ impl Fingers {
         true
     }
 
-    /// Moves a finger; whether it is there.
+    /// Moves a finger; returns whether it moved.
     pub fn slide(&mut self, holder: Holder, place_mm: PointMm) -> bool {
         match self.held.iter_mut().find(|held| held.holder == holder) {
             Some(held) if held.place_mm != place_mm => {
@@ -94,21 +94,21 @@ impl Fingers {
         }
     }
 
-    /// Lifts a finger; whether it was there.
+    /// Lifts a finger; returns whether it was down.
     pub fn lift(&mut self, holder: Holder) -> bool {
         let before = self.held.len();
         self.held.retain(|held| held.holder != holder);
         self.held.len() < before
     }
 
-    /// Lifts all of them, pinned ones too; whether there were any.
+    /// Lifts all fingers, pinned ones too; returns whether there were any.
     pub fn lift_all(&mut self) -> bool {
         let any = !self.held.is_empty();
         self.held.clear();
         any
     }
 
-    /// Lets the mouse's finger stay where it is when the mouse goes on; whether there was one.
+    /// Pins the finger of the mouse where it is; returns whether there was one.
     pub fn pin(&mut self) -> bool {
         match self.held.iter_mut().find(|h| h.holder == Holder::Mouse) {
             Some(held) => {
@@ -119,9 +119,9 @@ impl Fingers {
         }
     }
 
-    /// Presses harder (positive) or softer by notches: the mouse's finger and those that come after it.
-    pub fn harder(&mut self, notches: f64) -> bool {
-        let force = (self.force + notches * FORCE_STEP).clamp(FORCES.0, FORCES.1);
+    /// Changes the force by notches, for the finger of the mouse and for later ones; returns whether it changed.
+    pub fn change_force(&mut self, notches: f64) -> bool {
+        let force = (self.force + notches * FORCE_STEP).clamp(FORCE_RANGE.0, FORCE_RANGE.1);
         let changed = force != self.force;
         self.force = force;
         for held in &mut self.held {
@@ -132,25 +132,22 @@ impl Fingers {
         changed
     }
 
-    /// How hard the next finger presses, 0.1 to 1.
-    #[must_use]
+    /// Force of the next finger, 0.1 to 1.
     pub fn force(&self) -> f64 {
         self.force
     }
 
-    /// Whether any finger is down that something holds.
-    #[must_use]
-    pub fn any(&self) -> bool {
+    /// Whether any finger is down.
+    pub fn any_down(&self) -> bool {
         !self.held.is_empty()
     }
 
-    /// Whether a finger of the mouse is down.
-    #[must_use]
+    /// Whether the mouse holds a finger down.
     pub fn mouse_is_down(&self) -> bool {
         self.held.iter().any(|held| held.holder == Holder::Mouse)
     }
 
-    /// Places of the pinned fingers, mm.
+    /// Positions of the pinned fingers, mm.
     pub fn pinned_mm(&self) -> impl Iterator<Item = PointMm> + '_ {
         self.held
             .iter()
@@ -159,15 +156,16 @@ impl Fingers {
     }
 
     /// The fingers for the forward model.
-    #[must_use]
     pub fn for_pad(&self) -> Vec<Finger> {
         self.held
             .iter()
             .map(|held| Finger {
                 id: held.id,
-                centre_mm: held.place_mm,
-                radius_mm: RADIUS_MM.0 + held.force * RADIUS_MM.1,
-                rise: RISE.0 + held.force * RISE.1,
+                press: Press {
+                    centre_mm: held.place_mm,
+                    radius_mm: RADIUS_MM.0 + held.force * RADIUS_MM.1,
+                    rise: RISE.0 + held.force * RISE.1,
+                },
             })
             .collect()
     }
@@ -175,7 +173,7 @@ impl Fingers {
     fn pinned_at(&self, [x, y]: PointMm) -> Option<usize> {
         self.held.iter().position(|held| {
             let [dx, dy] = [held.place_mm[0] - x, held.place_mm[1] - y];
-            held.holder == Holder::Pin && dx.hypot(dy) < REACH_MM
+            held.holder == Holder::Pin && dx.hypot(dy) < UNPIN_MM
         })
     }
 }
@@ -185,14 +183,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_usual_finger_is_the_one_of_the_scripts() {
+    fn the_default_finger_equals_that_of_touch_scripts() {
         let mut fingers = Fingers::default();
         fingers.press(Holder::Mouse, [50.0, 40.0]);
-        let [finger] = fingers.for_pad()[..] else {
+        let [Finger { press, .. }] = fingers.for_pad()[..] else {
             panic!("one finger");
         };
-        assert!((finger.radius_mm - 7.0).abs() < 1e-9 && (finger.rise - 1.2).abs() < 1e-9);
-        assert_eq!(finger.centre_mm, [50.0, 40.0]);
+        assert!((press.radius_mm - 7.0).abs() < 1e-9 && (press.rise - 1.2).abs() < 1e-9);
+        assert_eq!(press.centre_mm, [50.0, 40.0]);
     }
 
     #[test]
@@ -206,35 +204,35 @@ mod tests {
         fingers.lift(Holder::Mouse);
         assert_eq!(fingers.pinned_mm().collect::<Vec<_>>(), [[20.0, 20.0]]);
         fingers.press(Holder::Mouse, [22.0, 21.0]);
-        assert!(!fingers.any());
+        assert!(!fingers.any_down());
     }
 
     #[test]
-    fn the_wheel_makes_the_finger_that_is_down_harder_and_stays_in_its_range() {
+    fn the_wheel_changes_the_force_within_its_range() {
         let mut fingers = Fingers::default();
         fingers.press(Holder::Mouse, [20.0, 20.0]);
-        fingers.harder(2.0);
-        assert!((fingers.for_pad()[0].rise - 1.52).abs() < 1e-12);
-        assert!(fingers.harder(100.0) && fingers.force() == 1.0);
-        assert!(!fingers.harder(1.0), "no harder than that");
-        fingers.harder(-100.0);
+        fingers.change_force(2.0);
+        assert!((fingers.for_pad()[0].press.rise - 1.52).abs() < 1e-12);
+        assert!(fingers.change_force(100.0) && fingers.force() == 1.0);
+        assert!(!fingers.change_force(1.0), "the largest force");
+        fingers.change_force(-100.0);
         assert_eq!(fingers.force(), 0.1);
     }
 
     #[test]
-    fn fingers_of_a_screen_are_as_many_as_the_pad_tells_apart() {
+    fn a_touch_screen_puts_five_fingers_down_at_most() {
         let mut fingers = Fingers::default();
         for id in 0..9 {
             fingers.press(Holder::Screen(id), [10.0 * id as f64, 30.0]);
         }
-        assert_eq!(fingers.for_pad().len(), MOST_FINGERS);
+        assert_eq!(fingers.for_pad().len(), MAX_FINGERS);
         assert!(fingers.slide(Holder::Screen(3), [33.0, 40.0]));
         assert!(!fingers.slide(Holder::Screen(8), [1.0, 1.0]));
         assert!(fingers.lift_all() && !fingers.lift_all());
     }
 
     #[test]
-    fn every_finger_has_a_number_of_its_own() {
+    fn every_finger_has_its_own_id() {
         let mut fingers = Fingers::default();
         fingers.press(Holder::Mouse, [20.0, 20.0]);
         let first = fingers.for_pad()[0].id;

@@ -1,17 +1,17 @@
-//! The window: see the pad, play, edit, set up, understand. One file or folder a view, a small application that joins them.
+//! The window: play, practise, edit, set up, record and inspect signals. One file or folder per view; `app.rs` joins them.
 //!
-//! Logic that can be pure is kept apart from drawing: where the pad lies (`place.rs`), what happened (`story.rs`), which
-//! fingers press (`fingers.rs`), what is wrong (`problem.rs`).
+//! Logic without drawing has its own files: the pad on screen (`place.rs`), recent touches and presses (`history.rs`),
+//! fingers on the simulated pad (`fingers.rs`), problems (`problem.rs`).
 //!
-//! Invariants: the window reads the newest view and asks for things; it never waits for the engine, and the engine never for
-//! it. It is repainted when something has changed. It gets no keys of its own (`hush.rs`).
+//! Invariants: the window reads the newest view and sends commands; neither the window nor the engine waits for the other.
+//! The window repaints only when something has changed. It never receives gelpad's own keys (`src/app/focus_gate.rs`).
 
 pub mod app;
 pub mod comfort;
-pub mod desk;
 pub mod edit;
 pub mod fingers;
-pub mod hush;
+pub mod history;
+mod overlay;
 pub mod pad_window;
 pub mod picture;
 pub mod place;
@@ -20,115 +20,105 @@ pub mod playing;
 pub mod practice;
 pub mod press;
 pub mod problem;
+mod quiet_panics;
+mod rail;
 pub mod record;
 pub mod regions;
+mod request;
 pub mod setup;
 pub mod signals;
 pub mod still;
-pub mod story;
+pub mod tab;
 pub mod theme;
 pub mod waker;
 
-pub use app::{App, Tab};
+pub use app::App;
 pub use playing::Playing;
+pub use tab::Tab;
 
-use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
 
-use desk::{Choice, Desk};
+use crate::app::services::{AppServices, PlayRequest};
 
-/// Size of the window when it opens, and least size, points.
+/// Initial size of the window and its minimum, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
-const LEAST_SIZE: [f32; 2] = [640.0, 400.0];
+const MIN_SIZE: [f32; 2] = [640.0, 400.0];
 
-/// Why there is no window.
+/// The window could not be opened.
 #[derive(Debug, thiserror::Error)]
 #[error("no window: {0}")]
-pub struct NoWindow(String);
+pub struct WindowError(String);
 
-/// What opens.
-pub struct Opening {
-    /// Who starts games.
-    pub desk: Arc<dyn Desk>,
-    /// What is played first.
-    pub choice: Choice,
-    /// The view that is shown first.
+/// What the window shows and plays when it opens.
+pub struct WindowOptions {
+    /// Starts games, finds profiles and pads.
+    pub services: Arc<dyn AppServices>,
+    /// The first game.
+    pub request: PlayRequest,
+    /// The first view.
     pub tab: Tab,
-    /// Whether the program has been asked to end.
+    /// Whether a signal has asked the program to end.
     pub interrupted: Box<dyn Fn() -> bool>,
 }
 
-/// Opens the window and shows it until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// No display, no GL, or a library that is missing; nothing has been played then.
-pub fn open(opening: Opening) -> Result<(), NoWindow> {
+/// There is no display, no OpenGL, or a system library is missing; no game was started.
+pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("gelpad")
             .with_app_id("gelpad")
             .with_inner_size(SIZE)
-            .with_min_inner_size(LEAST_SIZE),
+            .with_min_inner_size(MIN_SIZE),
         ..Default::default()
     };
-    // A library that the system lacks is told of by a panic.
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let opened = std::panic::catch_unwind(AssertUnwindSafe(|| {
+    // winit and glutin panic when a system library is missing.
+    let opened = quiet_panics::catch(|quiet| {
         eframe::run_native(
             "gelpad",
             options,
             Box::new(move |creation| {
-                std::panic::set_hook(hook);
-                theme::fonts(&creation.egui_ctx);
-                let mut app = App::new(opening.desk);
-                app.wake_by(&creation.egui_ctx)?;
+                quiet.restore();
+                theme::install_fonts(&creation.egui_ctx);
+                let mut app = App::new(opening.services);
+                app.start_waker(&creation.egui_ctx)?;
                 app.tab = opening.tab;
-                app.play(opening.choice);
+                app.play(opening.request);
                 Ok(Box::new(Window {
                     app,
                     interrupted: opening.interrupted,
-                    repaints: Repaints::default(),
+                    repaints: RepaintCounter::default(),
                 }))
             }),
         )
-    }));
-    match opened {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(NoWindow(in_one_line(&error.to_string()))),
-        Err(panic) => {
-            let _ = std::panic::take_hook();
-            let words = panic
-                .downcast_ref::<String>()
-                .map(String::as_str)
-                .or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(NoWindow(in_one_line(
-                words.unwrap_or("a library is missing"),
-            )))
-        }
-    }
-}
-
-fn in_one_line(words: &str) -> String {
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
+    });
+    let error = match opened {
+        Ok(Ok(())) => return Ok(()),
+        Ok(Err(error)) => error.to_string(),
+        Err(panic_message) => panic_message,
+    };
+    let one_line = error.split_whitespace().collect::<Vec<_>>().join(" ");
+    Err(WindowError(one_line))
 }
 
 /// The application in eframe's window.
 struct Window {
     app: App,
     interrupted: Box<dyn Fn() -> bool>,
-    repaints: Repaints,
+    repaints: RepaintCounter,
 }
 
-/// Counts repaints, for who measures.
+/// Logs repaints per second; `scripts/window-cost.sh` reads the log.
 #[derive(Default)]
-struct Repaints {
+struct RepaintCounter {
     since_s: f64,
     count: u32,
     plays: bool,
 }
 
-impl Repaints {
+impl RepaintCounter {
     fn count(&mut self, now_s: f64, plays: bool) {
         if plays && !self.plays {
             self.plays = true;
@@ -150,7 +140,7 @@ impl eframe::App for Window {
         if (self.interrupted)() {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        self.app.look(ctx);
+        self.app.poll(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
@@ -160,6 +150,6 @@ impl eframe::App for Window {
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        self.app.playing.end();
+        self.app.playing.stop();
     }
 }

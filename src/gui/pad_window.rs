@@ -1,8 +1,8 @@
-//! The pad in a small window of its own, always on top, that takes no focus: it is pressed by mouse while the game has the
+//! The pad-only window: small, always on top, never takes the focus, so that the mouse presses it while the game has the
 //! keyboard.
 //!
-//! On X11 it is an override-redirect window: no window manager gives such a window the focus, and a click on it changes none.
-//! Elsewhere it asks to stay inactive and on top.
+//! On X11 it is an override-redirect window: no window manager gives such a window the focus, nor does a click on it. Elsewhere
+//! the system is requested to keep it inactive and on top.
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, Vec2, ViewportBuilder, ViewportId};
 
@@ -11,9 +11,9 @@ use super::play;
 use super::playing::Playing;
 use super::theme;
 
-/// How high the window is with its bar, points.
+/// Height of the pad, points.
 const SIDE: f32 = 300.0;
-/// The bar to move it by, points.
+/// Height of the title bar, points.
 const BAR: f32 = 24.0;
 
 /// The window.
@@ -25,13 +25,12 @@ pub struct PadWindow {
 }
 
 impl PadWindow {
-    /// Its name among the program's windows.
-    #[must_use]
+    /// The id of its viewport.
     pub fn id() -> ViewportId {
         ViewportId::from_hash_of("pad window")
     }
 
-    /// Shows it, if it is open.
+    /// Draws it, if it is open.
     pub fn show(&mut self, ctx: &egui::Context, playing: &mut Playing) {
         if !self.open {
             return;
@@ -40,7 +39,7 @@ impl PadWindow {
             .view
             .profile
             .settings
-            .seen_size_mm(playing.pad.outline.size_mm());
+            .size_as_player_sees_mm(playing.pad.outline.size_mm());
         let builder = ViewportBuilder::default()
             .with_title("gelpad pad")
             .with_inner_size([SIDE * (w / h) as f32, SIDE + BAR])
@@ -60,9 +59,9 @@ impl PadWindow {
         }
     }
 
-    /// Draws it; whether it is to be closed.
+    /// Draws the content; returns whether the close button was clicked.
     fn ui(&mut self, ui: &mut egui::Ui, playing: &mut Playing) -> bool {
-        let palette = theme::of(ui);
+        let palette = theme::palette_of(ui);
         let room = ui.max_rect();
         ui.painter().rect_filled(room, 0.0, palette.ground);
         let bar = Rect::from_min_size(room.min, Vec2::new(room.width(), BAR));

@@ -1,34 +1,29 @@
-//! The pad as a picture: conductivity, regions with what they do, touches with their ways.
+//! The picture of the pad: conductivity image with its colour scale; `overlay.rs` draws regions, electrodes and touches on it.
 
-use egui::epaint::{Mesh, PathShape, PathStroke, Vertex};
+use egui::epaint::{Mesh, Vertex};
 use egui::{
     Align2, Color32, ColorImage, FontId, Pos2, Rect, Shape, Stroke, TextureHandle, TextureOptions,
     Ui, Vec2,
 };
 
-use super::place::Place;
+use super::overlay;
+use super::place::PadTransform;
 use super::playing::Playing;
-use super::regions::{self, RegionState};
-use super::story::Stroke as TouchStroke;
+use super::regions;
 use super::theme;
-use crate::pad::Outline;
 use crate::profile::Profile;
-use crate::types::{Image, NANOS_PER_MS, Nanos, PixelGrid, Touch, heat};
+use crate::types::{Image, Nanos, PixelGrid, heat_colour};
 
-/// The colour scale ends at this relative rise, or at the image's peak if that is higher.
+/// End of the colour scale as a relative rise of conductivity, unless the image has a higher peak.
 const FULL_SCALE: f32 = 0.3;
-/// A higher peak is left again by this share a frame: colours must not flicker.
+/// Factor per frame by which the scale falls back after a higher peak, so that colours do not flicker.
 const SCALE_FALL: f32 = 0.985;
-/// A touch draws its way behind it for so long.
-const TRAIL_NS: Nanos = 600 * NANOS_PER_MS;
-/// Smallest text on the pad, points.
-const SMALLEST_TEXT: f32 = 10.0;
-/// Room for the scale beside the picture, points.
-const SCALE_ROOM: f32 = 54.0;
+/// Width of the scale beside the picture, points.
+const SCALE_WIDTH: f32 = 54.0;
 
-/// What is drawn besides the image.
+/// What is drawn in addition to the image.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown {
+pub struct PictureLayers {
     /// Regions with their names.
     pub regions: bool,
     /// Electrodes with their numbers.
@@ -37,7 +32,7 @@ pub struct Shown {
     pub scale: bool,
 }
 
-/// The image as a texture, and its scale.
+/// The newest image as a texture, and its scale.
 #[derive(Default)]
 pub struct Picture {
     texture: Option<TextureHandle>,
@@ -46,59 +41,59 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Draws the pad with a profile's regions into a room; returns where it lies.
+    /// Draws the pad with the regions of a profile into `room`; returns its coordinates.
     pub fn draw(
         &mut self,
         ui: &Ui,
         room: Rect,
         playing: &Playing,
         profile: &Profile,
-        shown: Shown,
-    ) -> Place {
+        shown: PictureLayers,
+    ) -> PadTransform {
         let view = &playing.view;
         let edge = if shown.electrodes { 22.0 } else { 4.0 };
         let mut inner = room.shrink(edge);
         if shown.scale {
-            inner.max.x -= SCALE_ROOM;
+            inner.max.x -= SCALE_WIDTH;
         }
         let pad_mm = playing.pad.outline.size_mm();
-        let place = Place::fit(inner, pad_mm, &profile.settings);
+        let place = PadTransform::fit(inner, pad_mm, &profile.settings);
         if place.rect.width() < 8.0 {
             return place;
         }
-        self.take(ui, &view.image, view.frames, view.t_ns);
+        self.update_texture(ui, &view.image, view.frames, view.t_ns);
         let painter = ui.painter_at(room);
-        self.image(&painter, &place, &view.image.grid);
-        outline(&painter, &place, &playing.pad.outline, ui);
+        self.draw_image(&painter, &place, &view.image.grid);
+        overlay::outline(&painter, &place, &playing.pad.outline, ui);
         if shown.electrodes {
-            electrodes(&painter, &place, playing, ui);
+            overlay::electrodes(&painter, &place, playing, ui);
         }
         if shown.regions {
-            let states = regions::states(profile, &view.held);
-            // Lowest first, so that what lies on top is drawn last.
+            let states = regions::region_states(profile, &view.held);
+            // The first region has priority and is drawn last.
             for index in (0..states.len()).rev() {
-                region(&painter, &place, profile, index, &states[index]);
+                overlay::region(&painter, &place, profile, index, &states[index]);
             }
         }
-        for stroke in &playing.story.strokes {
-            trail(&painter, &place, stroke, playing.story.now_ns);
+        for stroke in &playing.history.strokes {
+            overlay::trail(&painter, &place, stroke, playing.history.now_ns);
         }
         for touch in &view.touches {
-            draw_touch(&painter, &place, touch, waited(playing, touch));
+            overlay::touch(&painter, &place, touch, overlay::wait_share(view, touch));
         }
         for pinned in playing.fingers.pinned_mm() {
-            let at = place.of_pad(pinned) + Vec2::new(0.0, -12.0);
+            let at = place.screen_from_pad(pinned) + Vec2::new(0.0, -12.0);
             let font = FontId::proportional(15.0);
             painter.text(at, Align2::CENTER_BOTTOM, "📌", font, Color32::WHITE);
         }
         if shown.scale {
-            self.scale_beside(ui, &place);
+            self.draw_scale(ui, &place);
         }
         place
     }
 
-    /// Makes the texture of the newest image, unless it is that already.
-    fn take(&mut self, ui: &Ui, image: &Image, frames: u64, t_ns: Nanos) {
+    /// Updates the texture if the image is new.
+    fn update_texture(&mut self, ui: &Ui, image: &Image, frames: u64, t_ns: Nanos) {
         let now = (frames, t_ns, image.grid);
         if self.texture.is_some() && self.shown == Some(now) {
             return;
@@ -107,10 +102,10 @@ impl Picture {
         self.scale = (self.scale * SCALE_FALL).max(FULL_SCALE).max(image.peak());
         let (columns, rows) = (image.grid.columns, image.grid.rows);
         let mut pixels = Vec::with_capacity(columns * rows);
-        // Row 0 of an image is at the bottom, of a texture at the top.
+        // Row 0 is at the bottom of an image, at the top of a texture.
         for row in (0..rows).rev() {
             for value in &image.values[row * columns..(row + 1) * columns] {
-                let [r, g, b] = heat(value / self.scale);
+                let [r, g, b] = heat_colour(value / self.scale);
                 pixels.push(Color32::from_rgb(r, g, b));
             }
         }
@@ -126,8 +121,8 @@ impl Picture {
         }
     }
 
-    fn image(&self, painter: &egui::Painter, place: &Place, grid: &PixelGrid) {
-        let [r, g, b] = heat(0.0);
+    fn draw_image(&self, painter: &egui::Painter, place: &PadTransform, grid: &PixelGrid) {
+        let [r, g, b] = heat_colour(0.0);
         painter.rect_filled(place.rect, 4.0, Color32::from_rgb(r, g, b));
         let Some(texture) = &self.texture else { return };
         let [x0, y0] = grid.origin_mm;
@@ -141,7 +136,7 @@ impl Picture {
             (x0, y0 + height, 0.0, 0.0),
         ] {
             mesh.vertices.push(Vertex {
-                pos: place.of_pad([x, y]),
+                pos: place.screen_from_pad([x, y]),
                 uv: Pos2::new(u, v),
                 color: Color32::WHITE,
             });
@@ -151,9 +146,9 @@ impl Picture {
         clipped.add(Shape::mesh(mesh));
     }
 
-    /// The colour scale beside the pad, with its ends in words.
-    fn scale_beside(&self, ui: &Ui, place: &Place) {
-        let palette = theme::of(ui);
+    /// Draws the colour scale beside the pad, labelled in percent.
+    fn draw_scale(&self, ui: &Ui, place: &PadTransform) {
+        let palette = theme::palette_of(ui);
         let height = place.rect.height().min(220.0);
         let bar = Rect::from_min_size(
             place.rect.right_bottom() + Vec2::new(14.0, -height),
@@ -163,7 +158,7 @@ impl Picture {
         const STEPS: usize = 24;
         for step in 0..=STEPS {
             let share = step as f32 / STEPS as f32;
-            let [r, g, b] = heat(share);
+            let [r, g, b] = heat_colour(share);
             let y = bar.bottom() - share * height;
             let colour = Color32::from_rgb(r, g, b);
             mesh.colored_vertex(Pos2::new(bar.left(), y), colour);
@@ -183,219 +178,13 @@ impl Picture {
             egui::StrokeKind::Outside,
         );
         let font = FontId::proportional(11.0);
-        let text = |share: f32, words: String| {
+        let text = |share: f32, label: String| {
             let at = Pos2::new(bar.right() + 5.0, bar.bottom() - share * height);
-            painter.text(at, Align2::LEFT_CENTER, words, font.clone(), palette.weak);
+            painter.text(at, Align2::LEFT_CENTER, label, font.clone(), palette.weak);
         };
         let full = self.scale.max(FULL_SCALE) * 100.0;
         text(0.03, "0 %".to_owned());
         text(0.5, format!("{:.0} %", full / 2.0));
         text(0.97, format!("{full:.0} %"));
     }
-}
-
-/// Share of the time that a touch has to wait before it counts, if it has to.
-fn waited(playing: &Playing, touch: &Touch) -> Option<f32> {
-    let settings = &playing.view.profile.settings;
-    let wait_ns = settings.dwell_ns.max(settings.slow_keys_ns);
-    if wait_ns == 0 {
-        return None;
-    }
-    let age_ns = playing.view.t_ns.saturating_sub(touch.since_ns);
-    Some((age_ns as f32 / wait_ns as f32).min(1.0))
-}
-
-fn outline(painter: &egui::Painter, place: &Place, outline: &Outline, ui: &Ui) {
-    let line = Stroke::new(1.5, theme::of(ui).line);
-    match outline {
-        Outline::Rectangle { .. } => {
-            painter.rect_stroke(place.rect, 4.0, line, egui::StrokeKind::Outside);
-        }
-        Outline::Circle { .. } => {
-            painter.circle_stroke(place.rect.center(), place.rect.width() / 2.0, line);
-        }
-    }
-}
-
-/// Electrodes as bars at the edge; a lost one is crossed out, not only coloured.
-fn electrodes(painter: &egui::Painter, place: &Place, playing: &Playing, ui: &Ui) {
-    let palette = theme::of(ui);
-    let outline = &playing.pad.outline;
-    let [w, h] = outline.size_mm();
-    for (index, electrode) in playing.pad.electrodes.iter().enumerate() {
-        let lost = playing.view.lost_electrodes.contains(&index);
-        let colour = if lost { palette.bad } else { palette.weak };
-        let ends =
-            [electrode.start_mm, electrode.end_mm()].map(|s| place.of_pad(outline.point_at(s)));
-        painter.line_segment(ends, Stroke::new(4.0, colour));
-        let middle = outline.point_at((electrode.start_mm + electrode.end_mm()) / 2.0);
-        let out = [middle[0] - w / 2.0, middle[1] - h / 2.0];
-        let length = out[0].hypot(out[1]).max(1e-9);
-        let beyond = 4.5 * 3.0 / f64::from(place.points_per_mm());
-        let at = place.of_pad([
-            middle[0] + out[0] / length * beyond,
-            middle[1] + out[1] / length * beyond,
-        ]);
-        let words = if lost {
-            format!("{}✖", index + 1)
-        } else {
-            (index + 1).to_string()
-        };
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            words,
-            FontId::proportional(11.0),
-            colour,
-        );
-    }
-}
-
-fn region(
-    painter: &egui::Painter,
-    place: &Place,
-    profile: &Profile,
-    index: usize,
-    state: &RegionState,
-) {
-    let region = &profile.regions[index];
-    let placed = region.placed(place.seen_mm, &profile.settings.area);
-    let corners: Vec<Pos2> = placed
-        .corners_mm()
-        .into_iter()
-        .map(|corner| place.of_seen(corner))
-        .collect();
-    let (low, high) = placed.bounds_mm();
-    let bounds = Rect::from_two_pos(place.of_seen(low), place.of_seen(high));
-    let accent = theme::palette(true).accent;
-    let (line, fill) = if state.held {
-        (Stroke::new(3.0, accent), accent.gamma_multiply(0.28))
-    } else {
-        let white = Color32::from_white_alpha(if region.rest { 70 } else { 130 });
-        (Stroke::new(1.2, white), Color32::from_white_alpha(9))
-    };
-    if corners.len() == 4 || corners.len() > 16 {
-        let inset = bounds.shrink(1.5);
-        if corners.len() == 4 && is_box(&corners) {
-            painter.rect(inset, 5.0, fill, line, egui::StrokeKind::Inside);
-        } else {
-            painter.add(PathShape::convex_polygon(corners, fill, line));
-        }
-    } else {
-        painter.add(PathShape::closed_line(corners, PathStroke::from(line)));
-    }
-    label(painter, bounds, &region.name, state);
-}
-
-fn is_box(corners: &[Pos2]) -> bool {
-    let bounds = Rect::from_points(corners);
-    corners.iter().all(|corner| {
-        (corner.x == bounds.left() || corner.x == bounds.right())
-            && (corner.y == bounds.top() || corner.y == bounds.bottom())
-    })
-}
-
-/// A region's name, and beneath it what it drives: as large as the room allows.
-fn label(painter: &egui::Painter, bounds: Rect, name: &str, state: &RegionState) {
-    let letters = name.chars().count().max(1) as f32;
-    let size = (bounds.width() / letters * 1.6)
-        .min(bounds.height() * 0.4)
-        .min(17.0);
-    if size < SMALLEST_TEXT {
-        return;
-    }
-    let two_lines = !state.drives.is_empty() && bounds.height() > 2.6 * size;
-    let colour = if state.held {
-        Color32::WHITE
-    } else {
-        Color32::from_white_alpha(215)
-    };
-    let at = bounds.center() - Vec2::new(0.0, if two_lines { size * 0.6 } else { 0.0 });
-    let words = if state.held {
-        format!("▼ {name}")
-    } else {
-        name.to_owned()
-    };
-    painter.text(
-        at,
-        Align2::CENTER_CENTER,
-        words,
-        FontId::proportional(size),
-        colour,
-    );
-    if two_lines {
-        let below = bounds.center() + Vec2::new(0.0, size * 0.65);
-        let font = FontId::monospace((size * 0.8).max(SMALLEST_TEXT));
-        painter.text(
-            below,
-            Align2::CENTER_CENTER,
-            &state.drives,
-            font,
-            Color32::from_white_alpha(if state.held { 255 } else { 165 }),
-        );
-    }
-}
-
-/// The way that a touch has come, fading.
-fn trail(painter: &egui::Painter, place: &Place, stroke: &TouchStroke, now_ns: Nanos) {
-    let colour = theme::touch(stroke.id);
-    let recent = |t_ns: Nanos| now_ns.saturating_sub(t_ns) < TRAIL_NS;
-    let moments = stroke.moments.iter().filter(|m| recent(m.t_ns));
-    let mut last: Option<Pos2> = None;
-    for moment in moments {
-        let at = place.of_pad(moment.place_mm);
-        if let Some(from) = last {
-            let age = now_ns.saturating_sub(moment.t_ns) as f32 / TRAIL_NS as f32;
-            let width = 1.0 + 5.0 * moment.force * (1.0 - age);
-            let line = Stroke::new(width, colour.gamma_multiply(0.8 * (1.0 - age)));
-            painter.line_segment([from, at], line);
-        }
-        last = Some(at);
-    }
-}
-
-/// A touch: its footprint, its force as an arc around it, its number.
-fn draw_touch(painter: &egui::Painter, place: &Place, touch: &Touch, waited: Option<f32>) {
-    let colour = theme::touch(touch.id.0);
-    let at = place.of_pad(touch.contact.centre_mm);
-    let radius_mm = (touch.contact.area_mm2 / std::f64::consts::PI)
-        .max(0.0)
-        .sqrt() as f32;
-    let radius = (radius_mm * place.points_per_mm()).clamp(9.0, 60.0);
-    painter.circle(
-        at,
-        radius,
-        colour.gamma_multiply(0.25),
-        Stroke::new(1.5, colour),
-    );
-    let force = touch.contact.force.clamp(0.0, 1.0) as f32;
-    arc(painter, at, radius + 5.0, force, Stroke::new(3.5, colour));
-    if let Some(share) = waited {
-        let line = Stroke::new(3.0, Color32::WHITE);
-        arc(painter, at, radius + 10.0, share, line);
-    }
-    painter.circle_filled(at, 8.5, Color32::from_black_alpha(190));
-    painter.text(
-        at,
-        Align2::CENTER_CENTER,
-        (touch.id.0 % 100).to_string(),
-        FontId::proportional(12.0),
-        Color32::WHITE,
-    );
-}
-
-/// A part of a circle, clockwise from the top.
-fn arc(painter: &egui::Painter, centre: Pos2, radius: f32, share: f32, line: Stroke) {
-    const STEPS: f32 = 40.0;
-    let steps = (share * STEPS).ceil() as usize;
-    if steps == 0 {
-        return;
-    }
-    let points = (0..=steps)
-        .map(|step| {
-            let angle = std::f32::consts::TAU * share * step as f32 / steps as f32;
-            centre + radius * Vec2::new(angle.sin(), -angle.cos())
-        })
-        .collect();
-    painter.add(PathShape::line(points, PathStroke::from(line)));
 }

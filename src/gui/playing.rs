@@ -1,134 +1,124 @@
-//! The game that the window shows: the newest view, its story, and the player's wishes.
+//! The game that the window shows: its newest view, recent history, and the commands sent to it.
 //!
-//! The window reads views and asks; it never waits for the engine, and the engine never for it.
+//! Invariant: the window reads views and sends commands; neither it nor the engine waits for the other.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::Thread;
 
-use super::desk::{Choice, Started, Watch};
 use super::fingers::Fingers;
+use super::history::History;
 use super::still;
-use super::story::Story;
+use crate::app::services::{PlayRequest, SourceChoice, Started, Watch};
 use crate::pad::Pad;
-use crate::runtime::{Command, Running, Summary, View};
-use crate::source::Hand;
+use crate::runtime::{PlayCommand, RunningGame, SessionSummary, View};
+use crate::source::LiveFingers;
 
-/// What is being played, or was.
+/// The current game, or the last one.
 pub struct Playing {
-    /// What was asked for.
-    pub choice: Choice,
+    /// What was requested.
+    pub request: PlayRequest,
     /// The pad.
     pub pad: Pad,
     /// The newest view.
     pub view: View,
-    /// The last seconds.
-    pub story: Story,
+    /// The last five seconds.
+    pub history: History,
     /// Fingers on the simulated pad.
     pub fingers: Fingers,
-    /// A word for the device that events go to.
+    /// Name of the output device.
     pub output: String,
-    /// The last thing that the player should know.
+    /// The newest message for the player.
     pub notice: Option<String>,
-    /// How it ended, if it has.
+    /// Why it ended, if it has.
     pub ended: Option<String>,
-    /// What was asked of a game that does not run: for tests.
-    pub asked: Vec<Command>,
-    /// The voltages of the untouched pad as they first were: what drift is measured from.
+    /// Commands sent while no game runs: for tests.
+    pub unsent_commands: Vec<PlayCommand>,
+    /// The first reference voltages: the base of drift.
     pub first_reference: Vec<f32>,
-    hand: Option<Hand>,
-    hush: Option<Arc<AtomicBool>>,
-    running: Option<Running>,
+    hand: Option<LiveFingers>,
+    keys_blocked: Option<Arc<AtomicBool>>,
+    running: Option<RunningGame>,
     watch: Option<Box<dyn Watch>>,
 }
 
 impl Playing {
-    /// A view without a game.
-    #[must_use]
-    pub fn still(choice: Choice, pad: Pad, view: View) -> Self {
+    /// A view without a running game.
+    pub fn without_game(request: PlayRequest, pad: Pad, view: View) -> Self {
         let mut playing = Self {
-            choice,
+            request,
             pad,
             view,
-            story: Story::default(),
+            history: History::default(),
             fingers: Fingers::default(),
             output: "nothing".to_owned(),
             notice: None,
             ended: None,
-            asked: Vec::new(),
+            unsent_commands: Vec::new(),
             first_reference: Vec::new(),
             hand: None,
-            hush: None,
+            keys_blocked: None,
             running: None,
             watch: None,
         };
-        playing.story.take(&playing.view);
+        playing.history.add_view(&playing.view);
         playing
     }
 
-    /// The untouched pad, before anything runs.
-    #[must_use]
-    pub fn nothing() -> Self {
+    /// The default pad before the first game.
+    pub fn idle() -> Self {
         let pad = still::pad();
-        let view = still::view_of(&pad, still::profile());
-        Self::still(Choice::default(), pad, view)
+        let view = still::view_of_pad(&pad, still::profile());
+        Self::without_game(PlayRequest::default(), pad, view)
     }
 
-    /// A game that has been started.
-    #[must_use]
-    pub fn of(choice: Choice, started: Started) -> Self {
+    /// A game that has started.
+    pub fn from_started(request: PlayRequest, started: Started) -> Self {
         let Started {
             mut running,
             hand,
             pad,
             output,
-            hush,
+            keys_blocked,
             watch,
             warnings,
         } = started;
         let view = running.view().clone();
-        let mut playing = Self::still(choice, pad, view);
+        let mut playing = Self::without_game(request, pad, view);
         playing.output = output;
         playing.hand = hand;
-        playing.hush = hush;
+        playing.keys_blocked = keys_blocked;
         playing.running = Some(running);
         playing.watch = Some(watch);
         playing.notice = warnings.into_iter().next();
         playing
     }
 
-    /// Whether its threads run.
-    #[must_use]
+    /// Whether its threads are running.
     pub fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
-    /// The threads, for whoever wants to be woken by them.
-    #[must_use]
-    pub fn running(&self) -> Option<&Running> {
-        self.running.as_ref()
+    /// Lets the game unpark a thread whenever it has a new view.
+    pub fn wake_with(&self, thread: Thread) {
+        if let Some(running) = &self.running {
+            running.wake_on_view(thread);
+        }
     }
 
-    /// Whether the pad is pressed in the window.
-    #[must_use]
-    pub fn has_hand(&self) -> bool {
-        self.choice.from == super::desk::From::Hand
+    /// Whether the source is the simulated pad, pressed in the window.
+    pub fn is_simulated(&self) -> bool {
+        self.request.source == SourceChoice::Simulated
     }
 
-    /// Whether its keys would come back to this window while that has the focus.
-    #[must_use]
-    pub fn types_keys(&self) -> bool {
-        self.hush.is_some()
-    }
-
-    /// Takes the newest view; whether there was one.
-    pub fn look(&mut self) -> bool {
+    /// Reads the newest view, and the end of the game; returns whether anything changed.
+    pub fn poll(&mut self) -> bool {
         let Some(running) = &mut self.running else {
             return false;
         };
         if let Some(watch) = &mut self.watch {
             let notice = &mut self.notice;
-            watch.look(running, &mut |words| *notice = Some(words));
+            watch.poll(running, &mut |message| *notice = Some(message));
         }
         if let Some(hand) = &mut self.hand {
             hand.flush();
@@ -143,89 +133,88 @@ impl Playing {
         }
         let is_over = running.is_finished();
         if is_new {
-            self.take_view();
+            self.record_view();
         }
-        if is_over && let Some(running) = self.running.take() {
-            self.ended = Some(told(&running.join()));
-            self.over();
-            return true;
+        if is_over {
+            self.join();
         }
-        is_new
+        is_new || is_over
     }
 
-    /// Tells the story on with the view as it is.
-    pub fn take_view(&mut self) {
-        self.story.take(&self.view);
+    /// Adds the current view to the history.
+    pub fn record_view(&mut self) {
+        self.history.add_view(&self.view);
         if self.first_reference.is_empty() {
             self.first_reference
                 .clone_from(&self.view.signals.reference);
         }
     }
 
-    /// Asks for something.
-    pub fn ask(&mut self, command: Command) {
+    /// Sends a command to the engine.
+    pub fn send_command(&mut self, command: PlayCommand) {
         match &mut self.running {
             Some(running) => {
-                if matches!(command, Command::Pause)
+                if matches!(command, PlayCommand::Pause)
                     && let Some(hand) = &mut self.hand
                 {
-                    // Nobody presses a simulated pad that is paused: it need not be read.
-                    let goes_on = running.view().paused;
-                    hand.rest(!goes_on);
+                    // A paused simulated pad computes no frames.
+                    let resumes = running.view().paused;
+                    hand.suspend(!resumes);
                 }
-                if !running.ask(command) {
-                    self.notice = Some("too many wishes at once: try again".to_owned());
+                if !running.send_command(command) {
+                    self.notice = Some("The engine is busy: try again".to_owned());
                 }
             }
-            None => self.asked.push(command),
+            None => self.unsent_commands.push(command),
         }
     }
 
-    /// Presses the simulated pad with the fingers as they are.
-    pub fn press(&mut self) {
+    /// Sends the fingers to the simulated pad.
+    pub fn send_fingers(&mut self) {
         if let Some(hand) = &mut self.hand {
-            hand.press(&self.fingers.for_pad());
+            hand.set_fingers(&self.fingers.for_pad());
         }
     }
 
-    /// Says whether this window has the focus: it then gets no keys of its own.
-    pub fn hush(&mut self, focused: bool) {
-        if let Some(hush) = &self.hush {
-            hush.store(focused, Ordering::Relaxed);
+    /// Blocks or unblocks key output; blocked while this window has the focus.
+    pub fn block_keys(&mut self, block: bool) {
+        if let Some(blocked) = &self.keys_blocked {
+            blocked.store(block, Ordering::Relaxed);
         }
     }
 
-    /// Whether keys are held back because this window has the focus.
-    #[must_use]
-    pub fn is_hushed(&self) -> bool {
-        self.hush
-            .as_ref()
-            .is_some_and(|hush| hush.load(Ordering::Relaxed))
+    /// Whether key output is blocked.
+    pub fn are_keys_blocked(&self) -> bool {
+        let blocked = self.keys_blocked.as_ref();
+        blocked.is_some_and(|blocked| blocked.load(Ordering::Relaxed))
     }
 
-    /// Ends it and waits for its keys to be up; gives back where it recorded to.
-    pub fn end(&mut self) -> Option<PathBuf> {
+    /// Stops the game and waits until its keys are released.
+    pub fn stop(&mut self) {
         self.hand = None;
-        if let Some(running) = self.running.take() {
+        if let Some(running) = &self.running {
             running.stop();
-            self.ended = Some(told(&running.join()));
-            self.over();
         }
-        self.choice.record.clone()
+        self.join();
     }
 
-    fn over(&mut self) {
+    /// Waits for the threads of a game that ends.
+    fn join(&mut self) {
+        let Some(running) = self.running.take() else {
+            return;
+        };
+        self.ended = Some(end_message(&running.join()));
         self.hand = None;
         if let Some(mut watch) = self.watch.take() {
-            watch.end();
+            watch.finish();
         }
     }
 }
 
-/// How a game ended, in a sentence.
-fn told(summary: &Summary) -> String {
+/// Why a game ended.
+fn end_message(summary: &SessionSummary) -> String {
     if let Some(thread) = summary.panicked {
-        return format!("a bug in gelpad ended its {thread} thread; all keys are up");
+        return format!("A bug in gelpad ended its {thread} thread; all keys are released");
     }
     if let Some(error) = &summary.output_error {
         return error.to_string();
@@ -234,7 +223,7 @@ fn told(summary: &Summary) -> String {
         return error.to_string();
     }
     format!(
-        "the end: {} frames, {} presses",
+        "Ended after {} frames and {} presses",
         summary.frames, summary.presses
     )
 }

@@ -1,92 +1,93 @@
-//! The worst problem in words, and what mends it. Pure: a game and the window's state in, a sentence out.
+//! The most severe problem of the moment, in a sentence, and the fix that its button performs. No drawing.
 
-use super::desk::{From, To};
+use self::Severity::{Error, Hint, Warning};
 use super::playing::Playing;
+use super::request::UiAction;
+use super::tab::Tab;
+use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
 
-/// A rate below this misses quick presses, frames/s.
-const SLOW_FRAMES_PER_S: f64 = 25.0;
-/// A press that lasts so many frames is sure to be seen.
-const SURE_FRAMES: f64 = 2.0;
+/// Slower frame rates miss quick presses, frames/s.
+pub const SLOW_FRAMES_PER_S: f64 = 25.0;
+/// A press of this many frames is always detected.
+pub const SHORTEST_PRESS_FRAMES: f64 = 2.0;
+/// A source without frames for longer than this is silent, s.
+const SILENT_S: f64 = 1.0;
 
-/// How bad it is.
+const RETRY: &str = "Try again";
+const SIGNALS: &str = "Show signals";
+
+/// How severe a problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Weight {
-    /// Good to know.
+pub enum Severity {
+    /// Everything works.
     Hint,
-    /// It plays, but worse than it could.
+    /// It works, but not as well as it could.
     Warning,
-    /// It does not play.
-    Wrong,
-}
-
-/// What a button does about it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Mend {
-    /// Starts the same again.
-    Again,
-    /// Goes on after a pause.
-    GoOn,
-    /// Shows the set-up.
-    SetUp,
-    /// Shows the signals.
-    Signals,
-    /// Sends events to the desktop.
-    Send,
-    /// Opens the pad-only window.
-    PadWindow,
-    /// Back to the simulated pad.
-    Simulate,
-    /// It has been read.
-    Read,
-}
-
-impl Mend {
-    /// The button's words.
-    #[must_use]
-    pub fn words(&self) -> &'static str {
-        match self {
-            Self::Again => "Try again",
-            Self::GoOn => "Go on",
-            Self::SetUp => "Set up",
-            Self::Signals => "Show signals",
-            Self::Send => "Send to my game",
-            Self::PadWindow => "Open the pad window",
-            Self::Simulate => "Use the simulated pad",
-            Self::Read => "All right",
-        }
-    }
+    /// The game gets no input.
+    Error,
 }
 
 /// A problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// How bad it is.
-    pub weight: Weight,
-    /// What it is.
-    pub words: String,
-    /// What to do about it.
-    pub mend: Option<Mend>,
+    /// How severe it is.
+    pub severity: Severity,
+    /// What is wrong.
+    pub text: String,
+    /// The label of its button, and what the button does.
+    pub fix: Option<(&'static str, UiAction)>,
 }
 
-/// What else there is to know than the game itself.
+impl Problem {
+    fn new(
+        severity: Severity,
+        text: impl Into<String>,
+        button: &'static str,
+        fix: UiAction,
+    ) -> Self {
+        Self {
+            severity,
+            text: text.into(),
+            fix: Some((button, fix)),
+        }
+    }
+}
+
+/// State of the window that is not part of the game.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Around<'a> {
+pub struct UiContext<'a> {
     /// Why the last start failed.
     pub failed: Option<&'a str>,
-    /// Whether a game is being started.
+    /// Whether a game is starting.
     pub starting: bool,
-    /// Seconds since the last frame, by the window's clock.
+    /// Time since the last frame, s.
     pub silent_s: f64,
 }
 
-/// A source that sends nothing for this long is silent, s.
-const SILENT_S: f64 = 1.0;
+type Check = fn(&Playing, UiContext<'_>) -> Option<Problem>;
 
-/// The worst problem, if there is one.
-#[must_use]
-pub fn worst(playing: &Playing, around: Around<'_>) -> Option<Problem> {
-    all(playing, around).into_iter().reduce(|worst, next| {
-        if next.weight > worst.weight {
+/// All checks; among equally severe problems the first one wins.
+const CHECKS: [Check; 10] = [
+    failed_start,
+    ended,
+    paused,
+    silent_source,
+    blocked_keys,
+    lost_electrodes,
+    notice,
+    lost_frames,
+    slow_frames,
+    trial,
+];
+
+/// The most severe problem, if there is one.
+pub fn most_severe(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    if context.starting {
+        return failed_start(playing, context);
+    }
+    let problems = CHECKS.iter().filter_map(|check| check(playing, context));
+    problems.reduce(|worst, next| {
+        if next.severity > worst.severity {
             next
         } else {
             worst
@@ -94,143 +95,153 @@ pub fn worst(playing: &Playing, around: Around<'_>) -> Option<Problem> {
     })
 }
 
-/// Every problem, in the order in which they are told among equals.
-fn all(playing: &Playing, around: Around<'_>) -> Vec<Problem> {
-    let view = &playing.view;
-    let mut found = Vec::new();
-    let mut add = |weight, words: String, mend| {
-        found.push(Problem {
-            weight,
-            words,
-            mend,
-        });
+fn failed_start(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    let mut request = playing.request.clone();
+    let button = match request.source {
+        SourceChoice::Simulated | SourceChoice::Level => RETRY,
+        _ => {
+            request.source = SourceChoice::Simulated;
+            "Use the simulated pad"
+        }
     };
-    if let Some(why) = around.failed {
-        let mend = match playing.choice.from {
-            From::Hand | From::Level => Mend::Again,
-            From::Serial(_) | From::Replay(_) => Mend::Simulate,
-        };
-        add(Weight::Wrong, why.to_owned(), Some(mend));
+    let fix = UiAction::Play(request);
+    Some(Problem::new(Error, context.failed?, button, fix))
+}
+
+fn ended(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let fix = UiAction::Play(playing.request.clone());
+    Some(Problem::new(Error, playing.ended.clone()?, RETRY, fix))
+}
+
+fn paused(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let text = "Paused: all keys are released, no keys are sent";
+    let problem = || Problem::new(Error, text, "Resume", UiAction::Pause);
+    playing.view.paused.then(problem)
+}
+
+fn silent_source(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    if playing.view.paused || !playing.is_running() || context.silent_s <= SILENT_S {
+        return None;
     }
-    if around.starting {
-        return found;
+    let source = playing.request.source_label();
+    let text = format!("No data from {source}: all keys are released. Is it plugged in?");
+    Some(Problem::new(
+        Error,
+        text,
+        "Set up",
+        UiAction::Show(Tab::SetUp),
+    ))
+}
+
+fn blocked_keys(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let fix = ("Open the pad window", UiAction::PadWindow);
+    playing.are_keys_blocked().then(|| Problem {
+        severity: Error,
+        text: "Click your game: no keys are sent while this window has the focus".to_owned(),
+        fix: playing.is_simulated().then_some(fix),
+    })
+}
+
+fn lost_electrodes(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let lost = &playing.view.lost_electrodes;
+    let (which, them) = match lost.as_slice() {
+        [] => return None,
+        [one] => (format!("Electrode {} is", one + 1), "it"),
+        _ => (format!("Electrodes {} are", electrode_list(lost)), "them"),
+    };
+    let text = format!("{which} loose, shorted or noisy: the pad works without {them}");
+    Some(Problem::new(
+        Warning,
+        text,
+        SIGNALS,
+        UiAction::Show(Tab::Signals),
+    ))
+}
+
+/// Electrodes as people number them, from 1: `3, 10`.
+pub fn electrode_list(electrodes: &[usize]) -> String {
+    let numbers: Vec<String> = electrodes.iter().map(|e| (e + 1).to_string()).collect();
+    numbers.join(", ")
+}
+
+fn notice(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let text = playing.notice.clone()?;
+    Some(Problem::new(Warning, text, "OK", UiAction::Dismiss))
+}
+
+fn lost_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let lost = playing.view.lost_frames;
+    let text = format!("{lost} frames lost: check the cable, or use a slower frame rate");
+    let problem = || Problem::new(Warning, text, SIGNALS, UiAction::Show(Tab::Signals));
+    (lost > 0).then(problem)
+}
+
+fn slow_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let rate = playing.view.frames_per_s;
+    if rate <= 0.0 || rate >= SLOW_FRAMES_PER_S {
+        return None;
     }
-    if let Some(ended) = &playing.ended {
-        add(Weight::Wrong, ended.clone(), Some(Mend::Again));
-    }
-    if view.paused {
-        add(
-            Weight::Wrong,
-            "Paused: everything is up, nothing is sent".to_owned(),
-            Some(Mend::GoOn),
-        );
-    } else if playing.is_running() && around.silent_s > SILENT_S {
-        add(
-            Weight::Wrong,
-            format!(
-                "{} sends nothing: all keys are up. Is it plugged in?",
-                playing.choice.source_words()
-            ),
-            Some(Mend::SetUp),
-        );
-    }
-    if playing.is_hushed() {
-        add(
-            Weight::Wrong,
-            "Click your game: this window has the focus, so no key is sent".to_owned(),
-            playing.has_hand().then_some(Mend::PadWindow),
-        );
-    }
-    if !view.lost_electrodes.is_empty() {
-        let names: Vec<String> = view
-            .lost_electrodes
-            .iter()
-            .map(|electrode| (electrode + 1).to_string())
-            .collect();
-        let (which, them) = match names.as_slice() {
-            [one] => (format!("Electrode {one} is"), "it"),
-            _ => (format!("Electrodes {} are", names.join(", ")), "them"),
-        };
-        add(
-            Weight::Warning,
-            format!("{which} loose, shorted or noisy: play goes on without {them}"),
-            Some(Mend::Signals),
-        );
-    }
-    if let Some(notice) = &playing.notice {
-        add(Weight::Warning, notice.clone(), Some(Mend::Read));
-    }
-    if view.lost_frames > 0 {
-        add(
-            Weight::Warning,
-            format!(
-                "{} frames were lost: a cable, or a board that is too fast for this machine",
-                view.lost_frames
-            ),
-            Some(Mend::Signals),
-        );
-    }
-    if view.frames_per_s > 0.0 && view.frames_per_s < SLOW_FRAMES_PER_S {
-        add(
-            Weight::Warning,
-            format!(
-                "{:.0} frames/s: a press under {:.0} ms may be missed",
-                view.frames_per_s,
-                SURE_FRAMES * 1e3 / view.frames_per_s
-            ),
-            Some(Mend::SetUp),
-        );
-    }
-    if playing.choice.to == To::Nothing {
-        add(
-            Weight::Hint,
-            "A try-out: nothing leaves this window".to_owned(),
-            Some(Mend::Send),
-        );
-    }
-    found
+    let shortest_ms = SHORTEST_PRESS_FRAMES * 1e3 / rate;
+    let text =
+        format!("{rate:.0} frames/s: presses shorter than {shortest_ms:.0} ms may be missed");
+    Some(Problem::new(
+        Warning,
+        text,
+        "Set up",
+        UiAction::Show(Tab::SetUp),
+    ))
+}
+
+fn trial(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let request = PlayRequest {
+        output: OutputChoice::Auto,
+        ..playing.request.clone()
+    };
+    let (text, fix) = ("Trial: no keys are sent", UiAction::Play(request));
+    let problem = || Problem::new(Hint, text, "Send to my game", fix);
+    (playing.request.output == OutputChoice::Nothing).then(problem)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn words(playing: &Playing, around: Around<'_>) -> String {
-        worst(playing, around).map_or(String::new(), |problem| problem.words)
+    fn text(playing: &Playing, context: UiContext<'_>) -> String {
+        most_severe(playing, context).map_or(String::new(), |problem| problem.text)
     }
 
     #[test]
-    fn the_worst_comes_first_and_the_first_among_equals() {
-        let mut playing = Playing::nothing();
-        let around = Around::default();
-        assert!(words(&playing, around).starts_with("A try-out"));
+    fn the_most_severe_problem_comes_first_and_the_first_among_equals() {
+        let mut playing = Playing::idle();
+        let context = UiContext::default();
+        assert_eq!(text(&playing, context), "Trial: no keys are sent");
         playing.view.frames_per_s = 12.0;
         assert_eq!(
-            words(&playing, around),
-            "12 frames/s: a press under 167 ms may be missed"
+            text(&playing, context),
+            "12 frames/s: presses shorter than 167 ms may be missed"
         );
         playing.view.lost_electrodes = vec![2];
-        assert!(words(&playing, around).starts_with("Electrode 3 is loose"));
+        assert!(text(&playing, context).starts_with("Electrode 3 is loose"));
         playing.view.lost_electrodes = vec![2, 9];
-        assert!(words(&playing, around).starts_with("Electrodes 3, 10 are loose"));
+        assert!(text(&playing, context).starts_with("Electrodes 3, 10 are loose"));
         playing.view.paused = true;
-        let problem = worst(&playing, around).expect("paused");
-        assert_eq!(problem.mend, Some(Mend::GoOn));
-        let failed = Around {
+        let problem = most_severe(&playing, context).expect("paused");
+        assert_eq!(problem.fix, Some(("Resume", UiAction::Pause)));
+        let failed = UiContext {
             failed: Some("no such port"),
-            ..around
+            ..context
         };
-        assert_eq!(words(&playing, failed), "no such port");
+        assert_eq!(text(&playing, failed), "no such port");
     }
 
     #[test]
     fn while_a_game_starts_the_old_one_has_no_problems() {
-        let mut playing = Playing::nothing();
-        playing.ended = Some("gone".to_owned());
-        let around = Around {
+        let mut playing = Playing::idle();
+        playing.ended = Some("disconnected".to_owned());
+        let context = UiContext {
             starting: true,
-            ..Around::default()
+            ..UiContext::default()
         };
-        assert_eq!(worst(&playing, around), None);
+        assert_eq!(most_severe(&playing, context), None);
     }
 }

@@ -1,48 +1,41 @@
-//! What the regions of a profile do, and whether they do it now. Pure.
+//! Outputs of the regions of a profile, and whether they are held.
 
 use crate::profile::{Binding, Gesture, Profile, Target};
 use crate::types::Output;
 
-/// A region's state.
+/// The outputs of a region.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RegionState {
-    /// What it drives, short: `f`, `A`, `left`.
-    pub drives: String,
-    /// Whether any of it is held.
+    /// Labels of its outputs, such as `F` or `←`, separated by spaces.
+    pub outputs: String,
+    /// Whether any of them is held.
     pub held: bool,
 }
 
 /// The state of every region of a profile.
-#[must_use]
-pub fn states(profile: &Profile, held: &[Output]) -> Vec<RegionState> {
-    (0..profile.regions.len())
-        .map(|region| {
-            let bindings = || {
-                profile
-                    .bindings
-                    .iter()
-                    .filter(move |binding| binding.regions.contains(&region))
-            };
-            let mut drives: Vec<String> = Vec::new();
-            for binding in bindings() {
-                for name in names(profile, binding) {
-                    if !drives.contains(&name) {
-                        drives.push(name);
-                    }
+pub fn region_states(profile: &Profile, held: &[Output]) -> Vec<RegionState> {
+    let state = |region: usize| {
+        let mut all_labels: Vec<String> = Vec::new();
+        let mut is_held = false;
+        let bindings = profile.bindings.iter();
+        for binding in bindings.filter(|binding| binding.regions.contains(&region)) {
+            for label in labels(profile, binding) {
+                if !all_labels.contains(&label) {
+                    all_labels.push(label);
                 }
             }
-            RegionState {
-                drives: drives.join(" "),
-                held: bindings()
-                    .flat_map(|binding| outputs(profile, binding))
-                    .any(|output| held.contains(&output)),
-            }
-        })
-        .collect()
+            is_held |= outputs_of_binding(profile, binding).any(|output| held.contains(&output));
+        }
+        RegionState {
+            outputs: all_labels.join(" "),
+            held: is_held,
+        }
+    };
+    (0..profile.regions.len()).map(state).collect()
 }
 
-/// Outputs that a binding drives.
-pub fn outputs<'a>(
+/// The outputs of a binding.
+pub fn outputs_of_binding<'a>(
     profile: &'a Profile,
     binding: &'a Binding,
 ) -> impl Iterator<Item = Output> + 'a {
@@ -65,8 +58,10 @@ pub fn outputs<'a>(
         })
 }
 
-fn names(profile: &Profile, binding: &Binding) -> Vec<String> {
-    let outputs: Vec<String> = outputs(profile, binding).map(short).collect();
+fn labels(profile: &Profile, binding: &Binding) -> Vec<String> {
+    let outputs: Vec<String> = outputs_of_binding(profile, binding)
+        .map(output_label)
+        .collect();
     if !outputs.is_empty() {
         return outputs;
     }
@@ -79,9 +74,8 @@ fn names(profile: &Profile, binding: &Binding) -> Vec<String> {
     }
 }
 
-/// An output as a cap would name it.
-#[must_use]
-pub fn short(output: Output) -> String {
+/// The label of an output, as on a keycap: `F`, `←`, `A`, `mouse left`.
+pub fn output_label(output: Output) -> String {
     match output {
         Output::Key(key) => match key.to_string().as_str() {
             "left" => "←".to_owned(),
@@ -108,24 +102,25 @@ mod tests {
     fn a_region_is_held_while_one_of_its_outputs_is() {
         let profile = still::profile();
         let held = ["key:f".parse().expect("a key")];
-        let states = states(&profile, &held);
+        let states = region_states(&profile, &held);
         for (region, state) in profile.regions.iter().zip(&states) {
             assert_eq!(state.held, region.name == "jump", "{}", region.name);
         }
         let left = profile.regions.iter().position(|r| r.name == "left");
-        assert_eq!(states[left.expect("a region")].drives, "←");
+        assert_eq!(states[left.expect("a region")].outputs, "←");
     }
 
     #[test]
-    fn every_shipped_profile_names_what_its_bound_regions_drive() {
+    fn every_bound_region_of_the_shipped_profiles_has_a_label() {
         for shipped in crate::profile::SHIPPED_PROFILES {
             let profile = Profile::from_toml(shipped.name, shipped.toml).expect("sound");
-            for (index, state) in states(&profile, &[]).iter().enumerate() {
+            for (index, state) in region_states(&profile, &[]).iter().enumerate() {
                 let bound = profile.bindings.iter().any(|binding| {
-                    binding.regions.contains(&index) && outputs(&profile, binding).next().is_some()
+                    binding.regions.contains(&index)
+                        && outputs_of_binding(&profile, binding).next().is_some()
                 });
-                assert_eq!(state.drives.is_empty(), !bound && state.drives.is_empty());
-                assert!(!bound || !state.drives.is_empty());
+                assert_eq!(state.outputs.is_empty(), !bound && state.outputs.is_empty());
+                assert!(!bound || !state.outputs.is_empty());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Views without a game behind them: what the window shows before anything plays, and what tests show it.
+//! Views without a running game: for the window before the first game, and for tests.
 
 use std::sync::Arc;
 
@@ -7,38 +7,28 @@ use crate::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
 use crate::runtime::View;
 use crate::types::{Contact, Image, Phase, PixelGrid, PointMm, Touch, TouchId};
 
-/// Pixels across the blank image.
+/// Pixels along the longer side of the blank image.
 const PIXELS: usize = 50;
 
-/// The pad that is shown before one is chosen.
-///
-/// # Panics
-/// Never: tests hold the shipped pad to be sound.
-#[must_use]
+/// The default pad.
 pub fn pad() -> Pad {
     let shipped = shipped_pad(DEFAULT_PAD).expect("compiled in");
-    Pad::from_toml(shipped.name, shipped.toml).expect("held sound by tests")
+    Pad::from_toml(shipped.name, shipped.toml).expect("parsed by tests")
 }
 
-/// The profile that is shown before one is chosen.
-///
-/// # Panics
-/// Never: tests hold the shipped profile to be sound.
-#[must_use]
+/// The default profile.
 pub fn profile() -> Arc<Profile> {
     let shipped = shipped_profile(DEFAULT_PROFILE).expect("compiled in");
-    Arc::new(Profile::from_toml(shipped.name, shipped.toml).expect("held sound by tests"))
+    Arc::new(Profile::from_toml(shipped.name, shipped.toml).expect("parsed by tests"))
 }
 
-/// A view of the untouched pad before its first frame.
-#[must_use]
+/// A view of the default pad before its first frame.
 pub fn view() -> View {
-    view_of(&pad(), profile())
+    view_of_pad(&pad(), profile())
 }
 
 /// A view of a pad before its first frame.
-#[must_use]
-pub fn view_of(pad: &Pad, profile: Arc<Profile>) -> View {
+pub fn view_of_pad(pad: &Pad, profile: Arc<Profile>) -> View {
     let [width, height] = pad.outline.size_mm();
     let pixel_mm = width.max(height) / PIXELS as f64;
     let image = Image::blank(PixelGrid {
@@ -50,8 +40,7 @@ pub fn view_of(pad: &Pad, profile: Arc<Profile>) -> View {
     View::blank(profile, image)
 }
 
-/// A touch that moves.
-#[must_use]
+/// A touch in its `Move` phase.
 pub fn touch(id: u64, centre_mm: PointMm, force: f64) -> Touch {
     Touch {
         id: TouchId(id),

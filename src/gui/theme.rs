@@ -1,32 +1,32 @@
-//! How the window looks: colours of the dark and of the light theme, sizes of text, room around things.
+//! Colours of the dark and the light theme, text sizes, spacing.
 //!
-//! Colours are never the only sign: whatever is lit also has a mark, a word or a thicker edge. Touch colours are told apart
-//! without colour vision (Okabe and Ito 2008).
+//! Colour is never the only cue: there is always a mark, a word or a thicker edge too. Touch colours can be distinguished with any
+//! colour vision (Okabe and Ito 2008).
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Visuals};
 
-/// What a theme paints with.
+/// The colours of a theme.
 #[derive(Clone, Copy, Debug)]
 pub struct Palette {
-    /// Behind everything.
+    /// The background.
     pub ground: Color32,
     /// Cards and panels.
     pub card: Color32,
-    /// Thin lines between things.
+    /// Thin lines.
     pub line: Color32,
     /// Text.
     pub text: Color32,
-    /// Text of less weight.
+    /// Secondary text.
     pub weak: Color32,
-    /// What is chosen, held or to be looked at.
+    /// Selected, held or highlighted.
     pub accent: Color32,
     /// Text on the accent.
     pub on_accent: Color32,
-    /// All is well.
+    /// Works.
     pub good: Color32,
-    /// Worth knowing.
+    /// Warning.
     pub warn: Color32,
-    /// Wrong.
+    /// Error.
     pub bad: Color32,
 }
 
@@ -56,7 +56,7 @@ const LIGHT: Palette = Palette {
     bad: Color32::from_rgb(0xb3, 0x26, 0x1e),
 };
 
-/// Touches: one after the other, lighter ones first, as the pad's picture is dark in both themes.
+/// Colours of touches, used in turn. Light, as the picture of the pad is dark in both themes.
 const TOUCHES: [Color32; 6] = [
     Color32::from_rgb(0x56, 0xb4, 0xe9),
     Color32::from_rgb(0x8d, 0xe0, 0xa6),
@@ -66,29 +66,26 @@ const TOUCHES: [Color32; 6] = [
     Color32::from_rgb(0xff, 0xff, 0xff),
 ];
 
-/// Corners of cards and buttons, points.
+/// Corner radius of cards and buttons, points.
 pub const ROUND: u8 = 7;
 
-/// The palette of what a `Ui` is painted in.
-#[must_use]
-pub fn of(ui: &egui::Ui) -> Palette {
+/// The palette of the theme that a `Ui` is drawn with.
+pub fn palette_of(ui: &egui::Ui) -> Palette {
     palette(ui.visuals().dark_mode)
 }
 
 /// The palette of a theme.
-#[must_use]
 pub fn palette(dark: bool) -> Palette {
     if dark { DARK } else { LIGHT }
 }
 
-/// The colour of a touch, on the pad's picture.
-#[must_use]
+/// The colour of a touch on the picture of the pad.
 pub fn touch(id: u64) -> Color32 {
     TOUCHES[(id % TOUCHES.len() as u64) as usize]
 }
 
-/// Gives texts the signs that the text's own font lacks: arrows, dots, triangles. Before the first pass.
-pub fn fonts(ctx: &egui::Context) {
+/// Adds a fallback font for arrows, dots and triangles. Call before the first pass.
+pub fn install_fonts(ctx: &egui::Context) {
     let mut fonts = egui::FontDefinitions::default();
     if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
         family.push("Hack".to_owned());
@@ -96,8 +93,8 @@ pub fn fonts(ctx: &egui::Context) {
     ctx.set_fonts(fonts);
 }
 
-/// Dresses both themes of a context.
-pub fn dress(ctx: &egui::Context) {
+/// Sets the style of both themes.
+pub fn apply_style(ctx: &egui::Context) {
     for theme in [Theme::Dark, Theme::Light] {
         ctx.style_mut_of(theme, |style| {
             style.visuals = visuals(theme == Theme::Dark);
@@ -121,9 +118,21 @@ pub fn dress(ctx: &egui::Context) {
     }
 }
 
-/// A card: a rounded ground of its own.
+/// Draws text around a point.
+pub fn centred_text(
+    painter: &egui::Painter,
+    at: egui::Pos2,
+    text: impl ToString,
+    size: f32,
+    colour: Color32,
+) {
+    let font = FontId::proportional(size);
+    painter.text(at, egui::Align2::CENTER_CENTER, text, font, colour);
+}
+
+/// A card: a rounded background.
 pub fn card(ui: &egui::Ui) -> egui::Frame {
-    let palette = of(ui);
+    let palette = palette_of(ui);
     egui::Frame::new()
         .fill(palette.card)
         .stroke(Stroke::new(1.0, palette.line.gamma_multiply(0.6)))
@@ -131,22 +140,36 @@ pub fn card(ui: &egui::Ui) -> egui::Frame {
         .inner_margin(Margin::symmetric(12, 10))
 }
 
-/// The button that matters most here.
+/// A highlighted button: the main action.
 pub fn primary(ui: &mut egui::Ui, text: &str) -> egui::Response {
-    let palette = of(ui);
-    let words = egui::RichText::new(text).color(palette.on_accent);
-    ui.add(egui::Button::new(words).fill(palette.accent))
+    let palette = palette_of(ui);
+    let text = egui::RichText::new(text).color(palette.on_accent);
+    ui.add(egui::Button::new(text).fill(palette.accent))
 }
 
-/// A title of a card or of a part of a view.
+/// The title of a card or of a part of a view.
 pub fn title(ui: &mut egui::Ui, text: &str) -> egui::Response {
-    let palette = of(ui);
+    let palette = palette_of(ui);
     ui.label(
         egui::RichText::new(text)
             .size(12.5)
             .color(palette.weak)
             .strong(),
     )
+}
+
+/// A card as wide as the room, with a title.
+pub fn titled_card<R>(
+    ui: &mut egui::Ui,
+    text: &str,
+    contents: impl FnOnce(&mut egui::Ui) -> R,
+) -> R {
+    let card = card(ui).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        title(ui, text);
+        contents(ui)
+    });
+    card.inner
 }
 
 fn visuals(dark: bool) -> Visuals {
@@ -174,14 +197,18 @@ fn visuals(dark: bool) -> Visuals {
         .gamma_multiply(if dark { 0.35 } else { 0.25 });
     visuals.selection.stroke = Stroke::new(1.5, palette.accent);
     visuals.slider_trailing_fill = true;
-    let corner = CornerRadius::same(ROUND);
+    style_widgets(&mut visuals.widgets, &palette, dark);
+    visuals
+}
+
+/// Fill, edge and corners of buttons and other widgets in each state.
+fn style_widgets(widgets: &mut egui::style::Widgets, palette: &Palette, dark: bool) {
     let lift = |colour: Color32, by: i16| {
         let [r, g, b, _] = colour.to_array().map(i16::from);
         let shift = |c: i16| (c + by).clamp(0, 255) as u8;
         Color32::from_rgb(shift(r), shift(g), shift(b))
     };
     let step = if dark { 14 } else { -12 };
-    let widgets = &mut visuals.widgets;
     for (widget, fill, edge) in [
         (&mut widgets.noninteractive, palette.card, palette.line),
         (
@@ -205,17 +232,16 @@ fn visuals(dark: bool) -> Visuals {
         widget.weak_bg_fill = fill;
         widget.bg_stroke = Stroke::new(1.0, edge);
         widget.fg_stroke = Stroke::new(1.2, palette.text);
-        widget.corner_radius = corner;
+        widget.corner_radius = CornerRadius::same(ROUND);
         widget.expansion = 0.0;
     }
-    visuals
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Contrast of two colours (WCAG 2.2).
+    /// Contrast ratio of two colours (WCAG 2.2).
     fn contrast(a: Color32, b: Color32) -> f64 {
         let luminance = |colour: Color32| {
             let linear = |c: u8| {
@@ -233,15 +259,15 @@ mod tests {
     }
 
     #[test]
-    fn every_text_can_be_read_on_every_ground() {
+    fn every_text_colour_is_readable_on_every_background() {
         for dark in [true, false] {
             let p = palette(dark);
             for ground in [p.ground, p.card] {
                 for text in [p.text, p.weak, p.accent, p.good, p.warn, p.bad] {
-                    let seen = contrast(text, ground);
+                    let ratio = contrast(text, ground);
                     assert!(
-                        seen >= 4.5,
-                        "dark {dark}: {text:?} on {ground:?}: {seen:.2}"
+                        ratio >= 4.5,
+                        "dark {dark}: {text:?} on {ground:?}: {ratio:.2}"
                     );
                 }
             }

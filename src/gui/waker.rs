@@ -1,35 +1,34 @@
-//! Asks for a repaint when the game has a newer view: not more often than a screen shows, and not at all while nothing comes,
-//! but for a rare look at what is saved elsewhere: whoever comes back to the window moves the mouse, which is a look too.
+//! Requests a repaint when the game has a new view, about 70 times a second at most, and every 10 s while no view comes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle, Thread};
 use std::time::Duration;
 
-/// Least time between repaints: some 70 a second.
-const PACE: Duration = Duration::from_millis(13);
-/// Longest time between looks.
-const LOOK: Duration = Duration::from_secs(10);
+/// Shortest time between repaints.
+const MIN_INTERVAL: Duration = Duration::from_millis(13);
+/// Longest time between repaints.
+const MAX_INTERVAL: Duration = Duration::from_secs(10);
 
-/// The thread; dropping it ends it.
+/// The thread; ends when this is dropped.
 pub struct Waker {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Waker {
-    /// Starts it for a window.
+    /// Starts the thread.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The thread cannot be started.
     pub fn start(ctx: egui::Context) -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopping = Arc::clone(&stop);
         let thread = Builder::new().name("waker".to_owned()).spawn(move || {
             while !stopping.load(Ordering::Relaxed) {
-                std::thread::park_timeout(LOOK);
+                std::thread::park_timeout(MAX_INTERVAL);
                 ctx.request_repaint();
-                std::thread::sleep(PACE);
+                std::thread::sleep(MIN_INTERVAL);
             }
         })?;
         Ok(Self {
@@ -38,8 +37,7 @@ impl Waker {
         })
     }
 
-    /// Whom a game is to wake.
-    #[must_use]
+    /// The thread that a game unparks when it has a new view.
     pub fn thread(&self) -> Option<Thread> {
         self.thread.as_ref().map(|thread| thread.thread().clone())
     }

@@ -1,8 +1,9 @@
-//! Where events go: devices of the kernel, the keyboard and mouse of this desktop, or a trace.
+//! Where events go: devices of the kernel, keyboard and mouse of the desktop, or a trace.
 //!
-//! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return leaves
-//! no key down.
+//! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return
+//! leaves no key down.
 
+mod held;
 #[cfg(any(windows, target_os = "macos"))]
 mod system;
 mod trace;
@@ -16,6 +17,7 @@ mod wayland;
 #[cfg(target_os = "linux")]
 mod x11;
 
+pub use held::HeldOutputs;
 #[cfg(any(windows, target_os = "macos"))]
 pub use system::System;
 pub use trace::Trace;
@@ -23,58 +25,58 @@ pub use tuio::{Tuio, TuioError};
 #[cfg(target_os = "linux")]
 pub use uinput::Uinput;
 #[cfg(target_os = "linux")]
-pub use watch::Watched;
+pub use watch::WatchedDevice;
 #[cfg(all(target_os = "linux", feature = "wayland"))]
 pub use wayland::Wayland;
 #[cfg(target_os = "linux")]
 pub use x11::X11;
 
-use crate::types::{Action, Event, Output};
+use crate::types::{Action, Event, Nanos, Output};
 
-/// Why an output does not work.
+/// The reason why an output does not work.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// A device cannot be reached or made.
-    #[error("no output by {device}: {reason}")]
+    /// A device cannot be connected to or created.
+    #[error("cannot use the output {device}: {reason}")]
     NoDevice {
-        /// Which.
+        /// The device.
         device: &'static str,
-        /// Why, and what to do.
+        /// The cause, and what to do.
         reason: String,
     },
-    /// Whoever read the events has gone: a closed pipe.
-    #[error("nobody reads the events any more")]
+    /// The reader of the events has ended: a closed pipe.
+    #[error("the program that reads the events has closed the pipe")]
     Closed,
     /// An event could not be sent.
-    #[error("the {device} did not take an event: {reason}")]
+    #[error("the {device} refused an event: {reason}")]
     Refused {
-        /// Which device.
+        /// The device.
         device: &'static str,
-        /// Why.
+        /// The cause.
         reason: String,
     },
 }
 
 /// A device that takes events.
-pub trait Device: Send {
-    /// What it is, for the player.
+pub trait OutputDevice: Send {
+    /// Name of the device, for people.
     fn name(&self) -> &str;
 
-    /// Whether it has such a key or button.
-    fn takes(&self, output: Output) -> bool;
+    /// Whether the device has this key or button.
+    fn supports(&self, output: Output) -> bool;
 
-    /// Whether other programs see it as a gamepad, gelpad's own source among them.
+    /// Whether other programs, gelpad's own gamepad source among them, see the device as a gamepad.
     fn is_gamepad(&self) -> bool {
         false
     }
 
-    /// Takes one event. It shows at the next [`Device::flush`], or sooner.
+    /// Sends one event. It takes effect at the next [`OutputDevice::flush`], or earlier.
     ///
     /// # Errors
-    /// The device is gone or refuses.
+    /// The device is gone or refuses the event.
     fn send(&mut self, event: &Event) -> Result<(), OutputError>;
 
-    /// What was sent is one whole state: shows it, all at once.
+    /// Ends a batch: all events since the last call take effect together.
     ///
     /// # Errors
     /// The device is gone.
@@ -90,52 +92,59 @@ pub trait Device: Send {
         Ok(())
     }
 
-    /// How hard a game shakes it: the strong motor and the weak one, 0..1.
+    /// Rumble that the game requests: strong and weak motor, 0..1.
     fn rumble(&self) -> [f32; 2] {
         [0.0; 2]
     }
 }
 
-/// A device, and what is down on it. Dropping it releases that.
-pub struct Held {
-    device: Box<dyn Device>,
-    down: Vec<Output>,
-    last: Event,
+#[cfg(target_os = "linux")]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "rumble effects, protocol times and the watcher go by the clock"
+)]
+fn now() -> std::time::Instant {
+    std::time::Instant::now()
 }
 
-impl Held {
+/// A device with a record of what is down on it. Dropping it releases that.
+pub struct ReleaseOnDrop {
+    device: Box<dyn OutputDevice>,
+    down: HeldOutputs,
+    /// Time of the last event, ns.
+    last_ns: Nanos,
+}
+
+impl ReleaseOnDrop {
     /// Wraps a device on which nothing is down.
     #[must_use]
-    pub fn new(device: Box<dyn Device>) -> Self {
-        let nothing = Event {
-            t_ns: 0,
-            action: Action::Axis(crate::types::Axis::LeftX, 0.0),
-        };
+    pub fn new(device: Box<dyn OutputDevice>) -> Self {
         Self {
             device,
-            down: Vec::new(),
-            last: nothing,
+            down: HeldOutputs::default(),
+            last_ns: 0,
         }
     }
 
-    /// Carries out one event and remembers what it left down.
+    /// Sends one event and records what is down after it.
     ///
     /// # Errors
-    /// See [`Device::send`].
+    /// See [`OutputDevice::send`].
     pub fn send(&mut self, event: &Event) -> Result<(), OutputError> {
-        self.last = *event;
-        // A press counts as soon as it is tried, a release only once it is done: whatever may be down is released again.
+        self.last_ns = event.t_ns;
+        // A press counts from the attempt on, a release only once it succeeded: so whatever may be down is
+        // released again.
         if let Action::Press(output) = event.action {
-            self.down.push(output);
+            self.down.press(output);
         }
         self.device.send(event)?;
         if let Action::Release(output) = event.action {
-            self.down.retain(|down| *down != output);
+            self.down.release(output);
         }
         Ok(())
     }
 
-    /// See [`Device::flush`].
+    /// See [`OutputDevice::flush`].
     ///
     /// # Errors
     /// The device is gone.
@@ -143,7 +152,7 @@ impl Held {
         self.device.flush()
     }
 
-    /// See [`Device::idle`].
+    /// See [`OutputDevice::idle`].
     ///
     /// # Errors
     /// The device is gone.
@@ -151,28 +160,28 @@ impl Held {
         self.device.idle()
     }
 
-    /// See [`Device::rumble`].
+    /// See [`OutputDevice::rumble`].
     #[must_use]
     pub fn rumble(&self) -> [f32; 2] {
         self.device.rumble()
     }
 }
 
-impl Drop for Held {
+impl Drop for ReleaseOnDrop {
     fn drop(&mut self) {
-        for output in std::mem::take(&mut self.down) {
+        for output in self.down.take() {
             let event = Event {
-                t_ns: self.last.t_ns,
+                t_ns: self.last_ns,
                 action: Action::Release(output),
             };
             match self.device.send(&event) {
                 Ok(()) => {}
-                // Nobody reads the trace: there is no key that could stick.
+                // Nobody reads the trace, so no key can stick.
                 Err(OutputError::Closed) => return,
                 Err(error) => tracing::error!("{output} may still be down: {error}"),
             }
         }
-        // What could not be flushed was told when it was sent.
+        // An error was already reported for the event that caused it.
         let _ = self.device.flush();
     }
 }
@@ -182,15 +191,15 @@ mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
 
-    /// A device that notes what it is told.
-    struct Notes(Arc<Mutex<Vec<String>>>);
+    /// A device that records its events.
+    struct RecordingDevice(Arc<Mutex<Vec<String>>>);
 
-    impl Device for Notes {
+    impl OutputDevice for RecordingDevice {
         fn name(&self) -> &str {
             "notes"
         }
 
-        fn takes(&self, _: Output) -> bool {
+        fn supports(&self, _: Output) -> bool {
             true
         }
 
@@ -203,18 +212,18 @@ mod tests {
     #[test]
     fn a_panic_leaves_no_key_down() {
         let notes = Arc::new(Mutex::new(Vec::new()));
-        let device = Box::new(Notes(Arc::clone(&notes)));
+        let device = Box::new(RecordingDevice(Arc::clone(&notes)));
         let press = |name: &str| Event {
             t_ns: 1_000_000,
             action: Action::Press(name.parse().expect("a key")),
         };
-        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            let mut held = Held::new(device);
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            let mut held = ReleaseOnDrop::new(device);
             held.send(&press("key:f")).expect("sent");
             held.send(&press("key:d")).expect("sent");
             panic!("in the middle of a jump");
         }));
-        assert!(outcome.is_err());
+        assert!(result.is_err());
         assert_eq!(
             *notes.lock().expect("notes"),
             [

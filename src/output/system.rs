@@ -1,7 +1,7 @@
-//! The keyboard and mouse of Windows and macOS, through enigo, by the system's code of a place on the keyboard.
+//! Keyboard and mouse of Windows and macOS, through enigo, by the system's code of each place on the keyboard.
 //!
-//! Not compiled, and never run, on the machine that this is tested on: the tables are from Microsoft's list of scan codes (set 1)
-//! and Apple's `HIToolbox/Events.h`. A pad is Linux's alone. The system keeps what is down when this process is killed.
+//! Not tested on real systems: the tables are from Microsoft's list of scan codes (set 1) and Apple's
+//! `HIToolbox/Events.h`. There is no gamepad output on these systems. If gelpad is killed, the system keeps what is down.
 
 use enigo::{Axis, Button, Coordinate, Direction, Enigo, Keyboard as _, Mouse as _, Settings};
 
@@ -9,30 +9,33 @@ use super::{Device, OutputError};
 use crate::types::{Action, Event, Key, MouseButton, Output};
 
 /// A connection to the system.
-pub struct System {
+pub struct SystemKeyboard {
     enigo: Enigo,
 }
 
-impl System {
-    /// Connects.
+impl SystemKeyboard {
+    /// Connects to the system.
     ///
     /// # Errors
-    /// The system lets nobody type (macOS: the permission "Accessibility").
+    /// The system does not let gelpad type (macOS needs the permission "Accessibility").
     pub fn connect() -> Result<Self, OutputError> {
         let enigo = Enigo::new(&Settings::default()).map_err(|error| OutputError::NoDevice {
             device: "keyboard",
-            reason: format!("{error}: may gelpad control this computer?"),
+            reason: format!(
+                "{error}\
+  help: allow gelpad to control this computer (macOS: System Settings, Privacy, Accessibility)"
+            ),
         })?;
         Ok(Self { enigo })
     }
 }
 
-impl Device for System {
+impl Device for SystemKeyboard {
     fn name(&self) -> &str {
         "keyboard and mouse of this computer"
     }
 
-    fn takes(&self, output: Output) -> bool {
+    fn supports(&self, output: Output) -> bool {
         match output {
             Output::Key(key) => code(key).is_some(),
             Output::Mouse(_) => true,
@@ -41,7 +44,7 @@ impl Device for System {
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
-        let outcome = match event.action {
+        let result = match event.action {
             Action::Press(output) => self.change(output, Direction::Press),
             Action::Release(output) => self.change(output, Direction::Release),
             Action::Motion { dx, dy } => self.enigo.move_mouse(dx, dy, Coordinate::Rel),
@@ -51,14 +54,14 @@ impl Device for System {
                 .and_then(|()| self.enigo.scroll(dx, Axis::Horizontal)),
             Action::Axis(..) => Ok(()),
         };
-        outcome.map_err(|error| OutputError::Refused {
+        result.map_err(|error| OutputError::Refused {
             device: "keyboard",
             reason: error.to_string(),
         })
     }
 }
 
-impl System {
+impl SystemKeyboard {
     fn change(&mut self, output: Output, direction: Direction) -> enigo::InputResult<()> {
         match output {
             Output::Key(key) => match code(key) {
@@ -75,18 +78,18 @@ impl System {
     }
 }
 
-/// The system's code of a key, if it has one.
+/// The system's code of a key, if there is one.
 fn code(key: Key) -> Option<u16> {
     let evdev = key.evdev_code();
     if let Some((_, code)) = CODES.iter().find(|(known, _)| *known == evdev) {
         return Some(*code);
     }
-    SAME.contains(&evdev).then_some(evdev)
+    EQUAL_CODES.contains(&evdev).then_some(evdev)
 }
 
-/// evdev took its first codes from scan code set 1.
+/// evdev took its first codes from scan code set 1, so these are equal.
 #[cfg(windows)]
-const SAME: std::ops::RangeInclusive<u16> = 1..=88;
+const EQUAL_CODES: std::ops::RangeInclusive<u16> = 1..=88;
 /// evdev code and scan code.
 #[cfg(windows)]
 #[rustfmt::skip]
@@ -97,8 +100,8 @@ const CODES: &[(u16, u16)] = &[
 ];
 
 #[cfg(target_os = "macos")]
-#[allow(clippy::reversed_empty_ranges, reason = "no code is the same")]
-const SAME: std::ops::RangeInclusive<u16> = 1..=0;
+#[allow(clippy::reversed_empty_ranges, reason = "no code is equal")]
+const EQUAL_CODES: std::ops::RangeInclusive<u16> = 1..=0;
 /// evdev code and virtual key code.
 #[cfg(target_os = "macos")]
 #[rustfmt::skip]

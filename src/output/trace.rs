@@ -1,28 +1,28 @@
-//! Events as text, a line each, as `--print events` documents them.
+//! Events as text, one line each, in the format of `--print events`.
 
 use std::io::Write;
 
-use super::{Device, OutputError};
+use super::{OutputDevice, OutputError};
 use crate::types::{Event, Output};
 
-/// Writes event lines.
+/// Writes every event as a line.
 pub struct Trace<W: Write> {
     sink: W,
 }
 
 impl<W: Write> Trace<W> {
-    /// A trace into a sink.
+    /// A trace that writes to `sink`.
     pub fn new(sink: W) -> Self {
         Self { sink }
     }
 }
 
-impl<W: Write + Send> Device for Trace<W> {
+impl<W: Write + Send> OutputDevice for Trace<W> {
     fn name(&self) -> &str {
         "trace"
     }
 
-    fn takes(&self, _: Output) -> bool {
+    fn supports(&self, _: Output) -> bool {
         true
     }
 

@@ -1,7 +1,8 @@
-//! Touches as TUIO 1.1 by UDP, for programs that take fingers: the 2Dcur profile, a bundle a frame.
+//! Sends touches as TUIO 1.1 over UDP, for programs with multi-touch input: the 2Dcur profile, one bundle a frame.
 //!
-//! Format: <https://www.tuio.org/?specification>: `source`, `alive` with the ids that are down, a `set` for each (id, place, velocity,
-//! acceleration), `fseq`. Places are 0..1 from the top left, as on screens; velocities in such units a second.
+//! Format: <https://www.tuio.org/?specification>: `source`, `alive` with the ids that are down, one `set` for
+//! each (id, place, velocity, acceleration), `fseq`. Places are 0..1 from the top left, as on screens;
+//! velocities are in these units per second.
 
 use std::net::{SocketAddr, ToSocketAddrs as _, UdpSocket};
 
@@ -9,25 +10,27 @@ use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 
 use crate::types::{Nanos, Touch};
 
-/// While nothing is touched a bundle goes out so often, ns: who comes late learns that there is nothing.
+/// While nothing is touched, one bundle per this time, ns, so that a late receiver learns that no touch is down.
 const IDLE_NS: Nanos = 1_000_000_000;
-/// "Immediately", in OSC's time.
+/// The time tag "immediately" of OSC.
 const AT_ONCE: OscTime = OscTime {
     seconds: 0,
     fractional: 1,
 };
 
-/// Why nobody can be sent to.
+/// The address cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("no TUIO to {address}: {reason}\n  help: write HOST:PORT, as in --tuio 127.0.0.1:3333")]
+#[error(
+    "cannot send TUIO to {address}: {reason}\n  help: write HOST:PORT, as in --tuio 127.0.0.1:3333"
+)]
 pub struct TuioError {
-    /// Whom.
+    /// The address.
     pub address: String,
-    /// Why.
+    /// The cause.
     pub reason: String,
 }
 
-/// Sends touches on.
+/// Sends touches to one address.
 pub struct Tuio {
     socket: UdpSocket,
     cursors: Cursors,
@@ -35,20 +38,20 @@ pub struct Tuio {
 }
 
 impl Tuio {
-    /// Finds the address. Nobody need listen there yet, or ever.
+    /// Resolves the address. No receiver needs to listen there yet.
     ///
     /// # Errors
-    /// An address that cannot be.
+    /// The address does not exist or has the wrong form.
     pub fn connect(address: &str, pad_mm: [f64; 2]) -> Result<Self, TuioError> {
-        let wrong = |reason: String| TuioError {
+        let failed = |reason: String| TuioError {
             address: address.to_owned(),
             reason,
         };
         let found: SocketAddr = address
             .to_socket_addrs()
-            .map_err(|error| wrong(error.to_string()))?
+            .map_err(|error| failed(error.to_string()))?
             .next()
-            .ok_or_else(|| wrong("no such host".to_owned()))?;
+            .ok_or_else(|| failed("no such host".to_owned()))?;
         let any = if found.is_ipv4() {
             "0.0.0.0:0"
         } else {
@@ -59,13 +62,13 @@ impl Tuio {
             Ok(socket)
         });
         Ok(Self {
-            socket: socket.map_err(|error| wrong(error.to_string()))?,
+            socket: socket.map_err(|error| failed(error.to_string()))?,
             cursors: Cursors::new(pad_mm),
             idle_since_ns: None,
         })
     }
 
-    /// Says that nothing is down any more.
+    /// Reports that no touch is down any more.
     pub fn end(&mut self, t_ns: Nanos) {
         self.idle_since_ns = None;
         self.frame(t_ns, &[]);
@@ -74,10 +77,10 @@ impl Tuio {
     /// Sends the touches that are down in a frame.
     pub fn frame(&mut self, t_ns: Nanos, down: &[Touch]) {
         if down.is_empty() {
-            let was_idle = self
+            let is_recent = self
                 .idle_since_ns
                 .is_some_and(|since| t_ns < since.saturating_add(IDLE_NS));
-            if was_idle {
+            if is_recent {
                 return;
             }
             self.idle_since_ns = Some(t_ns);
@@ -86,13 +89,13 @@ impl Tuio {
         }
         let bundle = self.cursors.bundle(t_ns, down);
         if let Ok(bytes) = encoder::encode(&bundle) {
-            // Nobody listens, or not yet: the next frame will say it all again.
+            // Without a receiver this fails; the next frame repeats everything.
             let _ = self.socket.send(&bytes);
         }
     }
 }
 
-/// What is told of touches, and what has been.
+/// The cursors of the last frame: velocities are differences to them.
 struct Cursors {
     pad_mm: [f64; 2],
     frame: i32,
@@ -118,7 +121,7 @@ impl Cursors {
 
     fn bundle(&mut self, t_ns: Nanos, down: &[Touch]) -> OscPacket {
         self.frame = self.frame.wrapping_add(1).max(1);
-        let ids = down.iter().map(|touch| OscType::Int(name(touch.id.0)));
+        let ids = down.iter().map(|touch| OscType::Int(id_number(touch.id.0)));
         let mut content = vec![
             message([text("source"), text("gelpad")]),
             message(std::iter::once(text("alive")).chain(ids)),
@@ -129,7 +132,7 @@ impl Cursors {
             let float = |value: f64| OscType::Float(value as f32);
             content.push(message([
                 text("set"),
-                OscType::Int(name(cursor.id)),
+                OscType::Int(id_number(cursor.id)),
                 float(cursor.place[0]),
                 float(cursor.place[1]),
                 float(cursor.velocity[0]),
@@ -146,7 +149,7 @@ impl Cursors {
         })
     }
 
-    /// A touch as TUIO tells it, and how its speed changes.
+    /// A touch as a TUIO cursor, and its acceleration.
     fn cursor(&self, t_ns: Nanos, touch: &Touch) -> (Cursor, f64) {
         let [x, y] = touch.contact.centre_mm;
         let place = [
@@ -174,8 +177,8 @@ impl Cursors {
     }
 }
 
-/// TUIO's ids have 31 bits.
-fn name(id: u64) -> i32 {
+/// TUIO ids have 31 bits.
+fn id_number(id: u64) -> i32 {
     (id & 0x7FFF_FFFF) as i32
 }
 
@@ -209,7 +212,7 @@ mod tests {
         }
     }
 
-    fn told(packet: &OscPacket) -> Vec<Vec<OscType>> {
+    fn messages(packet: &OscPacket) -> Vec<Vec<OscType>> {
         let OscPacket::Bundle(bundle) = packet else {
             panic!("a bundle a frame");
         };
@@ -227,28 +230,31 @@ mod tests {
     fn a_frame_says_who_is_down_and_where_from_the_top_left() {
         let mut cursors = Cursors::new([100.0, 50.0]);
         cursors.bundle(0, &[touch(4, [20.0, 40.0])]);
-        let told = told(&cursors.bundle(
+        let messages = messages(&cursors.bundle(
             100_000_000,
             &[touch(4, [30.0, 40.0]), touch(5, [50.0, 0.0])],
         ));
-        assert_eq!(told[1], [text("alive"), OscType::Int(4), OscType::Int(5)]);
+        assert_eq!(
+            messages[1],
+            [text("alive"), OscType::Int(4), OscType::Int(5)]
+        );
         let floats = |args: &[OscType]| -> Vec<f32> {
             args.iter().filter_map(|arg| arg.clone().float()).collect()
         };
-        let set = floats(&told[2]);
+        let set = floats(&messages[2]);
         for (value, expected) in set.iter().zip([0.3, 0.2, 1.0, 0.0, 10.0]) {
             assert!((value - expected).abs() < 1e-5, "{set:?}");
         }
-        assert_eq!(floats(&told[3]), [0.5, 1.0, 0.0, 0.0, 0.0]);
-        assert_eq!(told[4], [text("fseq"), OscType::Int(2)]);
+        assert_eq!(floats(&messages[3]), [0.5, 1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(messages[4], [text("fseq"), OscType::Int(2)]);
     }
 
     #[test]
     fn the_last_finger_up_leaves_nobody_alive() {
         let mut cursors = Cursors::new([100.0, 50.0]);
         cursors.bundle(0, &[touch(4, [20.0, 40.0])]);
-        let told = told(&cursors.bundle(10_000_000, &[]));
-        assert_eq!(told[1], [text("alive")]);
-        assert_eq!(told.len(), 3);
+        let messages = messages(&cursors.bundle(10_000_000, &[]));
+        assert_eq!(messages[1], [text("alive")]);
+        assert_eq!(messages.len(), 3);
     }
 }

@@ -1,14 +1,14 @@
-//! The keyboard and mouse of an X11 display, by its XTEST extension.
+//! Keyboard and mouse of an X11 display, by its XTEST extension.
 //!
-//! By raw keycode: typing a symbol that the layout lacks would rewrite the keymap. One request an event and one write a
-//! batch; nothing is asked back. The server keeps what is down when this process is killed: a watcher releases it
-//! (`watch.rs`).
+//! Keys are sent by raw keycode: typing a symbol that the layout lacks would rewrite the keymap. Each event
+//! is one request without a reply, each batch one write. If this process is killed, the server keeps what is
+//! down; a watcher releases it (`watch/`).
 
 use std::time::Duration;
 
 use x11rb::connection::{Connection as _, RequestConnection as _};
 use x11rb::errors::ReplyOrIdError;
-use x11rb::protocol::Event as Said;
+use x11rb::protocol::Event as ServerEvent;
 use x11rb::protocol::xproto::{
     BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ChangeWindowAttributesAux, ConnectionExt as _,
     CreateWindowAux, EventMask, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window,
@@ -17,25 +17,26 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::{self, ConnectionExt as _};
 use x11rb::rust_connection::RustConnection;
 
-use super::watch::{Grip, Watchable};
-use super::{Device, OutputError};
+use super::watch::{ReleaseHandle, Watchable};
+use super::{OutputDevice, OutputError};
 use crate::types::{Action, Event, MouseButton, Output};
 
-/// The detail of a motion that is relative to where the pointer is.
+/// The detail of a relative motion.
 const RELATIVE: u8 = 1;
-/// Buttons that are notches of the wheel: up, down, left, right.
+/// Buttons of the wheel's notches: up, down, left, right.
 const WHEEL: [u8; 4] = [4, 5, 6, 7];
 
-/// How often it is looked whether a window has gone.
-const LOOK: Duration = Duration::from_millis(2);
-/// A display that does not answer keeps nobody for longer than this.
-const FAREWELL: Duration = Duration::from_secs(2);
+/// How often the end of a window is checked.
+const POLL_PERIOD: Duration = Duration::from_millis(2);
+/// Longest wait for the server when the connection ends.
+const END_WAIT: Duration = Duration::from_secs(2);
 
 /// A connection to a display.
 pub struct X11 {
     connection: RustConnection,
     display: String,
-    /// A window that is never seen. It goes when the server is done with this connection: so a watcher knows.
+    /// An invisible window. It is destroyed when the server has read everything of this connection, which
+    /// shows that to a watcher.
     window: Window,
     name: String,
     /// Lowest and highest keycode that the server has.
@@ -46,23 +47,23 @@ impl X11 {
     /// Connects to the display that `DISPLAY` names.
     ///
     /// # Errors
-    /// No display, or one that takes no events.
+    /// There is no display, or it has no XTEST extension.
     pub fn connect() -> Result<Self, OutputError> {
         let Some(display) = std::env::var("DISPLAY")
             .ok()
             .filter(|name| !name.is_empty())
         else {
             return Err(unreachable(
-                "DISPLAY names no X11 display: start gelpad in a desktop session, or use --output trace",
+                "DISPLAY is not set: start gelpad in a desktop session, or use --output trace",
             ));
         };
         Self::connect_to(&display)
     }
 
-    /// Connects to a display by its name, as `:0`.
+    /// Connects to a display by its name, for example `:0`.
     ///
     /// # Errors
-    /// No such display, or one that takes no events.
+    /// There is no such display, or it has no XTEST extension.
     pub fn connect_to(display: &str) -> Result<Self, OutputError> {
         let (connection, _) = x11rb::connect(Some(display)).map_err(|error| {
             unreachable(&format!(
@@ -80,7 +81,7 @@ impl X11 {
                 return Err(unreachable(&format!("the X11 display {display}: {error}")));
             }
         }
-        let window = unseen_window(&connection)
+        let window = invisible_window(&connection)
             .map_err(|error| unreachable(&format!("the X11 display {display}: {error}")))?;
         let setup = connection.setup();
         let keycodes = (setup.min_keycode, setup.max_keycode);
@@ -93,7 +94,7 @@ impl X11 {
         })
     }
 
-    /// Waits until the server has carried out everything.
+    /// Waits until the server has processed everything.
     ///
     /// # Errors
     /// The server is gone.
@@ -103,7 +104,7 @@ impl X11 {
         self.connection.sync().map_err(|error| refused(&error))
     }
 
-    /// Asks to be told when another connection's window goes.
+    /// Subscribes to the end of another connection's window.
     ///
     /// # Errors
     /// The server is gone.
@@ -116,25 +117,27 @@ impl X11 {
         self.sync()
     }
 
-    /// Waits until a window that is followed has gone, with all that its connection had sent: not for longer than told.
+    /// Waits until a followed window is destroyed, after all requests of its connection; at most for `timeout`.
     ///
     /// # Errors
     /// The server is gone.
     pub(super) fn wait_for_end_of(
         &mut self,
         window: Window,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<(), OutputError> {
         let mut waited = Duration::ZERO;
-        while waited < patience {
+        while waited < timeout {
             match self.connection.poll_for_event() {
-                Ok(Some(Said::DestroyNotify(gone))) if gone.window == window => return Ok(()),
-                // It had gone before it was followed.
-                Ok(Some(Said::Error(error))) if error.bad_value == window => return Ok(()),
+                Ok(Some(ServerEvent::DestroyNotify(ended))) if ended.window == window => {
+                    return Ok(());
+                }
+                // It was destroyed before it was followed.
+                Ok(Some(ServerEvent::Error(error))) if error.bad_value == window => return Ok(()),
                 Ok(Some(_)) => {}
                 Ok(None) => {
-                    std::thread::sleep(LOOK);
-                    waited += LOOK;
+                    std::thread::sleep(POLL_PERIOD);
+                    waited += POLL_PERIOD;
                 }
                 Err(error) => return Err(refused(&error)),
             }
@@ -143,14 +146,14 @@ impl X11 {
     }
 
     fn fake(&self, kind: u8, detail: u8, (dx, dy): (i16, i16)) -> Result<(), OutputError> {
-        // Its cookie asks for no answer.
+        // Dropping the cookie means that no reply is requested.
         self.connection
             .xtest_fake_input(kind, detail, x11rb::CURRENT_TIME, x11rb::NONE, dx, dy, 0)
             .map(drop)
             .map_err(|error| refused(&error))
     }
 
-    fn turn(&self, notches: i32, more: u8, less: u8) -> Result<(), OutputError> {
+    fn scroll(&self, notches: i32, more: u8, less: u8) -> Result<(), OutputError> {
         let button = if notches > 0 { more } else { less };
         for _ in 0..notches.unsigned_abs() {
             self.fake(BUTTON_PRESS_EVENT, button, (0, 0))?;
@@ -160,12 +163,12 @@ impl X11 {
     }
 }
 
-impl Device for X11 {
+impl OutputDevice for X11 {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn takes(&self, output: Output) -> bool {
+    fn supports(&self, output: Output) -> bool {
         match output {
             Output::Key(key) => (self.keycodes.0..=self.keycodes.1).contains(&key.x11_keycode()),
             Output::Mouse(_) => true,
@@ -188,12 +191,12 @@ impl Device for X11 {
                 self.fake(BUTTON_RELEASE_EVENT, button(which), (0, 0))
             }
             Action::Motion { dx, dy } => {
-                self.fake(MOTION_NOTIFY_EVENT, RELATIVE, (short(dx), short(dy)))
+                self.fake(MOTION_NOTIFY_EVENT, RELATIVE, (to_i16(dx), to_i16(dy)))
             }
             Action::Wheel { dx, dy } => {
                 let [up, down, left, right] = WHEEL;
-                self.turn(dy, up, down)?;
-                self.turn(dx, right, left)
+                self.scroll(dy, up, down)?;
+                self.scroll(dx, right, left)
             }
             Action::Press(Output::Button(_))
             | Action::Release(Output::Button(_))
@@ -203,13 +206,13 @@ impl Device for X11 {
 
     fn flush(&mut self) -> Result<(), OutputError> {
         self.connection.flush().map_err(|error| refused(&error))?;
-        // What the server says unasked (a new keymap, an error) must not pile up.
-        while let Some(said) = self
+        // Events and errors of the server (a new keymap, for example) must not pile up.
+        while let Some(event) = self
             .connection
             .poll_for_event()
             .map_err(|error| refused(&error))?
         {
-            if let Said::Error(error) = said {
+            if let ServerEvent::Error(error) = event {
                 tracing::warn!("the X11 server refused an event: {error:?}");
             }
         }
@@ -218,27 +221,27 @@ impl Device for X11 {
 }
 
 impl Drop for X11 {
-    /// Waits until the server has read everything: of a client that hangs up it forgets what it has not read yet, and that
-    /// may be the release of a key.
+    /// Waits until the server has read everything: when a client disconnects, the server drops what it has
+    /// not read yet, which may be the release of a key.
     fn drop(&mut self) {
         let wanted = ChangeWindowAttributesAux::new().event_mask(EventMask::STRUCTURE_NOTIFY);
         let own = self.window;
-        let asked = self
+        let requested = self
             .connection
             .change_window_attributes(own, &wanted)
             .is_ok()
             && self.connection.destroy_window(own).is_ok()
             && self.connection.flush().is_ok();
-        if asked {
+        if requested {
             // A display that is gone holds no key.
-            let _ = self.wait_for_end_of(own, FAREWELL);
+            let _ = self.wait_for_end_of(own, END_WAIT);
         }
     }
 }
 
 impl Watchable for X11 {
-    fn grip(&self) -> std::io::Result<Grip> {
-        Ok(Grip::X11 {
+    fn release_handle(&self) -> std::io::Result<ReleaseHandle> {
+        Ok(ReleaseHandle::X11 {
             display: self.display.clone(),
             window: self.window,
         })
@@ -249,7 +252,7 @@ impl Watchable for X11 {
     }
 }
 
-fn unseen_window(connection: &RustConnection) -> Result<Window, ReplyOrIdError> {
+fn invisible_window(connection: &RustConnection) -> Result<Window, ReplyOrIdError> {
     let root = connection
         .setup()
         .roots
@@ -284,8 +287,8 @@ fn button(which: MouseButton) -> u8 {
     }
 }
 
-/// Pixels as the protocol has them.
-fn short(pixels: i32) -> i16 {
+/// Pixels in the protocol's range.
+fn to_i16(pixels: i32) -> i16 {
     pixels.clamp(i16::MIN.into(), i16::MAX.into()) as i16
 }
 

@@ -1,4 +1,4 @@
-//! Where inside the outline there is conductor: everywhere, or in the channels of a lattice.
+//! The conductor inside the outline: the whole layer, or the channels of a lattice.
 
 use crate::types::PointMm;
 
@@ -54,7 +54,7 @@ impl Lattice {
     /// Whether a point lies in a channel.
     #[must_use]
     pub fn contains(&self, [x, y]: PointMm) -> bool {
-        // Edges are reached by other sums than centres: a hair of tolerance makes them belong.
+        // Tolerance for rounding: edges are computed by other sums than centres.
         let half = self.width_mm / 2.0 + 1e-9;
         let on = |lines: &[f64], at: f64| lines.iter().any(|centre| (at - centre).abs() <= half);
         on(&self.x_lines_mm, x) || on(&self.y_lines_mm, y)

@@ -1,11 +1,10 @@
-//! What a pad is: outline, lattice, electrodes, and how it is driven and measured.
+//! Pads: outline, lattice, electrodes and protocol.
 //!
-//! A pad is a text (`pads/*.toml`) that users read, copy and edit. [`Pad::from_toml`] checks it and
-//! refuses what cannot be built or measured, pointing at the wrong word; past that point nothing is
-//! optional and every number is in range.
+//! A pad is a TOML file (`pads/*.toml`) that users read, copy and edit. [`Pad::from_toml`] checks it and refuses what
+//! cannot be built or measured, with the place in the text; afterwards nothing is optional and every number is in range.
 //!
-//! Lengths are millimetres; the origin is the bottom-left of the outline's box, y up; places of electrodes are
-//! counted counter-clockwise from 0, and electrodes are numbered so too unless the text says otherwise.
+//! Lengths are in millimetres; the origin is the bottom-left of the bounding box, y up. Places of electrodes are counted
+//! counter-clockwise from 0, and so are electrodes unless the file says otherwise.
 
 mod conductor;
 mod electrodes;
@@ -22,14 +21,14 @@ pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
 
-use crate::types::{Faulty, Method};
+use crate::types::{Method, SourceErrors};
 
-/// Which way the conductivity goes where the pad is touched.
+/// How a touch changes the conductivity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TouchSign {
-    /// A touch conducts better.
+    /// A touch raises it.
     Rise,
-    /// A touch conducts worse.
+    /// A touch lowers it.
     Fall,
 }
 
@@ -47,7 +46,7 @@ impl TouchSign {
 /// A pad that can be built and measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pad {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// One sentence for lists.
     pub about: String,
@@ -61,24 +60,24 @@ pub struct Pad {
     pub background_s_per_m: f64,
     /// Electrodes on the outline, as the board numbers them.
     pub electrodes: Vec<Electrode>,
-    /// How that is: which place has electrode 0, and which way the others follow.
+    /// How the board numbers the electrodes.
     pub numbering: Numbering,
     /// Contact impedance of an electrode, ohm m2.
     pub contact_impedance_ohm_m2: f64,
-    /// Which electrodes are driven and read, in measurement order.
+    /// Drives and measurements, in the order of a frame.
     pub protocol: Protocol,
-    /// Which way a touch changes the conductivity.
+    /// How a touch changes the conductivity.
     pub touch_sign: TouchSign,
-    /// How its images are made, unless profile or command line say otherwise.
+    /// Reconstruction method, unless the profile or the command line sets one.
     pub method: Option<Method>,
 }
 
 impl Pad {
-    /// Reads a pad from its text; `name` stands for the file in messages.
+    /// Reads a pad; `name` is the file name in messages.
     ///
     /// # Errors
-    /// Everything that is wrong with the text, each at its place.
-    pub fn from_toml(name: &str, text: &str) -> Result<Self, Faulty> {
+    /// The first mistake in the text, with its place.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, SourceErrors> {
         spec::read(name, text)
     }
 

@@ -1,25 +1,25 @@
-//! How a board numbers the electrodes: which place is its electrode 0, and which way round it counts.
+//! How a board numbers the electrodes: the place of its electrode 0 and the direction in which it counts.
 //!
-//! The places of a pad are counted counter-clockwise from 0, as its text lists them. A board may be plugged in a quarter
-//! turned, or see the pad from below: its electrode 0 sits elsewhere, and its numbers run clockwise. Reciprocity holds either
-//! way, so the voltages at rest of an even pad do not tell; presses do (`calibrate::orientation`).
+//! The places of a pad are counted counter-clockwise from 0. A board may be plugged in a quarter turn off, or upside down:
+//! then its electrode 0 is elsewhere, or its numbers run clockwise. Reciprocity holds either way, so the voltages at rest of
+//! a symmetric pad do not show it; presses do (`calibrate::orientation`).
 
 use super::{Channel, Pair, Protocol};
 
-/// Which way round electrodes are numbered, the pad seen from above.
+/// Direction in which electrodes are numbered, seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Direction {
-    /// As places are counted.
+    /// In the direction of the places.
     #[default]
     CounterClockwise,
-    /// Against it.
+    /// Against the direction of the places.
     Clockwise,
 }
 
 impl Direction {
-    /// The word of a pad's text.
+    /// The name in pad files.
     #[must_use]
-    pub fn word(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::CounterClockwise => "counter-clockwise",
             Self::Clockwise => "clockwise",
@@ -27,17 +27,17 @@ impl Direction {
     }
 }
 
-/// A board's numbering of a pad's places.
+/// A board's numbering of the places of a pad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Numbering {
     /// The place of electrode 0.
     pub first: usize,
-    /// Which way the others follow.
+    /// Direction of the others.
     pub direction: Direction,
 }
 
 impl Numbering {
-    /// Every numbering of so many electrodes: as the places first, then the turned ones, then the mirrored ones.
+    /// Every numbering: first that of the places, then rotated ones, then mirrored ones.
     pub fn all(electrodes: usize) -> impl Iterator<Item = Self> {
         [Direction::CounterClockwise, Direction::Clockwise]
             .into_iter()
@@ -53,10 +53,10 @@ impl Numbering {
         }
     }
 
-    /// The numbering of a board that numbers by `self` what is taken for places, but is numbered itself: the places of
-    /// the pad that its electrodes have in the end.
+    /// The composition of two numberings: `self` numbers what `outer` takes for places, and the result gives the places of
+    /// the pad.
     #[must_use]
-    pub fn within(self, outer: Self, electrodes: usize) -> Self {
+    pub fn compose(self, outer: Self, electrodes: usize) -> Self {
         Self {
             first: outer.place(self.first, electrodes),
             direction: if self.direction == outer.direction {
@@ -68,16 +68,16 @@ impl Numbering {
     }
 }
 
-/// A frame of a board put into the order of the places.
+/// Reorders the frames of a board to the order of the places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Renumbered {
-    /// For each reading of the pad, the board's reading of the same, and whether its sign is the other.
-    source: Vec<(usize, bool)>,
+    /// For each reading of the pad, the index of the board's reading, and whether its sign is reversed.
+    board_indices: Vec<(usize, bool)>,
 }
 
 impl Renumbered {
-    /// For a protocol whose electrodes a board numbers its own way; none if the board does not read what the protocol
-    /// lists: an uneven list of pairs, say.
+    /// The order for a protocol and a board's numbering; `None` if the board does not measure every reading of the
+    /// protocol, as with an asymmetric list of pairs.
     #[must_use]
     pub fn new(protocol: &Protocol, numbering: Numbering) -> Option<Self> {
         let count = protocol.electrodes;
@@ -87,7 +87,7 @@ impl Renumbered {
                 numbering.place(pair.1, count),
             )
         };
-        // Ordered, so that exchanged leads and reciprocal readings are found by one look.
+        // Sorted in canonical form, which finds swapped leads and reciprocal readings alike.
         let mut sent: Vec<(Channel, bool, usize)> = protocol
             .channels
             .iter()
@@ -105,7 +105,7 @@ impl Renumbered {
             (drive, measure, *index)
         });
         let mut taken = vec![false; sent.len()];
-        let source = protocol
+        let board_indices = protocol
             .channels
             .iter()
             .map(|channel| {
@@ -114,7 +114,7 @@ impl Renumbered {
                 let first = sent.partition_point(|(channel, ..)| {
                     (channel.drive, channel.measure) < (wanted.drive, wanted.measure)
                 });
-                // Where both of two reciprocal readings are sent, each has one taker; the one with the same drive first.
+                // If both of two reciprocal readings are sent, each is used once; the one with the same drive first.
                 let alike = sent[first..]
                     .iter()
                     .take_while(|(channel, ..)| *channel == wanted);
@@ -129,7 +129,7 @@ impl Renumbered {
                 Some((best.2, best.1 != flipped))
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(Self { source })
+        Some(Self { board_indices })
     }
 
     /// A frame in the order and sign of the places.
@@ -138,7 +138,7 @@ impl Renumbered {
     /// If the frame has another number of readings than the protocol.
     #[must_use]
     pub fn apply(&self, volts: &[f32]) -> Vec<f32> {
-        self.source
+        self.board_indices
             .iter()
             .map(|(index, flipped)| {
                 let volt = volts[*index];
@@ -147,9 +147,9 @@ impl Renumbered {
             .collect()
     }
 
-    /// For each reading of the pad, the board's reading of the same: for what has no sign, as relative changes.
-    pub fn source(&self) -> impl Iterator<Item = usize> + '_ {
-        self.source.iter().map(|(index, _)| *index)
+    /// For each reading of the pad, the index of the board's reading: for values without sign, such as relative changes.
+    pub fn board_indices(&self) -> impl Iterator<Item = usize> + '_ {
+        self.board_indices.iter().map(|(index, _)| *index)
     }
 }
 
@@ -157,7 +157,7 @@ fn sorted(pair: Pair) -> Pair {
     Pair(pair.0.min(pair.1), pair.0.max(pair.1))
 }
 
-/// The same reading with its leads in order and the lower pair as the drive, and whether that turns its sign.
+/// The same reading with sorted leads and the lower pair as the drive, and whether that reverses its sign.
 fn canonical(channel: Channel) -> (Channel, bool) {
     let (drive, measure) = (sorted(channel.drive), sorted(channel.measure));
     let flipped = (drive != channel.drive) != (measure != channel.measure);
@@ -174,14 +174,14 @@ mod tests {
     use proptest::prelude::*;
 
     fn protocol(kind: usize, count: usize) -> Protocol {
-        let adjacent = Protocol::stepped(count, 1);
-        let opposite = Protocol::stepped(count, count / 2);
-        let skip = Protocol::stepped(count, 3);
+        let adjacent = Protocol::pairs_with_step(count, 1);
+        let opposite = Protocol::pairs_with_step(count, count / 2);
+        let skip = Protocol::pairs_with_step(count, 3);
         match kind {
-            0 => Protocol::crossed(count, &adjacent, &adjacent, false),
-            1 => Protocol::crossed(count, &adjacent, &adjacent, true),
-            2 => Protocol::crossed(count, &opposite, &adjacent, false),
-            _ => Protocol::crossed(count, &skip, &skip, false),
+            0 => Protocol::from_patterns(count, &adjacent, &adjacent, false),
+            1 => Protocol::from_patterns(count, &adjacent, &adjacent, true),
+            2 => Protocol::from_patterns(count, &opposite, &adjacent, false),
+            _ => Protocol::from_patterns(count, &skip, &skip, false),
         }
         .expect("a protocol")
     }
@@ -213,7 +213,7 @@ mod tests {
             let places: Vec<f32> = protocol.channels.iter().map(|channel| reading(|e| e, *channel)).collect();
             let renumbered = Renumbered::new(&protocol, numbering).expect("all patterns are even");
             prop_assert_eq!(renumbered.apply(&board), places);
-            let mut source: Vec<usize> = renumbered.source().collect();
+            let mut source: Vec<usize> = renumbered.board_indices().collect();
             source.sort_unstable();
             prop_assert_eq!(source, (0..protocol.channels.len()).collect::<Vec<_>>(), "each once");
         }
@@ -225,7 +225,7 @@ mod tests {
             let direction = |clockwise| if clockwise { Direction::Clockwise } else { Direction::CounterClockwise };
             let inner = Numbering { first: first.0, direction: direction(clockwise.0) };
             let outer = Numbering { first: first.1, direction: direction(clockwise.1) };
-            let both = inner.within(outer, 16);
+            let both = inner.compose(outer, 16);
             prop_assert_eq!(both.place(electrode, 16), outer.place(inner.place(electrode, 16), 16));
         }
     }
@@ -236,7 +236,7 @@ mod tests {
             drive: Pair(0, 1),
             measure: Pair(3, 4),
         };
-        let protocol = Protocol::listed(8, vec![channel]).expect("one");
+        let protocol = Protocol::from_channels(8, vec![channel]).expect("one");
         let turned = Numbering {
             first: 2,
             ..Numbering::default()

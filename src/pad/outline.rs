@@ -1,10 +1,10 @@
-//! The outer edge of the conducting layer, and distances along it.
+//! The outer edge of the conducting layer and distances along it.
 
 use std::f64::consts::PI;
 
 use crate::types::PointMm;
 
-/// A rectangle or a circle, in a box whose bottom-left is the origin.
+/// A rectangle or a circle whose bounding box has its bottom-left corner at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// Sides along x and y.
@@ -16,13 +16,13 @@ pub enum Outline {
     },
     /// Centre at (radius, radius).
     Circle {
-        /// Half its diameter, mm.
+        /// Radius, mm.
         radius_mm: f64,
     },
 }
 
 impl Outline {
-    /// Width and height of the box around it, mm.
+    /// Width and height of the bounding box, mm.
     #[must_use]
     pub fn size_mm(&self) -> [f64; 2] {
         match *self {
@@ -87,7 +87,7 @@ impl Outline {
 
     /// The distance along the edge of a point that lies on it to within 0.01 mm.
     #[must_use]
-    pub fn along(&self, [x, y]: PointMm) -> Option<f64> {
+    pub fn distance_along(&self, [x, y]: PointMm) -> Option<f64> {
         const ON_EDGE_MM: f64 = 0.01;
         let near = |a: f64, b: f64| (a - b).abs() <= ON_EDGE_MM;
         match *self {
@@ -97,8 +97,8 @@ impl Outline {
             } => {
                 let on_x = (-ON_EDGE_MM..=w + ON_EDGE_MM).contains(&x);
                 let on_y = (-ON_EDGE_MM..=h + ON_EDGE_MM).contains(&y);
-                // How far off each side the point is, and where along the edge it would be there: near a corner
-                // two sides are in reach, and the nearer one is meant.
+                // Distance from each side, and position along the edge there: near a corner two sides are in reach, and
+                // the nearer one counts.
                 [
                     (y.abs(), on_x, x),
                     ((x - w).abs(), on_y, w + y),
@@ -117,7 +117,7 @@ impl Outline {
         }
     }
 
-    /// Distances along the edge of its corners.
+    /// Distances of the corners along the edge.
     #[must_use]
     pub fn corners_mm(&self) -> Vec<f64> {
         match *self {
@@ -136,13 +136,13 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn near_a_corner_the_nearer_side_is_meant() {
+    fn near_a_corner_the_nearer_side_counts() {
         let outline = Outline::Rectangle {
             width_mm: 80.0,
             height_mm: 30.0,
         };
-        assert_eq!(outline.along([0.0, 29.995]), Some(190.005));
-        assert_eq!(outline.along([0.005, 30.0]), Some(189.995));
+        assert_eq!(outline.distance_along([0.0, 29.995]), Some(190.005));
+        assert_eq!(outline.distance_along([0.005, 30.0]), Some(189.995));
     }
 
     proptest! {
@@ -154,7 +154,7 @@ mod tests {
                 Outline::Rectangle { width_mm: 80.0, height_mm: 30.0 }
             };
             let along = share * outline.perimeter_mm();
-            let found = outline.along(outline.point_at(along)).expect("on the edge");
+            let found = outline.distance_along(outline.point_at(along)).expect("on the edge");
             let gap = (found - along).abs();
             prop_assert!(gap.min(outline.perimeter_mm() - gap) < 1e-9);
         }

@@ -1,22 +1,21 @@
-//! Stimulation and measurement patterns: which electrodes carry current, which are read, and in which
-//! order a frame lists the readings.
+//! Stimulation and measurement patterns: which electrodes carry current, which are read, and the order of the readings in
+//! a frame.
 //!
-//! Order (pyEIT `std`, EIDORS' default): drives outer, measurements ascending from electrode 0, readings
-//! that share an electrode with the drive left out.
+//! Order (pyEIT `std`, EIDORS' default): drives outer, measurements ascending from electrode 0, without readings that share
+//! an electrode with the drive.
 //!
-//! Sign: a drive (a, b) sends current into a and out of b; a measurement (p, q) reads V(q) - V(p). With
-//! pairs that go round the pad the same way, this makes all adjacent readings of a homogeneous pad
-//! positive, as EIDORS and pyEIT do, and keeps reciprocity: exchanging drive and measurement leaves
-//! the value.
+//! Sign: a drive (a, b) sends current into a and out of b; a measurement (p, q) reads V(q) - V(p). With all pairs in the
+//! same direction round the pad, the adjacent readings of a homogeneous pad are positive, as in EIDORS and pyEIT, and
+//! reciprocity holds: exchanging drive and measurement does not change the value.
 
-/// Two electrodes, by number.
+/// Two electrodes, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Pair(pub usize, pub usize);
 
 impl Pair {
     /// Whether the two pairs have an electrode in common.
     #[must_use]
-    pub fn meets(self, other: Self) -> bool {
+    pub fn shares_electrode(self, other: Self) -> bool {
         [self.0, self.1]
             .iter()
             .any(|e| *e == other.0 || *e == other.1)
@@ -30,9 +29,9 @@ impl Pair {
 /// One reading of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Channel {
-    /// Current goes into the first and out of the second.
+    /// Current flows into the first and out of the second.
     pub drive: Pair,
-    /// Second minus first is read.
+    /// The reading is the potential of the second minus that of the first.
     pub measure: Pair,
 }
 
@@ -41,40 +40,55 @@ pub struct Channel {
 pub struct Protocol {
     /// Number of electrodes.
     pub electrodes: usize,
-    /// What is read, in the order of the frame.
+    /// The readings in the order of the frame.
     pub channels: Vec<Channel>,
 }
 
-/// Why a protocol cannot be.
+/// Why a protocol is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProtocolError {
-    /// A pair names an electrode that is not there, or one twice.
-    #[error("the pair ({}, {}) needs two different electrodes below {electrodes}", .pair.0, .pair.1)]
+    /// A pair with an unknown electrode, or with the same one twice.
+    #[error("the pair ({}, {}) needs two different electrodes, counted from 0 to {}", .pair.0, .pair.1, .electrodes - 1)]
     NoSuchPair {
         /// The pair.
         pair: Pair,
-        /// How many electrodes there are.
+        /// Number of electrodes.
         electrodes: usize,
     },
-    /// Nothing is left to read.
+    /// No reading is left.
     #[error("no measurement is left: each shares an electrode with its drive")]
     Empty,
-    /// The reciprocal half exists only where the drives are the measurements.
-    #[error(
-        "the reciprocal half exists only where stimulation and measurement use the same pattern"
-    )]
+    /// The reciprocal half needs equal drives and measurements.
+    #[error("the reciprocal half needs the same pattern for stimulation and measurement")]
     NoHalf,
 }
 
 impl Protocol {
+    /// The drive of each channel, numbered from 0 in the order of their first channel.
+    #[must_use]
+    pub fn drives(&self) -> Vec<u16> {
+        let mut seen: Vec<Pair> = Vec::new();
+        self.channels
+            .iter()
+            .map(|channel| {
+                let known = seen.iter().position(|drive| *drive == channel.drive);
+                let index = known.unwrap_or_else(|| {
+                    seen.push(channel.drive);
+                    seen.len() - 1
+                });
+                index as u16
+            })
+            .collect()
+    }
+
     /// Every drive of a list with every measurement of another that shares no electrode with it.
     ///
-    /// `half` keeps, of each two reciprocal readings, the one whose measurement comes later in the list:
-    /// 104 of the 208 adjacent ones.
+    /// `half` keeps one of each two reciprocal readings, the one whose measurement comes later in the list: 104 of the 208
+    /// adjacent ones.
     ///
     /// # Errors
-    /// A pair that names no two electrodes; `half` of two different lists; nothing left.
-    pub fn crossed(
+    /// See [`ProtocolError`].
+    pub fn from_patterns(
         electrodes: usize,
         drives: &[Pair],
         measures: &[Pair],
@@ -108,17 +122,19 @@ impl Protocol {
                     )
                 })
             })
-            .filter(|(i, m, channel)| !channel.drive.meets(channel.measure) && (!half || m > i))
+            .filter(|(i, m, channel)| {
+                !channel.drive.shares_electrode(channel.measure) && (!half || m > i)
+            })
             .map(|(_, _, channel)| channel)
             .collect();
-        Self::listed(electrodes, channels)
+        Self::from_channels(electrodes, channels)
     }
 
-    /// A protocol given reading by reading.
+    /// A protocol from a list of readings.
     ///
     /// # Errors
-    /// A pair that names no two electrodes; an empty list.
-    pub fn listed(electrodes: usize, channels: Vec<Channel>) -> Result<Self, ProtocolError> {
+    /// An invalid pair; an empty list.
+    pub fn from_channels(electrodes: usize, channels: Vec<Channel>) -> Result<Self, ProtocolError> {
         if channels.is_empty() {
             return Err(ProtocolError::Empty);
         }
@@ -137,13 +153,13 @@ impl Protocol {
 
     /// Pairs (i, i + step) for every i, round the pad.
     #[must_use]
-    pub fn stepped(electrodes: usize, step: usize) -> Vec<Pair> {
+    pub fn pairs_with_step(electrodes: usize, step: usize) -> Vec<Pair> {
         (0..electrodes)
             .map(|i| Pair(i, (i + step) % electrodes))
             .collect()
     }
 
-    /// For each channel, the channel that reads the same by reciprocity, if the protocol has it.
+    /// For each channel, its reciprocal channel, if the protocol contains it.
     #[must_use]
     pub fn reciprocal(&self) -> Vec<Option<usize>> {
         let place: std::collections::HashMap<Channel, usize> = self
@@ -170,8 +186,8 @@ mod tests {
     use super::*;
 
     fn adjacent(half: bool) -> Protocol {
-        let pairs = Protocol::stepped(16, 1);
-        Protocol::crossed(16, &pairs, &pairs, half).expect("adjacent")
+        let pairs = Protocol::pairs_with_step(16, 1);
+        Protocol::from_patterns(16, &pairs, &pairs, half).expect("adjacent")
     }
 
     #[test]
@@ -194,10 +210,10 @@ mod tests {
 
     #[test]
     fn opposite_drive_with_adjacent_measure_reads_192() {
-        let protocol = Protocol::crossed(
+        let protocol = Protocol::from_patterns(
             16,
-            &Protocol::stepped(16, 8),
-            &Protocol::stepped(16, 1),
+            &Protocol::pairs_with_step(16, 8),
+            &Protocol::pairs_with_step(16, 1),
             false,
         )
         .expect("opposite");
@@ -218,11 +234,12 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_that_names_no_two_electrodes_is_refused() {
-        let error = Protocol::crossed(8, &[Pair(0, 8)], &[Pair(1, 2)], false).expect_err("8 of 8");
+    fn an_invalid_pair_is_refused() {
+        let error =
+            Protocol::from_patterns(8, &[Pair(0, 8)], &[Pair(1, 2)], false).expect_err("8 of 8");
         assert_eq!(
             error.to_string(),
-            "the pair (0, 8) needs two different electrodes below 8"
+            "the pair (0, 8) needs two different electrodes, counted from 0 to 7"
         );
     }
 }

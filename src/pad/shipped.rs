@@ -1,14 +1,14 @@
-//! The pads that come with gelpad: compiled in, so that their names work from any folder.
+//! The pads that are compiled in, so that their names work in any folder.
 
-/// Name of the pad that is used when none is asked for.
+/// The default pad.
 pub const DEFAULT_PAD: &str = "edinburgh-lattice";
 
 /// A pad that is compiled in.
 #[derive(Clone, Copy, Debug)]
 pub struct ShippedPad {
-    /// What `--pad` takes.
+    /// Name for `--pad`.
     pub name: &'static str,
-    /// Its text.
+    /// The TOML text.
     pub toml: &'static str,
 }
 
@@ -44,7 +44,7 @@ mod tests {
     use crate::pad::Pad;
 
     #[test]
-    fn every_shipped_pad_is_sound_and_named_as_its_file() {
+    fn every_shipped_pad_is_valid_and_named_after_its_file() {
         for shipped in SHIPPED_PADS {
             let pad = Pad::from_toml(shipped.name, shipped.toml).expect(shipped.name);
             assert_eq!(pad.name, shipped.name);

@@ -1,12 +1,12 @@
-//! Bindings in words: for the live view and `gelpad profile show`.
+//! Describes bindings, for the live view and `gelpad profile show`.
 
-use super::{Binding, Gesture, Mode, Profile, Target};
+use super::{Binding, Mode, Profile, Target};
 use crate::types::ms_from_nanos;
 
 impl Profile {
-    /// Where a binding is played: its regions and parts of a gamepad, or the pad.
+    /// Where a binding is played: its regions and parts of a gamepad, else the whole pad.
     #[must_use]
-    pub fn place_of(&self, binding: &Binding) -> String {
+    pub fn binding_place(&self, binding: &Binding) -> String {
         let regions = binding.regions.iter();
         let parts = binding.parts.iter().map(|part| self.parts[*part]);
         let names: Vec<String> = regions
@@ -20,46 +20,18 @@ impl Profile {
         }
     }
 
-    /// Everything that a binding drives, as profiles name it.
+    /// Everything that a binding drives, by the names that profiles use.
     #[must_use]
-    pub fn outputs_of(&self, binding: &Binding) -> String {
-        let mut names: Vec<String> = binding
-            .targets
-            .iter()
-            .map(|target| self.name_of(*target))
-            .collect();
-        match &binding.gesture {
-            Gesture::Dpad(dpad) => names.extend(
-                dpad.targets
-                    .iter()
-                    .flatten()
-                    .map(|target| self.name_of(*target)),
-            ),
-            Gesture::Stick(stick) => names.extend(
-                [stick.x, stick.y]
-                    .iter()
-                    .flatten()
-                    .map(|axis| format!("pad:{axis}")),
-            ),
-            Gesture::Trigger(trigger) => names.push(format!("pad:{}", trigger.axis)),
-            Gesture::Pointer(pointer) if pointer.wheel => names.push("mouse wheel".to_owned()),
-            Gesture::Pointer(_) => names.push("mouse motion".to_owned()),
-            Gesture::TapHold(own) => {
-                let hold: Vec<String> = own
-                    .hold
-                    .iter()
-                    .map(|target| self.name_of(*target))
-                    .collect();
-                names.push(format!("or {}", hold.join(" + ")));
-            }
-            _ => {}
-        }
+    pub fn output_names(&self, binding: &Binding) -> String {
+        let name_of = |target| self.target_name(target);
+        let mut names: Vec<String> = binding.targets.iter().copied().map(name_of).collect();
+        names.extend(binding.gesture.output_names(&name_of));
         names.join(" ")
     }
 
-    /// What a target is called.
+    /// The name of a target in profiles.
     #[must_use]
-    pub fn name_of(&self, target: Target) -> String {
+    pub fn target_name(&self, target: Target) -> String {
         match target {
             Target::Output(index) => self.outputs[index].to_string(),
             Target::Layer(layer) => format!("layer:{}", self.layers[layer]),
@@ -71,34 +43,10 @@ impl Profile {
         }
     }
 
-    /// What the touch must be, and how long the output is down.
+    /// What the touch must do, and how long the output is down.
     #[must_use]
-    pub fn how(&self, binding: &Binding) -> String {
+    pub fn describe_binding(&self, binding: &Binding) -> String {
         let ms = |ns| ms_from_nanos(ns).round();
-        let gesture = match &binding.gesture {
-            Gesture::Press => "touch".to_owned(),
-            Gesture::Tap { within_ns, .. } => format!("tap within {} ms", ms(*within_ns)),
-            Gesture::Hold { after_ns, .. } => format!("hold for {} ms", ms(*after_ns)),
-            Gesture::DoubleTap { gap_ns, .. } => format!("double tap within {} ms", ms(*gap_ns)),
-            Gesture::Swipe(swipe) => format!(
-                "swipe {}{}",
-                super::keys::DIRECTIONS[usize::from(swipe.direction.eighth) % 8],
-                if swipe.fingers > 1 {
-                    format!(" with {} fingers", swipe.fingers)
-                } else {
-                    String::new()
-                }
-            ),
-            Gesture::Chord { window_ns } => format!("all within {} ms", ms(*window_ns)),
-            Gesture::Contacts { count } => format!("{count} touches at once"),
-            Gesture::Force { press, .. } => format!("force over {press}"),
-            Gesture::Dpad(dpad) => format!("d-pad, {} ways", dpad.ways),
-            Gesture::Stick(stick) if stick.floating => "floating stick".to_owned(),
-            Gesture::Stick(_) => "stick".to_owned(),
-            Gesture::Trigger(_) => "force".to_owned(),
-            Gesture::Pointer(_) => "moving touch".to_owned(),
-            Gesture::TapHold(own) => format!("tap, or hold for {} ms", ms(own.term_ns)),
-        };
         let mode = match &binding.mode {
             Mode::Direct => String::new(),
             Mode::Classified(latch) => format!(
@@ -121,6 +69,6 @@ impl Profile {
         let layer = binding.layer.map_or(String::new(), |layer| {
             format!(" (layer {})", self.layers[layer])
         });
-        format!("{gesture}{mode}{layer}")
+        format!("{}{mode}{layer}", binding.gesture.describe())
     }
 }

@@ -1,9 +1,9 @@
-//! A part of the pad: as written, in shares of the pad, and as placed on a pad, in millimetres.
+//! Regions: as written, in shares of the pad, and as placed on a pad, in mm.
 
-use super::Area;
+use super::settings::Area;
 use crate::types::PointMm;
 
-/// Rounding: an edge belongs to its region, however its number was written.
+/// Tolerance for rounding: an edge belongs to its region.
 const EDGE_MM: f64 = 1e-9;
 
 /// The outline of a region; all numbers 0..1 of the pad, origin at the bottom-left.
@@ -40,14 +40,14 @@ pub enum Shape {
         /// Height.
         h: f64,
     },
-    /// Corners, in either direction of turning.
+    /// Corners, clockwise or counter-clockwise.
     Polygon(Vec<[f64; 2]>),
 }
 
-/// What a touch does that moves out of a region or into it.
+/// The effect of a touch that moves out of a region or into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slide {
-    /// It belongs to the region in which it began, wherever it goes.
+    /// It belongs to the region where it began.
     Keep,
     /// It lets go when it leaves.
     Leave,
@@ -60,27 +60,27 @@ pub enum Slide {
 pub struct Region {
     /// Its name.
     pub name: String,
-    /// Where it lies.
+    /// Its outline.
     pub shape: Shape,
-    /// It takes touches this far outside too; share of the pad's shorter side.
+    /// Takes touches this far outside too; share of the pad's shorter side.
     pub reach: f64,
-    /// A touch that holds it keeps it this far outside.
+    /// Keeps a touch that holds it this far outside.
     pub held_reach: f64,
-    /// Whether a touch in it counts for no region below.
+    /// Whether a touch in it does not count for regions below.
     pub exclusive: bool,
-    /// What becomes of a touch that moves.
+    /// The effect of a touch that moves.
     pub slide: Slide,
-    /// Share of the footprint's radius that counts: 0 is the touch's centre alone.
+    /// Share of a touch's radius that counts: 0 for its centre only.
     pub footprint: f64,
-    /// Whether touches that begin in it give nothing.
+    /// Whether touches that begin in it are ignored.
     pub rest: bool,
 }
 
-/// A region on a pad of a size, mm.
+/// A region on a pad of a known size, mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct PlacedRegion {
     outline: Outline,
-    /// Millimetres in a whole share: of the shorter side.
+    /// The shorter side of the pad.
     unit_mm: f64,
 }
 
@@ -92,9 +92,9 @@ enum Outline {
 }
 
 impl Region {
-    /// The region on a pad of a size (as the player sees it), in an area of it.
+    /// The region in an area of a pad of a size, as the player sees it.
     #[must_use]
-    pub fn placed(&self, [width, height]: [f64; 2], area: &Area) -> Placed {
+    pub fn placed(&self, [width, height]: [f64; 2], area: &Area) -> PlacedRegion {
         let (w_mm, h_mm) = (area.w * width, area.h * height);
         let at = |x: f64, y: f64| {
             [
@@ -120,24 +120,24 @@ impl Region {
                 Outline::Polygon(points.iter().map(|[x, y]| at(*x, *y)).collect())
             }
         };
-        Placed { outline, unit_mm }
+        PlacedRegion { outline, unit_mm }
     }
 }
 
-impl Placed {
-    /// Whether a place lies in it, widened by a share of the pad; edges belong to it.
+impl PlacedRegion {
+    /// Whether it contains a place, if widened by a share of the pad; edges belong to it.
     #[must_use]
-    pub fn holds(&self, point: PointMm, reach: f64) -> bool {
+    pub fn contains(&self, point: PointMm, reach: f64) -> bool {
         self.distance_mm(point) <= self.reach_mm(reach)
     }
 
-    /// A share of the pad as millimetres: of its shorter side.
+    /// A share of the pad's shorter side, in mm.
     #[must_use]
     pub fn reach_mm(&self, reach: f64) -> f64 {
         reach * self.unit_mm + EDGE_MM
     }
 
-    /// How far outside a place lies, mm; zero inside. For an ellipse it is measured along the line to its centre.
+    /// Distance of a place from the region, mm; zero inside. For an ellipse, along the line to its centre.
     #[must_use]
     pub fn distance_mm(&self, [x, y]: PointMm) -> f64 {
         match &self.outline {
@@ -162,21 +162,21 @@ impl Placed {
         }
     }
 
-    /// Its middle: of a polygon, of the box around it.
+    /// The centre of its bounding box.
     #[must_use]
     pub fn centre_mm(&self) -> PointMm {
         let (low, high) = self.bounds_mm();
         [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0]
     }
 
-    /// Half of the shorter side of the box around it, mm.
+    /// Half of the shorter side of its bounding box, mm.
     #[must_use]
     pub fn radius_mm(&self) -> f64 {
         let (low, high) = self.bounds_mm();
         (high[0] - low[0]).min(high[1] - low[1]) / 2.0
     }
 
-    /// Bottom-left and top-right corners of the box around it.
+    /// Bottom-left and top-right corners of its bounding box.
     #[must_use]
     pub fn bounds_mm(&self) -> (PointMm, PointMm) {
         match &self.outline {
@@ -199,7 +199,7 @@ impl Placed {
         }
     }
 
-    /// Its outline as corners; an ellipse as so many that it looks round.
+    /// Its outline as corners; 72 for an ellipse.
     #[must_use]
     pub fn corners_mm(&self) -> Vec<PointMm> {
         const ROUND: usize = 72;
@@ -221,7 +221,7 @@ impl Placed {
     }
 }
 
-/// Zero inside (by the parity of crossings of a ray to the right), else to the nearest edge.
+/// Distance to the nearest edge; zero inside, which is found by counting the edges that a ray to the right crosses.
 fn polygon_distance_mm(corners: &[PointMm], [x, y]: PointMm) -> f64 {
     let mut inside = false;
     let mut nearest = f64::INFINITY;
@@ -246,7 +246,7 @@ mod tests {
 
     const PAD_MM: [f64; 2] = [100.0, 80.0];
 
-    fn placed(shape: Shape) -> Placed {
+    fn placed(shape: Shape) -> PlacedRegion {
         let region = Region {
             name: "r".to_owned(),
             shape,
@@ -268,18 +268,18 @@ mod tests {
             w: 0.22,
             h: 0.5,
         });
-        assert!(rect.holds([48.0, 8.0], 0.0));
-        assert!(!rect.holds([48.01, 8.0], 0.0));
+        assert!(rect.contains([48.0, 8.0], 0.0));
+        assert!(!rect.contains([48.01, 8.0], 0.0));
         let circle = placed(Shape::Circle {
             x: 0.5,
             y: 0.5,
             r: 0.25,
         });
         assert!(
-            circle.holds([70.0, 40.0], 0.0),
+            circle.contains([70.0, 40.0], 0.0),
             "a share of the shorter side"
         );
-        assert!(!circle.holds([70.1, 40.0], 0.0));
+        assert!(!circle.contains([70.1, 40.0], 0.0));
     }
 
     #[test]
@@ -292,11 +292,11 @@ mod tests {
             [0.2, 0.6],
             [0.0, 0.6],
         ]));
-        assert!(l_shape.holds([30.0, 10.0], 0.0));
-        assert!(!l_shape.holds([30.0, 30.0], 0.0), "the notch is outside");
+        assert!(l_shape.contains([30.0, 10.0], 0.0));
+        assert!(!l_shape.contains([30.0, 30.0], 0.0), "the notch is outside");
         assert!((l_shape.distance_mm([30.0, 30.0]) - 10.0).abs() < 1e-9);
         assert!(
-            l_shape.holds([30.0, 20.0], 0.05),
+            l_shape.contains([30.0, 20.0], 0.05),
             "4 mm from the notch's foot"
         );
         let ellipse = placed(Shape::Ellipse {

@@ -1,8 +1,9 @@
-//! The JSON schema of a profile, from the list of keys: editors complete and check with it (`#:schema` in a text).
+//! The JSON schema of a profile, from the list of keys. Editors use it to complete and check texts (`#:schema`).
 
 use serde_json::{Map, Value, json};
 
-use super::keys::{self, Key, Kind, Table};
+use super::key_list::keys_of;
+use super::keys::{Fallback, Key, KeyKind, Table};
 
 /// The schema as text.
 #[must_use]
@@ -18,7 +19,7 @@ pub fn schema() -> String {
     let mut whole = table(Table::Profile, &["schema"]);
     let tables = json!({
         "vars": {
-            "description": "values that others use as \"$name\"",
+            "description": "values that others refer to as \"$name\"",
             "type": "object",
             "additionalProperties": { "type": ["number", "string", "boolean"] },
         },
@@ -36,14 +37,13 @@ pub fn schema() -> String {
             "$schema".to_owned(),
             json!("https://json-schema.org/draft/2020-12/schema"),
         );
-        whole.insert("title".to_owned(), json!("A profile of gelpad"));
+        whole.insert("title".to_owned(), json!("A gelpad profile"));
     }
-    // Formatting a value that was just made cannot fail.
     format!("{whole:#}\n")
 }
 
 fn properties(table: Table) -> Map<String, Value> {
-    keys::of(table)
+    keys_of(table)
         .map(|key| (key.name.to_owned(), property(key)))
         .collect()
 }
@@ -51,22 +51,24 @@ fn properties(table: Table) -> Map<String, Value> {
 fn property(key: &Key) -> Value {
     let variable = json!({ "type": "string", "pattern": "^\\$" });
     let mut about = key.about.to_owned();
-    if !key.default.is_empty() {
+    if key.default != Fallback::None {
         about.push_str(&format!(" (default: {})", key.default));
     }
     if !key.only.is_empty() {
-        about.push_str(&format!("; for {}", key.only.join(", ")));
+        about.push_str(&format!("; applies to {}", key.only.join(", ")));
     }
     let own = match key.kind {
-        Kind::Number(least, most, _) => {
+        KeyKind::Number(least, most, _) => {
             json!({ "type": "number", "minimum": least, "maximum": most })
         }
-        Kind::Count(least, most) => json!({ "type": "integer", "minimum": least, "maximum": most }),
-        Kind::Word(words) => json!({ "enum": words }),
-        Kind::Text => json!({ "type": "string" }),
-        Kind::Texts => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
-        Kind::Flag => json!({ "type": "boolean" }),
-        Kind::Points => {
+        KeyKind::Count(least, most) => {
+            json!({ "type": "integer", "minimum": least, "maximum": most })
+        }
+        KeyKind::Word(words) => json!({ "enum": words }),
+        KeyKind::Text => json!({ "type": "string" }),
+        KeyKind::Texts => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
+        KeyKind::Flag => json!({ "type": "boolean" }),
+        KeyKind::Points => {
             json!({ "type": "array", "minItems": 3, "items": { "type": "array", "minItems": 2, "maxItems": 2 } })
         }
     };

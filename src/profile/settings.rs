@@ -1,4 +1,4 @@
-//! What holds for a whole profile: times, accessibility, safety, and how the pad lies.
+//! Settings of a whole profile: times, accessibility, safety, and the orientation of the pad.
 
 use crate::types::{Nanos, PointMm};
 
@@ -7,7 +7,7 @@ use crate::types::{Nanos, PointMm};
 pub enum Activate {
     /// At once.
     Down,
-    /// When it lifts, if it has not left its region: sliding off takes it back.
+    /// When it lifts, if it is still in its region: sliding off cancels it.
     Up,
 }
 
@@ -16,13 +16,13 @@ pub enum Activate {
 pub enum Assist {
     /// Every place, as it moves.
     Off,
-    /// The one where it went down.
+    /// Where it went down.
     First,
-    /// The one where it lifts; it acts then.
+    /// Where it lifts; it acts then.
     Last,
 }
 
-/// The pad seen in a mirror.
+/// The mirror image of the pad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mirror {
     /// As it is.
@@ -35,16 +35,16 @@ pub enum Mirror {
     Both,
 }
 
-/// The pad turned, counter-clockwise as the player sees it.
+/// The rotation of the pad, counter-clockwise as the player sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rotation {
     /// As it is.
     None,
-    /// A quarter to the left: the pad's right edge is the player's top.
+    /// A quarter turn to the left: the pad's right edge is at the top.
     Quarter,
     /// Upside down.
     Half,
-    /// A quarter to the right.
+    /// A quarter turn to the right.
     ThreeQuarters,
 }
 
@@ -71,14 +71,14 @@ impl Area {
     };
 }
 
-/// Settings, checked. Times that switch something off are zero.
+/// Checked settings. A time of zero switches its function off.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// No press is shorter: games that poll would miss it.
+    /// Shortest press: games that poll would miss a shorter one.
     pub min_hold_ns: Nanos,
-    /// No release is shorter before the same output is pressed again; zero never delays a press.
+    /// Shortest release before the same output is pressed again; zero never delays a press.
     pub min_gap_ns: Nanos,
-    /// A longer press is released by force, if set.
+    /// A longer press is released by force.
     pub max_hold_ns: Option<Nanos>,
     /// SlowKeys: a touch counts only after it was held this long.
     pub slow_keys_ns: Nanos,
@@ -86,45 +86,45 @@ pub struct Settings {
     pub bounce_keys_ns: Nanos,
     /// A touch counts when it has stayed in one place this long.
     pub dwell_ns: Nanos,
-    /// What one place is for `dwell_ns`.
+    /// Size of one place for `dwell_ns`.
     pub dwell_mm: f64,
-    /// Moves smaller than this are not seen; a finger that comes back within it is the same touch.
+    /// Moves smaller than this are ignored; a finger that returns within it is the same touch.
     pub tremor_mm: f64,
-    /// A finger that comes back sooner than this has not lifted.
+    /// A finger that returns sooner than this has not lifted.
     pub tremor_ns: Nanos,
     /// When a touch acts.
     pub activate: Activate,
     /// Which place counts.
     pub assist: Assist,
-    /// A contact of more than this gives nothing, mm2.
+    /// Larger contacts are ignored, mm2.
     pub rest_area_mm2: Option<f64>,
-    /// So many contacts at once release everything and pause.
+    /// This many contacts at once release everything and pause.
     pub panic_contacts: Option<usize>,
-    /// Force that counts as none, and as full: this person's range.
+    /// The force range of the person: force that counts as none, and as full.
     pub force_range: [f64; 2],
-    /// The pad in a mirror.
+    /// Whether the pad is mirrored.
     pub mirror: Mirror,
-    /// The pad turned; after the mirror.
+    /// How the pad is turned, after mirroring.
     pub rotate: Rotation,
-    /// Where the profile's regions lie: their 0..1 is this part of the pad.
+    /// The part of the pad that the regions' 0..1 covers.
     pub area: Area,
-    /// What the person can reach, if told.
+    /// The part of the pad that the person can reach, if less than all of it.
     pub reachable: Option<Area>,
 }
 
 impl Settings {
     /// The pad's size (width, height) as the player sees it.
     #[must_use]
-    pub fn seen_size_mm(&self, [width, height]: [f64; 2]) -> [f64; 2] {
+    pub fn size_as_player_sees_mm(&self, [width, height]: [f64; 2]) -> [f64; 2] {
         match self.rotate {
             Rotation::None | Rotation::Half => [width, height],
             Rotation::Quarter | Rotation::ThreeQuarters => [height, width],
         }
     }
 
-    /// A place on a pad of a size, where the player sees it.
+    /// A place on a pad of a size, as the player sees it.
     #[must_use]
-    pub fn seen(&self, [x, y]: PointMm, [width, height]: [f64; 2]) -> PointMm {
+    pub fn as_player_sees(&self, [x, y]: PointMm, [width, height]: [f64; 2]) -> PointMm {
         let x = match self.mirror {
             Mirror::Horizontal | Mirror::Both => width - x,
             Mirror::None | Mirror::Vertical => x,

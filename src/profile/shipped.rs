@@ -1,13 +1,14 @@
-//! The profiles that come with gelpad, and texts about people to begin with: compiled in, so that their names work
-//! from any folder.
+//! Shipped profiles and user settings: compiled in, so that their names work from any folder.
 
-/// Name of the profile that is used when none is asked for.
+use super::sources::Source;
+
+/// The profile that is played when none is named.
 pub const DEFAULT_PROFILE: &str = "super-mario";
 
-/// A profile, or a person's text, that is compiled in.
+/// A profile, or user settings, that is compiled in.
 #[derive(Clone, Copy, Debug)]
 pub struct ShippedProfile {
-    /// What `gelpad play` takes.
+    /// Its name on the command line.
     pub name: &'static str,
     /// Its text.
     pub toml: &'static str,
@@ -22,7 +23,7 @@ macro_rules! shipped {
     };
 }
 
-/// Every profile that is compiled in.
+/// All profiles that are compiled in.
 pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles":
     "super-mario",
     "super-mario-classified",
@@ -38,7 +39,7 @@ pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles":
     "one-handed",
 );
 
-/// Every person's text that is compiled in.
+/// All user settings that are compiled in.
 pub const SHIPPED_USERS: &[ShippedProfile] =
     shipped!("users": "tremor", "light-touch", "left-hand");
 
@@ -48,10 +49,24 @@ pub fn shipped_profile(name: &str) -> Option<&'static ShippedProfile> {
     SHIPPED_PROFILES.iter().find(|profile| profile.name == name)
 }
 
-/// The shipped text about a person.
+/// The shipped user settings of a name.
 #[must_use]
 pub fn shipped_user(name: &str) -> Option<&'static ShippedProfile> {
     SHIPPED_USERS.iter().find(|user| user.name == name)
+}
+
+/// A shipped profile as a base.
+///
+/// # Errors
+/// There is no such profile.
+pub fn find_shipped(name: &str) -> Result<Source, String> {
+    match shipped_profile(name) {
+        Some(shipped) => Ok(Source {
+            name: shipped.name.to_owned(),
+            toml: shipped.toml.to_owned(),
+        }),
+        None => Err(format!("no shipped profile is named `{name}`")),
+    }
 }
 
 #[cfg(test)]
@@ -65,7 +80,7 @@ mod tests {
             toml: shipped.toml.to_owned(),
         };
         read(source(profile), user.map(source), &find_shipped)
-            .unwrap_or_else(|faulty| panic!("{faulty}"))
+            .unwrap_or_else(|errors| panic!("{errors}"))
     }
 
     fn plain(name: &str) -> Profile {
@@ -73,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn every_shipped_profile_is_sound_named_as_its_file_and_free_of_warnings() {
+    fn shipped_profiles_are_valid_and_have_no_warnings() {
         for shipped in SHIPPED_PROFILES {
             let checked = checked(shipped, None);
             assert_eq!(checked.profile.name, shipped.name);
@@ -88,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn the_two_super_marios_differ_in_the_jump_alone() {
+    fn super_mario_and_its_classified_form_differ_only_in_jump() {
         let [direct, classified] = ["super-mario", "super-mario-classified"].map(plain);
         assert_eq!(direct.regions, classified.regions);
         assert_eq!(direct.outputs, classified.outputs);
@@ -100,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn one_handed_holds_everything_of_super_mario_within_half_of_each_side() {
+    fn one_handed_fits_super_mario_into_half_of_each_side() {
         let [two, one] = ["super-mario", "one-handed"].map(plain);
         assert_eq!(two.outputs, one.outputs);
         for region in &one.regions {
@@ -116,15 +131,15 @@ mod tests {
     }
 
     #[test]
-    fn every_profile_suits_every_user_or_the_warning_names_what_is_out_of_reach() {
+    fn a_warning_names_each_region_out_of_reach() {
         for user in SHIPPED_USERS {
             for profile in SHIPPED_PROFILES {
                 let checked = checked(profile, Some(user));
                 let settings = &checked.profile.settings;
-                let said: String = checked
+                let warnings: String = checked
                     .warnings
                     .iter()
-                    .map(|faulty| format!("{faulty}\n"))
+                    .map(|errors| format!("{errors}\n"))
                     .collect();
                 for (index, region) in checked.profile.regions.iter().enumerate() {
                     let bound = checked
@@ -139,12 +154,12 @@ mod tests {
                             && high[0] <= reach.x + reach.w + 1e-9
                             && high[1] <= reach.y + reach.h + 1e-9
                     });
-                    let told =
-                        said.contains(&format!("the region `{}` lies out of reach", region.name));
+                    let warned =
+                        warnings.contains(&format!("the region `{}` is out of reach", region.name));
                     assert_eq!(
-                        told,
+                        warned,
                         bound && !inside,
-                        "{} for {}: {}\n{said}",
+                        "{} for {}: {}\n{warnings}",
                         profile.name,
                         user.name,
                         region.name

@@ -1,5 +1,5 @@
-//! One text, read into entries that remember their places. Finds what TOML forbids, keys that do not exist, and
-//! tables where values should be; what the values mean is for the checks.
+//! Reads one text into entries that keep their places. Reports what TOML forbids, unknown keys, and values where tables
+//! should be; the checks read the values.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,82 +8,41 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::keys::{self, SYNONYMS, Table};
-use crate::types::{Fault, nearest};
+use super::entries::{Data, Entries, Place, Text, Value};
+use super::key_list::{find_key, keys_of};
+use super::keys::{SYNONYMS, Table};
+use crate::types::{Diagnostic, nearest};
 
-/// Deepest list in a list that is looked at: points are two deep.
-const DEEPEST: usize = 3;
+/// Deepest nesting of lists that is read: points are two deep.
+const MAX_DEPTH: usize = 3;
 
-/// Where a value stands: which text, which bytes.
-#[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub layer: usize,
-    pub span: Range<usize>,
-}
-
-/// A value as written.
-#[derive(Clone, Debug)]
-pub(super) struct Value {
-    pub place: Place,
-    pub data: Data,
-}
-
-#[derive(Clone, Debug)]
-pub(super) enum Data {
-    Number(f64),
-    Text(String),
-    Flag(bool),
-    List(Vec<Value>),
-    /// A date, or a table where none belongs.
-    Other,
-}
-
-/// The keys of one table of the text.
-#[derive(Clone, Debug)]
-pub(super) struct Entries {
-    /// The table's head.
-    pub place: Place,
-    pub values: BTreeMap<String, Value>,
-}
-
-/// A whole text.
-#[derive(Clone, Debug)]
-pub(super) struct Text {
-    pub top: Entries,
-    pub vars: BTreeMap<String, Value>,
-    pub matches: Option<Entries>,
-    pub regions: Vec<Entries>,
-    pub bindings: Vec<Entries>,
-}
-
-/// Reads a text that is a profile ([`Table::Profile`]) or about a person ([`Table::User`]).
-pub(super) fn read(toml: &str, layer: usize, kind: Table) -> (Text, Vec<Fault>) {
-    let (document, errors) = DeTable::parse_recoverable(toml);
-    let mut reader = Reader {
+/// Reads a profile ([`Table::Profile`]) or user settings ([`Table::User`]).
+pub(super) fn read(toml: &str, layer: usize, kind: Table) -> (Text, Vec<Diagnostic>) {
+    let (document, broken) = DeTable::parse_recoverable(toml);
+    let mut parser = Parser {
         layer,
-        faults: errors
+        errors: broken
             .iter()
             .map(|error| {
                 let span = error.span().unwrap_or(0..0);
-                Fault::new(span, error.message().trim().replace('\n', ", "), "here")
+                Diagnostic::new(span, error.message().trim().replace('\n', ", "), "here")
             })
             .collect(),
     };
-    // What recovery made of broken lines would be told twice.
-    let broken = !reader.faults.is_empty();
-    let text = reader.document(document.get_ref(), kind);
-    if broken {
-        reader.faults.truncate(errors.len());
+    // Recovery from broken lines would report them twice.
+    let text = parser.document(document.get_ref(), kind);
+    if !broken.is_empty() {
+        parser.errors.truncate(broken.len());
     }
-    (text, reader.faults)
+    (text, parser.errors)
 }
 
-struct Reader {
+struct Parser {
     layer: usize,
-    faults: Vec<Fault>,
+    errors: Vec<Diagnostic>,
 }
 
-impl Reader {
+impl Parser {
     fn document(&mut self, document: &DeTable<'_>, kind: Table) -> Text {
         let mut text = Text {
             top: self.empty(0..0),
@@ -133,9 +92,9 @@ impl Reader {
 
     fn vars(&mut self, value: &Spanned<DeValue<'_>>) -> BTreeMap<String, Value> {
         let DeValue::Table(table) = value.get_ref() else {
-            self.faults.push(Fault::new(
+            self.errors.push(Diagnostic::new(
                 value.span(),
-                "`vars` is a table",
+                "`vars` must be a table",
                 "write [vars] above its lines",
             ));
             return BTreeMap::new();
@@ -148,9 +107,9 @@ impl Reader {
 
     fn table(&mut self, value: &Spanned<DeValue<'_>>, kind: Table, name: &str) -> Option<Entries> {
         let DeValue::Table(table) = value.get_ref() else {
-            self.faults.push(Fault::new(
+            self.errors.push(Diagnostic::new(
                 value.span(),
-                format!("`{name}` is a table"),
+                format!("`{name}` must be a table"),
                 format!("write [{name}] above its lines"),
             ));
             return None;
@@ -168,10 +127,10 @@ impl Reader {
 
     fn tables(&mut self, value: &Spanned<DeValue<'_>>, kind: Table, name: &str) -> Vec<Entries> {
         let DeValue::Array(array) = value.get_ref() else {
-            self.faults.push(
-                Fault::new(
+            self.errors.push(
+                Diagnostic::new(
                     value.span(),
-                    format!("`{name}` is a list of tables"),
+                    format!("`{name}` must be a list of tables"),
                     "a single one",
                 )
                 .help(format!("write [[{name}]] with two brackets above each")),
@@ -192,37 +151,30 @@ impl Reader {
         kind: Table,
     ) -> Option<Value> {
         let name = key.get_ref().as_ref();
-        if keys::find(kind, name).is_some() {
+        if find_key(kind, name).is_some() {
             return Some(self.value(value, 0));
         }
         let tables: &[&str] = match kind {
             Table::Profile => &["vars", "match", "region", "binding"],
             _ => &[],
         };
-        let known = keys::of(kind)
-            .map(|key| key.name)
-            .chain(tables.iter().copied());
-        let meant = SYNONYMS
+        let names: Vec<&str> = keys_of(kind).map(|key| key.name).collect();
+        let synonym = SYNONYMS
             .iter()
-            .find(|(said, term)| *said == name && keys::find(kind, term).is_some())
-            .map(|(_, term)| (*term).to_owned())
-            .or_else(|| nearest(name, known));
-        let fault = Fault::new(
-            key.span(),
-            format!("no key is named `{name}` {}", of_table(kind)),
-            "not known",
-        );
-        self.faults.push(match meant {
-            Some(term) => {
-                let about = keys::find(kind, &term)
-                    .map_or(String::new(), |key| format!(" ({})", key.about));
-                fault.help(format!("did you mean `{term}`?{about}"))
+            .find(|(word, meant)| *word == name && names.contains(meant))
+            .map(|(_, meant)| (*meant).to_owned());
+        let known = names.iter().chain(tables).copied();
+        let help = match synonym.or_else(|| nearest(name, known)) {
+            Some(meant) => {
+                let about = find_key(kind, &meant);
+                let about = about.map_or(String::new(), |key| format!(" ({})", key.about));
+                format!("did you mean `{meant}`?{about}")
             }
-            None => {
-                let names: Vec<&str> = keys::of(kind).map(|key| key.name).collect();
-                fault.help(format!("known are {}", names.join(", ")))
-            }
-        });
+            None => format!("known keys: {}", names.join(", ")),
+        };
+        let message = format!("unknown key `{name}` {}", in_table(kind));
+        let error = Diagnostic::new(key.span(), message, "unknown");
+        self.errors.push(error.help(help));
         None
     }
 
@@ -233,7 +185,7 @@ impl Reader {
                 .map_or(Data::Other, |integer| Data::Number(integer as f64)),
             DeValue::Float(float) => float.as_str().parse().map_or(Data::Other, Data::Number),
             DeValue::Boolean(flag) => Data::Flag(*flag),
-            DeValue::Array(list) if depth < DEEPEST => Data::List(
+            DeValue::Array(list) if depth < MAX_DEPTH => Data::List(
                 list.iter()
                     .map(|value| self.value(value, depth + 1))
                     .collect(),
@@ -247,13 +199,12 @@ impl Reader {
     }
 }
 
-/// "in a region", for messages.
-fn of_table(table: Table) -> &'static str {
+fn in_table(table: Table) -> &'static str {
     match table {
-        Table::Profile | Table::Setting => "in a profile",
-        Table::User => "about a person",
-        Table::Region => "of a region",
-        Table::Binding => "of a binding",
-        Table::Match => "of [match]",
+        Table::Profile | Table::Setting => "at the top of a profile",
+        Table::User => "in user settings",
+        Table::Region => "in a region",
+        Table::Binding => "in a binding",
+        Table::Match => "in [match]",
     }
 }

@@ -1,32 +1,32 @@
-//! The output's thread: events to the device when they are due.
+//! The output's thread: sends events to the device when they are due.
 
 use std::time::{Duration, Instant};
 
 use hdrhistogram::Histogram;
 use rtrb::Consumer;
 
-use super::latency::{Emitted, Spread};
+use super::latency::{LatencySummary, OutputStatistics};
 use super::schedule::{Due, LATE, Schedule};
 use super::{EVENT_QUEUE, NAP, OutputReport, nanos, new_histogram, now};
-use crate::output::{Device, Held, OutputError};
+use crate::output::{OutputDevice, OutputError, ReleaseOnDrop};
 use crate::types::Action;
 
-/// How often it says how it goes.
-const TELL: Duration = Duration::from_millis(100);
-/// What waits for its time at the end gets so long.
-const ENCORE: Duration = Duration::from_millis(500);
+/// How often the statistics are published.
+const PUBLISH_PERIOD: Duration = Duration::from_millis(100);
+/// After the engine has ended, events that are not due yet are waited for this long.
+const DRAIN_TIMEOUT: Duration = Duration::from_millis(500);
 
 pub(super) fn output_thread(
-    device: Box<dyn Device>,
+    device: Box<dyn OutputDevice>,
     events: Consumer<Due>,
-    told: triple_buffer::Input<Emitted>,
+    emitted: triple_buffer::Input<OutputStatistics>,
 ) -> OutputReport {
     let mut emitter = Emitter {
-        held: Held::new(device),
+        device: ReleaseOnDrop::new(device),
         schedule: Schedule::default(),
         device_ns: new_histogram(),
-        told,
-        next_told: now(),
+        emitted,
+        next_publish: now(),
         report: OutputReport::default(),
     };
     if let Err(error) = emitter.run(events) {
@@ -37,11 +37,11 @@ pub(super) fn output_thread(
 }
 
 struct Emitter {
-    held: Held,
+    device: ReleaseOnDrop,
     schedule: Schedule,
     device_ns: Histogram<u64>,
-    told: triple_buffer::Input<Emitted>,
-    next_told: Instant,
+    emitted: triple_buffer::Input<OutputStatistics>,
+    next_publish: Instant,
     report: OutputReport,
 }
 
@@ -50,22 +50,22 @@ impl Emitter {
         let mut end: Option<Instant> = None;
         loop {
             let is_last = events.is_abandoned();
-            // A device that falls behind makes the engine wait.
+            // If the device falls behind, the queue fills up and the engine waits.
             while self.schedule.len() < EVENT_QUEUE
                 && let Ok(due) = events.pop()
             {
-                self.schedule.take(due);
+                self.schedule.add(due);
             }
             if is_last && events.is_empty() {
-                self.schedule.whole();
-                let end = *end.get_or_insert_with(|| now() + ENCORE);
+                self.schedule.end_batch();
+                let end = *end.get_or_insert_with(|| now() + DRAIN_TIMEOUT);
                 if self.schedule.len() == 0 || now() >= end {
-                    return self.held.flush();
+                    return self.device.flush();
                 }
             }
             self.emit()?;
-            self.held.idle()?;
-            self.tell();
+            self.device.idle()?;
+            self.publish();
             if events.is_empty() {
                 let left = self.schedule.next_at();
                 let left = left.map_or(NAP, |at| at.saturating_duration_since(now()));
@@ -77,30 +77,34 @@ impl Emitter {
         }
     }
 
-    /// Sends what is due, one report for each batch.
+    /// Sends what is due, one flush for each batch.
     fn emit(&mut self) -> Result<(), OutputError> {
         let mut batch: Vec<(Due, Instant)> = Vec::new();
         while let Some((due, at)) = self.schedule.next(now()) {
-            self.held.send(&due.event)?;
+            self.device.send(&due.event)?;
             batch.push((due, at));
             if due.ends_batch {
-                self.held.flush()?;
-                batch.drain(..).for_each(|(due, at)| self.note(&due, at));
+                self.device.flush()?;
+                batch
+                    .drain(..)
+                    .for_each(|(due, at)| self.record_sent(&due, at));
             }
         }
         if !batch.is_empty() {
-            self.held.flush()?;
-            batch.drain(..).for_each(|(due, at)| self.note(&due, at));
+            self.device.flush()?;
+            batch
+                .drain(..)
+                .for_each(|(due, at)| self.record_sent(&due, at));
         }
         Ok(())
     }
 
-    /// Notes an event that the device has taken.
-    fn note(&mut self, due: &Due, at: Instant) {
+    /// Records when the device took an event.
+    fn record_sent(&mut self, due: &Due, at: Instant) {
         let taken = now();
         let report = &mut self.report;
         let since = |before: Instant| nanos(taken.saturating_duration_since(before));
-        // From when it was made or, where it had to wait, from when it might go.
+        // From when the event was made or, if it had to wait, from when it was due.
         self.device_ns.saturating_record(since(due.made.max(at)));
         if let Some(arrived) = due.frame_at {
             report.frame_to_device_ns.saturating_record(since(arrived));
@@ -112,17 +116,17 @@ impl Emitter {
         report.presses += u64::from(matches!(due.event.action, Action::Press(_)));
     }
 
-    /// How it goes, for the views.
-    fn tell(&mut self) {
-        if now() < self.next_told {
+    /// Publishes the statistics for the views.
+    fn publish(&mut self) {
+        if now() < self.next_publish {
             return;
         }
-        self.next_told = now() + TELL;
-        self.told.write(Emitted {
-            device: Spread::of(&self.device_ns),
-            frame_to_device: Spread::of(&self.report.frame_to_device_ns),
+        self.next_publish = now() + PUBLISH_PERIOD;
+        self.emitted.write(OutputStatistics {
+            device: LatencySummary::from_times(&self.device_ns),
+            frame_to_device: LatencySummary::from_times(&self.report.frame_to_device_ns),
             late: self.report.late,
-            rumble: self.held.rumble(),
+            rumble: self.device.rumble(),
         });
     }
 }

@@ -1,4 +1,4 @@
-//! The source's thread: frames into the queue, at the pace of the source.
+//! The source's thread: readings into the queue, at the pace of the source.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Thread;
@@ -6,95 +6,122 @@ use std::time::{Duration, Instant};
 
 use rtrb::{Producer, PushError};
 
-use super::{Arrival, Arrived, Losses, NAP, SourceReport, now};
-use crate::source::{Pace, Reading, Source};
+use super::{Arrival, NAP, SourceInput, SourceReport, SourceStatus, now};
+use crate::source::{Source, SourcePace, SourceReading};
 use crate::types::Nanos;
 
-/// The first reasons for skipping are told, then every hundredth.
-const TOLD_SKIPS: u64 = 3;
+/// The first skipped inputs are logged one by one, then every hundredth.
+const LOGGED_SKIPS: u64 = 3;
 
 pub(super) fn source_thread(
-    mut source: Box<dyn Source>,
-    mut frames: Producer<Arrived>,
+    source: Box<dyn Source>,
+    frames: Producer<Arrival>,
     engine: &Thread,
     stop: &AtomicBool,
-    losses: &Losses,
+    status: &SourceStatus,
 ) -> SourceReport {
-    let mut report = SourceReport::default();
-    let mut first: Option<(Instant, Nanos)> = None;
-    while !stop.load(Ordering::Relaxed) && !frames.is_abandoned() {
-        let what = match source.read() {
-            Ok(Reading::Frame(frame)) => Arrival::Frame(frame),
-            Ok(Reading::Control(control)) => Arrival::Control(control),
-            Ok(Reading::Skipped { reason, frames }) => {
-                report.skipped += 1;
-                losses.frames.fetch_add(frames, Ordering::Relaxed);
-                if report.skipped <= TOLD_SKIPS || report.skipped.is_multiple_of(100) {
-                    let skipped = report.skipped;
-                    tracing::warn!("skipped what is no frame ({skipped} so far): {reason}");
-                }
-                engine.unpark();
-                continue;
-            }
-            Ok(Reading::Gone { reason }) => {
-                tracing::warn!("{reason}");
-                losses.gone.store(true, Ordering::Release);
-                engine.unpark();
-                continue;
-            }
-            Ok(Reading::Idle) => continue,
-            Ok(Reading::End) => break,
+    let mut feeder = Feeder {
+        source,
+        frames,
+        engine,
+        stop,
+        status,
+        first: None,
+        report: SourceReport::default(),
+    };
+    while !feeder.is_over() {
+        match feeder.source.read() {
+            Ok(SourceReading::End) => break,
+            Ok(reading) => feeder.take_reading(reading),
             Err(error) => {
-                report.error = Some(error);
+                feeder.report.error = Some(error);
                 break;
             }
-        };
-        if source.pace() == Pace::ByStamp {
-            let (start, t0) = *first.get_or_insert_with(|| (now(), what.t_ns()));
-            sleep_until(start + Duration::from_nanos(what.t_ns() - t0), stop);
         }
-        if stop.load(Ordering::Relaxed) {
-            break;
-        }
-        let full = match frames.push(Arrived { what, at: now() }) {
-            Ok(()) => None,
-            Err(PushError::Full(back)) => Some(back),
-        };
-        engine.unpark();
-        match (full, source.pace()) {
-            (None, _) => {}
-            // A board goes on sending: its frame is lost, and said to be.
-            (Some(_), Pace::ByDevice) => {
-                losses.frames.fetch_add(1, Ordering::Relaxed);
+    }
+    drop(feeder.frames);
+    engine.unpark();
+    feeder.report
+}
+
+struct Feeder<'a> {
+    source: Box<dyn Source>,
+    frames: Producer<Arrival>,
+    engine: &'a Thread,
+    stop: &'a AtomicBool,
+    status: &'a SourceStatus,
+    /// When the first reading was played, and its time stamp.
+    first: Option<(Instant, Nanos)>,
+    report: SourceReport,
+}
+
+impl Feeder<'_> {
+    fn is_over(&self) -> bool {
+        self.stop.load(Ordering::Relaxed) || self.frames.is_abandoned()
+    }
+
+    fn take_reading(&mut self, reading: SourceReading) {
+        match reading {
+            SourceReading::Frame(frame) => self.feed(SourceInput::Frame(frame)),
+            SourceReading::Control(control) => self.feed(SourceInput::Control(control)),
+            SourceReading::Skipped { reason, frames } => {
+                self.report.skipped += 1;
+                self.status.lost_frames.fetch_add(frames, Ordering::Relaxed);
+                let skipped = self.report.skipped;
+                if skipped <= LOGGED_SKIPS || skipped.is_multiple_of(100) {
+                    tracing::warn!(
+                        "skipped input that is not a frame ({skipped} so far): {reason}"
+                    );
+                }
+                self.engine.unpark();
             }
-            (Some(back), Pace::ByStamp) => wait_for_room(&mut frames, back, engine, stop),
+            SourceReading::Disconnected { reason } => {
+                tracing::warn!("{reason}");
+                self.status.is_disconnected.store(true, Ordering::Release);
+                self.engine.unpark();
+            }
+            SourceReading::Idle | SourceReading::End => {}
         }
     }
-    drop(frames);
-    engine.unpark();
-    report
-}
 
-/// A file's frames are never lost: it waits until the engine has caught up.
-fn wait_for_room(
-    frames: &mut Producer<Arrived>,
-    frame: Arrived,
-    engine: &Thread,
-    stop: &AtomicBool,
-) {
-    let mut waiting = frame;
-    while !stop.load(Ordering::Relaxed) && !frames.is_abandoned() {
-        match frames.push(waiting) {
-            Ok(()) => break,
-            Err(PushError::Full(back)) => waiting = back,
+    /// Queues an input when it is due.
+    fn feed(&mut self, input: SourceInput) {
+        let pace = self.source.pace();
+        if pace == SourcePace::ByStamp {
+            let (start, t0) = *self.first.get_or_insert_with(|| (now(), input.t_ns()));
+            sleep_until(start + Duration::from_nanos(input.t_ns() - t0), self.stop);
         }
-        engine.unpark();
-        std::thread::park_timeout(Duration::from_millis(1));
+        if self.stop.load(Ordering::Relaxed) {
+            return;
+        }
+        let pushed = self.frames.push(Arrival { input, at: now() });
+        self.engine.unpark();
+        match (pushed, pace) {
+            (Ok(()), _) => {}
+            // A board keeps sending, so its frame is lost.
+            (Err(_), SourcePace::ByDevice) => {
+                self.status.lost_frames.fetch_add(1, Ordering::Relaxed);
+            }
+            (Err(PushError::Full(back)), SourcePace::ByStamp) => self.push_when_room(back),
+        }
     }
-    engine.unpark();
+
+    /// A file's frames are never lost: they wait until the engine has caught up.
+    fn push_when_room(&mut self, arrival: Arrival) {
+        let mut waiting = arrival;
+        while !self.is_over() {
+            match self.frames.push(waiting) {
+                Ok(()) => break,
+                Err(PushError::Full(back)) => waiting = back,
+            }
+            self.engine.unpark();
+            std::thread::park_timeout(Duration::from_millis(1));
+        }
+        self.engine.unpark();
+    }
 }
 
-/// Sleeps, but wakes to stop.
+/// Sleeps until a time, or until `stop` is set.
 fn sleep_until(due: Instant, stop: &AtomicBool) {
     while !stop.load(Ordering::Relaxed) {
         let left = due.saturating_duration_since(now());

@@ -1,4 +1,4 @@
-//! How long each stage takes, from a frame's arrival to the moment at which the device has taken its events.
+//! Latency of each stage, from a frame's arrival until the device has taken its events.
 //!
 //! ```text
 //! arrival ──queue──▶ engine takes it ──touches──▶ places known ──events──▶ events made ──device──▶ device has taken them
@@ -10,23 +10,23 @@ use hdrhistogram::Histogram;
 
 use super::{nanos, new_histogram, now};
 
-/// One stage so far, us.
+/// Latency of one stage, us.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
-    /// How many were measured.
+pub struct LatencySummary {
+    /// Number of measurements.
     pub count: u64,
-    /// Half are faster.
+    /// Median.
     pub median_us: f64,
-    /// One of a hundred is slower.
+    /// 99th percentile.
     pub p99_us: f64,
-    /// The slowest.
+    /// Maximum.
     pub worst_us: f64,
 }
 
-impl Spread {
-    /// The spread of times in ns.
+impl LatencySummary {
+    /// Summarizes times in ns.
     #[must_use]
-    pub fn of(times_ns: &Histogram<u64>) -> Self {
+    pub fn from_times(times_ns: &Histogram<u64>) -> Self {
         let us = |ns: u64| ns as f64 / 1e3;
         Self {
             count: times_ns.len(),
@@ -37,35 +37,35 @@ impl Spread {
     }
 }
 
-/// Every stage so far; a view has it once a second.
+/// Latency of every stage since the start; updated once a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stages {
+pub struct StageLatencies {
     /// From a frame's arrival until the engine takes it.
-    pub queue: Spread,
-    /// Until its image and touches are known.
-    pub touches: Spread,
+    pub queue: LatencySummary,
+    /// Until its touches are located.
+    pub touches: LatencySummary,
     /// Until its events are made.
-    pub events: Spread,
-    /// From then on until the device has taken them.
-    pub device: Spread,
-    /// All of them, for frames with events.
-    pub frame_to_device: Spread,
+    pub events: LatencySummary,
+    /// Until the device has taken them.
+    pub device: LatencySummary,
+    /// All stages together, for frames that cause events.
+    pub frame_to_device: LatencySummary,
 }
 
-/// What the output's thread tells while it plays.
+/// Statistics of the output's thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Emitted {
+pub struct OutputStatistics {
     /// From the engine to the device.
-    pub device: Spread,
+    pub device: LatencySummary,
     /// From a frame's arrival to the device.
-    pub frame_to_device: Spread,
-    /// Events that went out late.
+    pub frame_to_device: LatencySummary,
+    /// Events that were sent late.
     pub late: u64,
-    /// How hard a game shakes the pad: the strong motor and the weak one, 0..1.
+    /// Rumble that the game requests: strong and weak motor, 0..1.
     pub rumble: [f32; 2],
 }
 
-/// Times of the stages in the engine's thread.
+/// Histograms of the engine's thread.
 #[derive(Debug)]
 pub(super) struct EngineTimes {
     pub(super) queue_ns: Histogram<u64>,
@@ -84,8 +84,9 @@ impl EngineTimes {
         }
     }
 
-    /// Notes a frame that arrived, was taken, had its touches known, and has now its events made.
-    pub(super) fn note(&mut self, arrived: Instant, taken: Instant, placed: Instant) {
+    /// Records a frame by its arrival and the times at which the engine took it and had located its touches;
+    /// its events are made now.
+    pub(super) fn record(&mut self, arrived: Instant, taken: Instant, placed: Instant) {
         let done = now();
         let from = |before: Instant, after: Instant| nanos(after.saturating_duration_since(before));
         self.queue_ns.saturating_record(from(arrived, taken));
@@ -95,11 +96,11 @@ impl EngineTimes {
             .saturating_record(from(arrived, done));
     }
 
-    pub(super) fn stages(&self, emitted: &Emitted) -> Stages {
-        Stages {
-            queue: Spread::of(&self.queue_ns),
-            touches: Spread::of(&self.touches_ns),
-            events: Spread::of(&self.events_ns),
+    pub(super) fn stages(&self, emitted: &OutputStatistics) -> StageLatencies {
+        StageLatencies {
+            queue: LatencySummary::from_times(&self.queue_ns),
+            touches: LatencySummary::from_times(&self.touches_ns),
+            events: LatencySummary::from_times(&self.events_ns),
             device: emitted.device,
             frame_to_device: emitted.frame_to_device,
         }

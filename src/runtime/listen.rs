@@ -1,23 +1,21 @@
-//! Who is told of every step of the engine: the recorder, and whoever sends touches on.
-//!
-//! Told on the engine's thread: a listener takes what it needs and returns; it never waits.
+//! Listeners to every step of the engine: the recorder, and the sender of touches.
 
 use crate::engine::Input;
 use crate::types::{Event, Touch};
 
-/// One input of the engine, and what came of it.
+/// One input of the engine and its results.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a> {
+pub struct EngineStep<'a> {
     /// The input.
     pub input: &'a Input,
     /// The touches that are down after it.
     pub touches: &'a [Touch],
-    /// The events that came of it.
+    /// The events that it caused.
     pub events: &'a [Event],
 }
 
-/// Someone who is told.
-pub trait Listener: Send {
-    /// Takes a step, without waiting for anything.
-    fn step(&mut self, step: &Step<'_>);
+/// Receives every step, on the engine's thread.
+pub trait StepListener: Send {
+    /// Takes what it needs from a step. It must not wait.
+    fn on_step(&mut self, step: &EngineStep<'_>);
 }

@@ -1,13 +1,14 @@
-//! Threads, clocks, wiring: plays a source through the engine into a device.
+//! Threads, clocks and wiring: plays a source through the engine into a device.
 //!
 //! ```text
 //! source thread ─frames─▶ engine thread ─events─▶ output thread
-//!                               └─views─▶ whoever shows them
+//!                               └─views─▶ window or terminal
 //! ```
-//! Events carry the time at which they are due; the output's thread sends them then (`schedule.rs`).
-//! Queues are bounded. The engine takes every frame; one that finds the queue full is counted and told as lost.
-//! Shut-down runs from the source on: its thread ends, the engine releases all, the output is flushed. A thread that
-//! panics drops its ends of the queues, and the next in line shuts down as if the source had ended; whatever is still
+//! Every event carries its due time, at which the output thread sends it (`schedule.rs`). All queues are bounded. The
+//! engine takes every frame; a board's frame that finds the queue full is counted and reported as lost.
+//!
+//! Shut-down starts at the source: its thread ends, the engine releases all outputs, the output is flushed. A thread
+//! that panics drops its ends of the queues, so the next one shuts down as if the source had ended. Whatever is still
 //! down is released when the device is dropped.
 
 mod emit;
@@ -19,9 +20,10 @@ mod record;
 mod schedule;
 mod steps;
 mod touches;
+mod view;
 mod wake;
 
-use std::collections::VecDeque;
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{Builder, JoinHandle};
@@ -31,138 +33,84 @@ use hdrhistogram::Histogram;
 use rtrb::{Producer, RingBuffer};
 
 use crate::engine::Engine;
-use crate::output::{Device, OutputError};
+use crate::output::{OutputDevice, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Control, Event, Frame, Image, Nanos, Output, Touch};
+use crate::types::{Control, Frame, Nanos};
 use emit::output_thread;
 use feed::source_thread;
 use latency::EngineTimes;
-pub use latency::{Emitted, Spread, Stages};
-use rebuild::Rebuilder;
-use steps::EngineThread;
-use wake::Wake;
+pub use latency::{LatencySummary, OutputStatistics, StageLatencies};
+use steps::{EngineQueues, EngineThread};
+use wake::ViewWaker;
 
-pub use listen::{Listener, Step};
-pub use record::{RecordError, RecordReport, Recorder, record};
+pub use listen::{EngineStep, StepListener};
+pub use record::{RecordError, RecordReport, Recorder, start_recording};
 pub use touches::send_touches;
+pub use view::{Signals, View};
 
 /// Frames that may wait for the engine: a quarter of a second at 1000 frames/s.
 const FRAME_QUEUE: usize = 256;
 /// Events that may wait for the device.
 const EVENT_QUEUE: usize = 1024;
-/// Wishes of the player that may wait for the engine.
+/// Commands that may wait for the engine.
 const COMMAND_QUEUE: usize = 16;
-/// Longest sleep of any thread: what a shut-down waits for at most.
+/// Longest sleep of any thread, and so the longest delay of a shut-down.
 const NAP: Duration = Duration::from_millis(20);
-/// Longest wait for the threads to end when nobody asks how it went.
+/// Longest wait for the threads when [`RunningGame`] is dropped without [`RunningGame::join`].
 const LAST_WAIT: Duration = Duration::from_secs(2);
 
-/// What a player may ask for meanwhile.
+/// What the player can do during play.
 #[derive(Clone, Debug)]
-pub enum Command {
-    /// Another profile.
+pub enum PlayCommand {
+    /// Change to this profile.
     Profile(Arc<Profile>),
-    /// Pause, or go on.
+    /// Pause or continue.
     Pause,
-    /// The pad counts as untouched as it is.
+    /// Take the reference again: the pad counts as untouched.
     Rezero,
 }
 
-/// What a view needs of one moment; views drop to the newest.
-#[derive(Clone, Debug)]
-pub struct View {
-    /// The newest frame's time.
-    pub t_ns: Nanos,
-    /// The profile in force.
-    pub profile: Arc<Profile>,
-    /// Whether the player has paused.
-    pub paused: bool,
-    /// Its image.
-    pub image: Image,
-    /// Touches that are down.
-    pub touches: Vec<Touch>,
-    /// Outputs that are down.
-    pub held: Vec<Output>,
-    /// The last events, oldest first.
-    pub events: VecDeque<Event>,
-    /// Events so far: tells which of the last ones are new.
-    pub events_so_far: u64,
-    /// What the newest frame measured, for those who build pads.
-    pub signals: Signals,
-    /// Frames so far.
-    pub frames: u64,
-    /// Frames that were lost or garbled.
-    pub lost_frames: u64,
-    /// Electrodes that are left out.
-    pub lost_electrodes: Vec<usize>,
-    /// Frames a second, over the last second or so.
-    pub frames_per_s: f64,
-    /// From a frame's arrival to its events, median so far, us.
-    pub latency_us: u64,
-    /// How long each stage takes, so far.
-    pub stages: Stages,
-    /// Events that went out late, so far.
-    pub late_events: u64,
-    /// How hard a game shakes the pad: the strong motor and the weak one, 0..1.
-    pub rumble: [f32; 2],
-}
-
-/// What a frame measured, channel by channel.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Signals {
-    /// The voltages as they came.
-    pub volts: Vec<f32>,
-    /// Their relative change against the untouched pad; empty before there is one.
-    pub changes: Vec<f32>,
-    /// How much of that the touches explain; the rest is the fit's residual.
-    pub explained: Vec<f32>,
-    /// The untouched pad's voltages, as of the last half second.
-    pub reference: Vec<f32>,
-    /// Deviation of each reading from frame to frame, relative; infinite for a channel that is left out.
-    pub noise: Vec<f32>,
-}
-
-/// What was played, when it is over.
+/// Counts and times of a session that has ended.
 #[derive(Debug)]
-pub struct Summary {
+pub struct SessionSummary {
     /// Frames that the engine took.
     pub frames: u64,
     /// Frames a second, from the first to the last.
     pub frames_per_s: f64,
-    /// Frames that were lost before it.
+    /// Frames that were lost before they reached the engine.
     pub lost_frames: u64,
-    /// Things that came from the source and were no frames.
+    /// Garbled frames and other input that the source skipped.
     pub skipped: u64,
     /// Presses sent.
     pub presses: u64,
     /// Events sent.
     pub events: u64,
-    /// Those of them that went out late: more than a quarter of a game's frame after they were due.
+    /// Events sent more than 4 ms (a quarter of a game's frame) after they were due.
     pub late_events: u64,
-    /// The latest of them, after it was due.
+    /// The longest delay of an event after it was due.
     pub latest: Duration,
-    /// How long each stage took.
-    pub stages: Stages,
+    /// Latency of each stage.
+    pub stages: StageLatencies,
     /// From a frame's arrival to its events, ns.
     pub frame_to_events_ns: Histogram<u64>,
-    /// From a frame's arrival to the moment at which the device has taken its events, ns.
+    /// From a frame's arrival until the device has taken its events, ns.
     pub frame_to_device_ns: Histogram<u64>,
-    /// Why the source ended, if not by itself.
+    /// The error that ended the source.
     pub source_error: Option<SourceError>,
-    /// Why the device failed, if it did.
+    /// The error that ended the output.
     pub output_error: Option<OutputError>,
-    /// The thread that panicked, if one did.
+    /// The thread that panicked.
     pub panicked: Option<&'static str>,
 }
 
 /// A game being played.
-pub struct Running {
+pub struct RunningGame {
     stop: Arc<AtomicBool>,
-    commands: Producer<Command>,
+    commands: Producer<PlayCommand>,
     views: triple_buffer::Output<View>,
-    wake: Arc<Wake>,
+    waker: Arc<ViewWaker>,
     threads: Option<Threads>,
 }
 
@@ -172,18 +120,18 @@ struct Threads {
     output: JoinHandle<OutputReport>,
 }
 
-struct Arrived {
-    what: Arrival,
+/// A reading of the source and when it arrived.
+struct Arrival {
+    input: SourceInput,
     at: Instant,
 }
 
-/// What a source gives.
-enum Arrival {
+enum SourceInput {
     Frame(Frame),
     Control(Control),
 }
 
-impl Arrival {
+impl SourceInput {
     fn t_ns(&self) -> Nanos {
         match self {
             Self::Frame(frame) => frame.t_ns,
@@ -192,13 +140,13 @@ impl Arrival {
     }
 }
 
-/// What the source tells the engine beside frames.
+/// What the source reports to the engine besides its readings.
 #[derive(Default)]
-struct Losses {
+struct SourceStatus {
     /// Frames that were lost since the engine last looked.
-    frames: AtomicU64,
-    /// The board went away behind the frames that are queued.
-    gone: AtomicBool,
+    lost_frames: AtomicU64,
+    /// The board is disconnected; the frames that are queued came before.
+    is_disconnected: AtomicBool,
 }
 
 #[derive(Default)]
@@ -238,84 +186,66 @@ impl Default for OutputReport {
     }
 }
 
-/// Starts to play. The builder makes another matrix when an electrode is lost.
+/// Starts to play. `builder` makes another matrix when an electrode is lost.
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system cannot start a thread.
 pub fn start(
     engine: Engine,
     builder: SensingBuilder,
     source: Box<dyn Source>,
-    device: Box<dyn Device>,
-) -> std::io::Result<Running> {
-    start_with(engine, builder, source, device, Vec::new())
+    device: Box<dyn OutputDevice>,
+) -> io::Result<RunningGame> {
+    start_with_listeners(engine, builder, source, device, Vec::new())
 }
 
-/// The same, and listeners are told of every step of the engine.
+/// The same, with listeners to every step of the engine.
 ///
 /// # Errors
 /// As [`start`].
-pub fn start_with(
+pub fn start_with_listeners(
     engine: Engine,
     builder: SensingBuilder,
     source: Box<dyn Source>,
-    device: Box<dyn Device>,
-    listeners: Vec<Box<dyn Listener>>,
-) -> std::io::Result<Running> {
+    device: Box<dyn OutputDevice>,
+    listeners: Vec<Box<dyn StepListener>>,
+) -> io::Result<RunningGame> {
     let stop = Arc::new(AtomicBool::new(false));
-    let losses = Arc::new(Losses::default());
-    let (frames_in, frames_out) = RingBuffer::new(FRAME_QUEUE);
-    let (events_in, events_out) = RingBuffer::new(EVENT_QUEUE);
-    let (commands_in, commands_out) = RingBuffer::new(COMMAND_QUEUE);
+    let status = Arc::new(SourceStatus::default());
+    let waker = Arc::new(ViewWaker::default());
     let blank = View::blank(Arc::clone(engine.profile()), engine.touches().image.clone());
+    let (frames_in, frames) = RingBuffer::new(FRAME_QUEUE);
+    let (events, events_out) = RingBuffer::new(EVENT_QUEUE);
+    let (commands_in, commands) = RingBuffer::new(COMMAND_QUEUE);
+    let (views, views_out) = triple_buffer::triple_buffer(&blank);
+    let (emitted_in, emitted) = triple_buffer::triple_buffer(&OutputStatistics::default());
+    let output = spawn("output", move || {
+        output_thread(device, events_out, emitted_in)
+    })?;
+    let queues = EngineQueues {
+        frames,
+        commands,
+        status: Arc::clone(&status),
+        events,
+        output: output.thread().clone(),
+        emitted,
+        views,
+        waker: Arc::clone(&waker),
+    };
     let pace = source.pace();
-    let wake = Arc::new(Wake::default());
-    let waking = Arc::clone(&wake);
-    let (views_in, views) = triple_buffer::triple_buffer(&blank);
-    let (told, emitted) = triple_buffer::triple_buffer(&Emitted::default());
-    let output = Builder::new()
-        .name("output".to_owned())
-        .spawn(move || output_thread(device, events_out, told))?;
-    let to_output = output.thread().clone();
-    let engine_losses = Arc::clone(&losses);
-    let engine = Builder::new().name("engine".to_owned()).spawn(move || {
-        // Without a thread to build on, play goes on as it is.
-        let rebuilder = Rebuilder::start(builder, std::thread::current());
-        EngineThread {
-            engine,
-            rebuilder: rebuilder.ok(),
-            frames: frames_out,
-            commands: commands_out,
-            losses: engine_losses,
-            events: events_in,
-            output: to_output,
-            views: views_in,
-            wake: waking,
-            view: blank,
-            listeners,
-            fresh: Vec::new(),
-            times: EngineTimes::new(),
-            emitted,
-            pace,
-            longest_silence: steps::SILENCE,
-            silent: false,
-            retaken_told: 0,
-            first_ns: None,
-            last_frame: None,
-            second: None,
-        }
-        .run()
+    let engine = spawn("engine", move || {
+        EngineThread::new(engine, builder, pace, queues, blank, listeners).run()
     })?;
     let to_engine = engine.thread().clone();
     let stopping = Arc::clone(&stop);
-    let source = Builder::new()
-        .name("source".to_owned())
-        .spawn(move || source_thread(source, frames_in, &to_engine, &stopping, &losses))?;
-    Ok(Running {
+    let source = spawn("source", move || {
+        source_thread(source, frames_in, &to_engine, &stopping, &status)
+    })?;
+    Ok(RunningGame {
         stop,
         commands: commands_in,
-        views,
-        wake,
+        views: views_out,
+        waker,
         threads: Some(Threads {
             source,
             engine,
@@ -324,34 +254,15 @@ pub fn start_with(
     })
 }
 
-impl View {
-    /// Before the first frame.
-    #[must_use]
-    pub fn blank(profile: Arc<Profile>, image: Image) -> Self {
-        Self {
-            t_ns: 0,
-            profile,
-            paused: false,
-            image,
-            touches: Vec::new(),
-            held: Vec::new(),
-            events: VecDeque::new(),
-            events_so_far: 0,
-            signals: Signals::default(),
-            frames: 0,
-            lost_frames: 0,
-            lost_electrodes: Vec::new(),
-            frames_per_s: 0.0,
-            latency_us: 0,
-            stages: Stages::default(),
-            late_events: 0,
-            rumble: [0.0; 2],
-        }
-    }
+fn spawn<T: Send + 'static>(
+    name: &str,
+    run: impl FnOnce() -> T + Send + 'static,
+) -> io::Result<JoinHandle<T>> {
+    Builder::new().name(name.to_owned()).spawn(run)
 }
 
-impl Running {
-    /// Whether everything has ended.
+impl RunningGame {
+    /// Whether all threads have ended.
     #[must_use]
     pub fn is_finished(&self) -> bool {
         self.threads
@@ -359,7 +270,7 @@ impl Running {
             .is_none_or(|threads| threads.output.is_finished())
     }
 
-    /// Asks the source to end; the rest follows.
+    /// Stops the source; the other threads end after it.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(threads) = &self.threads {
@@ -367,18 +278,18 @@ impl Running {
         }
     }
 
-    /// Asks for something; whether there was room for the wish.
-    pub fn ask(&mut self, command: Command) -> bool {
-        let taken = self.commands.push(command).is_ok();
+    /// Sends a command; returns whether the queue had room for it.
+    pub fn send_command(&mut self, command: PlayCommand) -> bool {
+        let was_sent = self.commands.push(command).is_ok();
         if let Some(threads) = &self.threads {
             threads.engine.thread().unpark();
         }
-        taken
+        was_sent
     }
 
-    /// Wakes a thread whenever there is a newer view: it need not ask again and again. The first thread stays the one.
-    pub fn wake(&self, thread: std::thread::Thread) {
-        self.wake.who(thread);
+    /// Wakes this thread at every new view, so that it need not poll. Only the first call has an effect.
+    pub fn wake_on_view(&self, thread: std::thread::Thread) {
+        self.waker.set_thread(thread);
     }
 
     /// The newest view.
@@ -386,9 +297,9 @@ impl Running {
         self.views.read()
     }
 
-    /// Waits for the end.
+    /// Waits until all threads have ended.
     #[must_use]
-    pub fn join(mut self) -> Summary {
+    pub fn join(mut self) -> SessionSummary {
         let threads = self.threads.take().expect("taken here only");
         let mut panicked = None;
         let source = threads.source.join().unwrap_or_else(|_| {
@@ -408,12 +319,12 @@ impl Running {
             panicked = Some("output");
             OutputReport::default()
         });
-        let emitted = Emitted {
-            device: Spread::of(&output.device_ns),
-            frame_to_device: Spread::of(&output.frame_to_device_ns),
-            ..Emitted::default()
+        let emitted = OutputStatistics {
+            device: LatencySummary::from_times(&output.device_ns),
+            frame_to_device: LatencySummary::from_times(&output.frame_to_device_ns),
+            ..OutputStatistics::default()
         };
-        Summary {
+        SessionSummary {
             frames: engine.frames,
             frames_per_s: engine.frames_per_s,
             lost_frames: engine.lost_frames,
@@ -432,8 +343,8 @@ impl Running {
     }
 }
 
-/// Whoever shows the game may panic: the keys come up before the program ends.
-impl Drop for Running {
+/// If the thread that shows the game panics, this releases the keys before the program ends.
+impl Drop for RunningGame {
     fn drop(&mut self) {
         self.stop();
         let start = now();
@@ -443,7 +354,7 @@ impl Drop for Running {
     }
 }
 
-/// Nanoseconds up to an hour, two digits: small enough to be looked through while events wait.
+/// A histogram of times up to an hour, ns, with two significant digits: small, so that percentiles are fast.
 fn new_histogram() -> Histogram<u64> {
     Histogram::new_with_bounds(1, 3_600_000_000_000, 2).expect("constant bounds")
 }

@@ -1,84 +1,149 @@
-//! Makes another matrix aside while play goes on: when an electrode is lost or comes back.
+//! Builds another reconstruction matrix during play, when an electrode is lost or comes back.
 //!
-//! The engine says which weights it wants; the thread here builds for them, and what it built goes back in as an input like any other.
+//! The engine reports which channel deviations it wants a matrix for. The thread here builds it, and the result goes
+//! back to the engine as an input like any other.
 
 use std::io;
 use std::sync::Arc;
-use std::thread::{Builder, Thread};
+use std::thread::Thread;
 use std::time::Duration;
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use crate::touch::{Sensing, SensingBuilder};
+use super::spawn;
+use crate::touch::{ChannelNoise, Sensing, SensingBuilder};
 
-/// A wish wakes the thread; by itself it only looks whether it is still wanted.
-const LOOK: Duration = Duration::from_millis(500);
+/// Longest sleep of the thread; a request wakes it earlier.
+const NAP: Duration = Duration::from_millis(500);
 
-/// Hands weights to the thread that builds, and takes what it built.
+/// The engine's side of the thread that builds matrices: one request at a time.
 pub(super) struct Rebuilder {
-    wishes: Producer<Vec<f64>>,
-    built: Consumer<Arc<Sensing>>,
+    requests: Producer<ChannelNoise>,
+    /// One answer for each request; none if the build failed.
+    built: Consumer<Option<Arc<Sensing>>>,
     thread: Thread,
-    waiting: bool,
+    /// The noise that is being built for, or for which the last build failed.
+    requested: Option<ChannelNoise>,
+    is_building: bool,
 }
 
 impl Rebuilder {
-    /// Starts the thread; it ends when this is dropped. `engine` is woken when something is built.
+    /// Starts the thread; it ends when the rebuilder is dropped. `engine` is woken by every answer.
     pub(super) fn start(builder: SensingBuilder, engine: Thread) -> io::Result<Self> {
-        let (wishes, wished) = RingBuffer::new(1);
+        let (requests_in, requests) = RingBuffer::new(1);
         let (built_in, built) = RingBuffer::new(1);
-        let thread = Builder::new()
-            .name("matrix".to_owned())
-            .spawn(move || build_all(&builder, wished, built_in, &engine))?
-            .thread()
-            .clone();
+        let thread = spawn("matrix", move || {
+            build_all(&builder, requests, built_in, &engine)
+        })?;
         Ok(Self {
-            wishes,
+            requests: requests_in,
             built,
-            thread,
-            waiting: false,
+            thread: thread.thread().clone(),
+            requested: None,
+            is_building: false,
         })
     }
 
-    /// Asks for weights, unless an answer is still awaited.
-    pub(super) fn wish(&mut self, deviations: &[f64]) {
-        if !self.waiting && self.wishes.push(deviations.to_vec()).is_ok() {
-            self.waiting = true;
+    /// Requests a matrix for this noise. Ignored while one is built, and for noise whose build failed.
+    pub(super) fn request(&mut self, noise: &ChannelNoise) {
+        if self.is_building || self.requested.as_ref() == Some(noise) {
+            return;
+        }
+        if self.requests.push(noise.clone()).is_ok() {
+            self.requested = Some(noise.clone());
+            self.is_building = true;
             self.thread.unpark();
         }
     }
 
-    /// What was built since.
-    pub(super) fn take(&mut self) -> Option<Arc<Sensing>> {
+    /// A matrix that was finished since the last call.
+    pub(super) fn take_built(&mut self) -> Option<Arc<Sensing>> {
         let built = self.built.pop().ok()?;
-        self.waiting = false;
-        Some(built)
+        self.is_building = false;
+        if built.is_some() {
+            self.requested = None;
+        }
+        built
     }
 }
 
 impl Drop for Rebuilder {
     fn drop(&mut self) {
-        // The thread looks for its ends when it wakes.
+        // The thread notices the abandoned queue when it wakes.
         self.thread.unpark();
     }
 }
 
 fn build_all(
     builder: &SensingBuilder,
-    mut wished: Consumer<Vec<f64>>,
-    mut built: Producer<Arc<Sensing>>,
+    mut requests: Consumer<ChannelNoise>,
+    mut built: Producer<Option<Arc<Sensing>>>,
     engine: &Thread,
 ) {
-    while !wished.is_abandoned() {
-        match wished.pop() {
-            Ok(deviations) => match builder.build(&deviations) {
-                Ok(sensing) => {
-                    let _ = built.push(Arc::new(sensing));
-                    engine.unpark();
-                }
-                Err(error) => tracing::error!("no matrix without the lost electrodes: {error}"),
-            },
-            Err(_) => std::thread::park_timeout(LOOK),
+    while !requests.is_abandoned() {
+        let Ok(noise) = requests.pop() else {
+            std::thread::park_timeout(NAP);
+            continue;
+        };
+        let sensing = builder
+            .build(&noise)
+            .inspect_err(|error| {
+                tracing::error!(
+                    "no matrix without the lost electrodes: {error}; the present one is kept"
+                );
+            })
+            .ok();
+        let _ = built.push(sensing.map(Arc::new));
+        engine.unpark();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
+    use crate::types::Method;
+
+    /// Requests deviations and waits for the answer, for at most 20 s.
+    fn build(rebuilder: &mut Rebuilder, deviations: &[f64]) -> Option<Arc<Sensing>> {
+        let noise = deviations.to_vec().into();
+        rebuilder.request(&noise);
+        for _ in 0..2000 {
+            let built = rebuilder.take_built();
+            if built.is_some() || !rebuilder.is_building {
+                return built;
+            }
+            std::thread::park_timeout(Duration::from_millis(10));
+        }
+        None
+    }
+
+    #[test]
+    fn an_electrode_is_excluded_after_a_build_that_failed() {
+        let pad =
+            Pad::from_toml("p", shipped_pad(DEFAULT_PAD).expect("shipped").toml).expect("sound");
+        let builder = SensingBuilder::new(&pad, Method::default()).expect("solvable");
+        let mut rebuilder = Rebuilder::start(builder, std::thread::current()).expect("a thread");
+        // The pad is unplugged at the start: no channel is left to build from.
+        let unplugged = vec![f64::INFINITY; pad.channels()];
+        assert!(build(&mut rebuilder, &unplugged).is_none());
+        rebuilder.request(&unplugged.into());
+        assert!(!rebuilder.is_building, "the same request would fail again");
+        // It is plugged in, and electrode 1 is loose.
+        let mut loose = vec![1e-3; pad.channels()];
+        for (channel, deviation) in pad.protocol.channels.iter().zip(&mut loose) {
+            let pairs = [channel.drive, channel.measure];
+            if pairs.iter().any(|pair| pair.0 == 0 || pair.1 == 0) {
+                *deviation = f64::INFINITY;
+            }
+        }
+        let sensing = build(&mut rebuilder, &loose).expect("a matrix without electrode 1");
+        for (channel, deviation) in loose.iter().enumerate() {
+            assert_eq!(
+                sensing.uses_channel(channel),
+                deviation.is_finite(),
+                "{channel}"
+            );
         }
     }
 }

@@ -1,247 +1,255 @@
-//! The recorder's thread: every step of the engine to a file, flushed as it comes, packed when the session ends.
+//! The recorder's thread: writes every step of the engine to a file, flushed step by step and packed at the end.
 //!
-//! The engine never waits for a disk: steps queue up, and one that finds the queue full is left out, which is said
-//! and marked in the file. A file that cannot be written any further (a full disk) ends after its last whole
-//! step, which is said at once; play goes on.
+//! The engine never waits for the disk. Steps are queued; if the queue is full, a step is omitted, which is
+//! logged and marked in the file. If the file cannot be written any further (disk full), it ends after its
+//! last complete step, an error is logged, and play continues.
 
 use std::fs::File;
 use std::io::{BufWriter, Seek as _};
 use std::path::{Path, PathBuf};
-use std::thread::{Builder, JoinHandle, Thread};
+use std::thread::{JoinHandle, Thread};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::NAP;
-use super::listen::{Listener, Step};
+use super::listen::{EngineStep, StepListener};
+use super::{NAP, spawn};
 use crate::engine::Input;
 use crate::session::{self, Setup, WriteError};
-use crate::tape::Scribe;
+use crate::tape::SessionWriter;
 use crate::types::{Event, Touch};
 
-/// Steps that may wait for the disk: a second at 1000 frames/s.
+/// Steps that may wait for the disk: one second at 1000 frames/s.
 const STEP_QUEUE: usize = 1024;
 
-/// Why no recording begins.
+/// The recording cannot be started.
 #[derive(Debug, thiserror::Error)]
-#[error("{} cannot be recorded to: {why}", path.display())]
+#[error("cannot record to {}: {why}", path.display())]
 pub struct RecordError {
     path: PathBuf,
     why: String,
 }
 
-/// How a recording went.
+/// The result of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RecordReport {
-    /// Frames that it holds.
+    /// Frames in the file.
     pub frames: u64,
-    /// Inputs that it does not hold.
-    pub left_out: u64,
-    /// Why it ended early, if it did.
+    /// Inputs that were omitted.
+    pub omitted_steps: u64,
+    /// Why the file ended early.
     pub error: Option<String>,
 }
 
-/// A recording under way.
+/// A recording in progress.
 pub struct Recorder {
     thread: JoinHandle<RecordReport>,
 }
 
 impl Recorder {
-    /// Waits until the file is packed; whoever told of steps must be gone by then.
+    /// Waits until the file is packed. The listener must have been dropped before.
     #[must_use]
     pub fn join(self) -> RecordReport {
         self.thread.join().unwrap_or_else(|_| RecordReport {
-            error: Some("a bug in gelpad ended its recorder".to_owned()),
+            error: Some("the recorder crashed (a bug in gelpad)".to_owned()),
             ..RecordReport::default()
         })
     }
 }
 
-/// Begins a recording: writes what the engine is made of, and gives who is to be told of its steps.
+/// Starts a recording: writes the setup of the engine and returns the listener for its steps.
 ///
 /// # Errors
-/// A file that cannot be written; no thread.
-pub fn record(path: &Path, setup: &Setup) -> Result<(Box<dyn Listener>, Recorder), RecordError> {
-    let wrong = |why: String| RecordError {
+/// The file cannot be written, or no thread be started.
+pub fn start_recording(
+    path: &Path,
+    setup: &Setup,
+) -> Result<(Box<dyn StepListener>, Recorder), RecordError> {
+    let failed = |why: String| RecordError {
         path: path.to_owned(),
         why,
     };
-    let file = File::create(path).map_err(|error| wrong(error.to_string()))?;
-    let tape = Tape::begin(file, path, setup).map_err(|error| wrong(error.reason()))?;
+    let file = File::create(path).map_err(|error| failed(error.to_string()))?;
+    let recording =
+        RecordingFile::create(file, path, setup).map_err(|error| failed(error.reason()))?;
     let (steps_in, steps) = RingBuffer::new(STEP_QUEUE);
-    let thread = Builder::new()
-        .name("recorder".to_owned())
-        .spawn(move || tape.run(steps))
-        .map_err(|error| wrong(error.to_string()))?;
-    let tap = Tap {
+    let thread = spawn("recorder", move || recording.run(steps))
+        .map_err(|error| failed(error.to_string()))?;
+    let tap = RecordingListener {
         steps: steps_in,
         thread: thread.thread().clone(),
-        left_out: 0,
+        omitted: 0,
     };
     Ok((Box::new(tap), Recorder { thread }))
 }
 
-/// What the recorder needs of a step.
-enum Noted {
+/// An entry of the queue.
+enum QueuedStep {
     Step {
         input: Input,
         touches: Vec<Touch>,
         events: Vec<Event>,
     },
-    /// So many steps were left out here.
-    LeftOut(u64),
+    /// Number of steps that were omitted here.
+    Omitted(u64),
 }
 
 /// The engine's end of the queue.
-struct Tap {
-    steps: Producer<Noted>,
+struct RecordingListener {
+    steps: Producer<QueuedStep>,
     thread: Thread,
-    left_out: u64,
+    omitted: u64,
 }
 
-impl Listener for Tap {
-    fn step(&mut self, step: &Step<'_>) {
-        if self.left_out > 0 && self.steps.push(Noted::LeftOut(self.left_out)).is_ok() {
-            self.left_out = 0;
+impl StepListener for RecordingListener {
+    fn on_step(&mut self, step: &EngineStep<'_>) {
+        if self.omitted > 0 && self.steps.push(QueuedStep::Omitted(self.omitted)).is_ok() {
+            self.omitted = 0;
         }
-        let noted = Noted::Step {
+        let step = QueuedStep::Step {
             input: step.input.clone(),
             touches: step.touches.to_vec(),
             events: step.events.to_vec(),
         };
-        if self.left_out > 0 || self.steps.push(noted).is_err() {
-            self.left_out += 1;
+        if self.omitted > 0 || self.steps.push(step).is_err() {
+            self.omitted += 1;
         }
         self.thread.unpark();
     }
 }
 
-impl Drop for Tap {
+impl Drop for RecordingListener {
     fn drop(&mut self) {
-        if self.left_out > 0 {
-            // Without room even for this the file ends early by as much.
-            let _ = self.steps.push(Noted::LeftOut(self.left_out));
+        if self.omitted > 0 {
+            // If even this finds no room, the file ends that much earlier.
+            let _ = self.steps.push(QueuedStep::Omitted(self.omitted));
         }
         self.thread.unpark();
     }
 }
 
-/// The recorder's end.
-struct Tape {
+/// The recorder's end of the queue, and the file.
+struct RecordingFile {
     path: PathBuf,
-    /// The file again, to be cut after the last whole step.
+    /// A second handle of the file, to truncate it after the last complete step.
     file: File,
-    scribe: Option<Scribe<BufWriter<File>>>,
-    /// Length of the file up to the last whole step.
-    whole: u64,
+    writer: Option<SessionWriter<BufWriter<File>>>,
+    /// Length of the file up to the last complete step, bytes.
+    complete_len: u64,
     report: RecordReport,
 }
 
-impl Tape {
-    fn begin(file: File, path: &Path, setup: &Setup) -> Result<Self, WriteError> {
-        let again = file.try_clone().map_err(mcap::McapError::from)?;
-        let mut scribe = Scribe::live(BufWriter::new(file), setup)?;
-        scribe.flush()?;
-        let mut tape = Self {
+impl RecordingFile {
+    fn create(file: File, path: &Path, setup: &Setup) -> Result<Self, WriteError> {
+        let duplicate = file.try_clone().map_err(mcap::McapError::from)?;
+        let mut writer = SessionWriter::live(BufWriter::new(file), setup)?;
+        writer.flush()?;
+        let mut recording = Self {
             path: path.to_owned(),
-            file: again,
-            scribe: Some(scribe),
-            whole: 0,
+            file: duplicate,
+            writer: Some(writer),
+            complete_len: 0,
             report: RecordReport::default(),
         };
-        tape.mark_whole();
-        Ok(tape)
+        recording.mark_complete();
+        Ok(recording)
     }
 
-    fn run(mut self, mut steps: Consumer<Noted>) -> RecordReport {
+    fn run(mut self, mut steps: Consumer<QueuedStep>) -> RecordReport {
         loop {
             match steps.pop() {
-                Ok(noted) => self.take(noted),
+                Ok(step) => self.take_step(step),
                 Err(_) if steps.is_abandoned() && steps.is_empty() => break,
                 Err(_) => std::thread::park_timeout(NAP),
             }
         }
-        self.end()
+        self.finish()
     }
 
-    fn take(&mut self, noted: Noted) {
-        if self.scribe.is_none() {
-            self.report.left_out += 1;
+    fn take_step(&mut self, step: QueuedStep) {
+        if self.writer.is_none() {
+            self.report.omitted_steps += 1;
             return;
         }
-        match self.put(&noted) {
+        match self.write(&step) {
             Ok(()) => {
-                self.mark_whole();
-                match noted {
-                    Noted::Step {
+                self.mark_complete();
+                match step {
+                    QueuedStep::Step {
                         input: Input::Frame(_),
                         ..
                     } => self.report.frames += 1,
-                    Noted::LeftOut(steps) => {
-                        self.report.left_out += steps;
+                    QueuedStep::Omitted(steps) => {
+                        self.report.omitted_steps += steps;
                         tracing::error!(
                             "the disk is too slow: {steps} inputs are missing in the recording"
                         );
                     }
-                    Noted::Step { .. } => {}
+                    QueuedStep::Step { .. } => {}
                 }
             }
             Err(error) => {
-                self.report.left_out += 1;
+                self.report.omitted_steps += 1;
                 self.give_up(&error.reason());
             }
         }
     }
 
-    fn put(&mut self, noted: &Noted) -> Result<(), WriteError> {
-        let Some(scribe) = &mut self.scribe else {
+    fn write(&mut self, step: &QueuedStep) -> Result<(), WriteError> {
+        let Some(writer) = &mut self.writer else {
             return Ok(());
         };
-        match noted {
-            Noted::LeftOut(steps) => scribe.gap(*steps)?,
-            Noted::Step {
+        match step {
+            QueuedStep::Omitted(steps) => writer.write_gap(*steps)?,
+            QueuedStep::Step {
                 input,
                 touches,
                 events,
-            } => scribe.step(input, touches, events)?,
+            } => writer.write_step(input, touches, events)?,
         }
-        scribe.flush()
+        writer.flush()
     }
 
-    fn mark_whole(&mut self) {
+    fn mark_complete(&mut self) {
         if let Ok(length) = self.file.stream_position() {
-            self.whole = length;
+            self.complete_len = length;
         }
     }
 
-    /// The file ends after its last whole step.
+    /// Ends the file after its last complete step.
     fn give_up(&mut self, why: &str) {
         tracing::error!(
             "{}: {why}: the recording ends here, play goes on",
             self.path.display()
         );
         self.report.error = Some(why.to_owned());
-        // The scribe tries to end the file when it goes; what comes of that is cut off again.
-        self.scribe = None;
-        if let Err(error) = self.file.set_len(self.whole) {
-            tracing::error!("{}: its end is not whole: {error}", self.path.display());
+        // Dropping the writer writes an end of file, which is truncated again.
+        self.writer = None;
+        if let Err(error) = self.file.set_len(self.complete_len) {
+            tracing::error!(
+                "{}: the last step may be incomplete: {error}",
+                self.path.display()
+            );
         }
     }
 
-    fn end(mut self) -> RecordReport {
-        let Some(scribe) = self.scribe.take() else {
+    fn finish(mut self) -> RecordReport {
+        let Some(writer) = self.writer.take() else {
             return self.report;
         };
-        // A file without an end is whole up to there: nothing that was played is missing.
-        let finished = scribe.finish().map_err(|error| error.reason());
+        // Without an end of file the recording is still readable: no step is missing.
+        let finished = writer.finish().map_err(|error| error.reason());
         let flushed =
             finished.and_then(|file| file.into_inner().map_err(|error| error.to_string()));
         if let Err(why) = flushed {
-            tracing::warn!("{}: left without an end: {why}", self.path.display());
-            let _ = self.file.set_len(self.whole);
+            tracing::warn!(
+                "{}: written without an end of file: {why}",
+                self.path.display()
+            );
+            let _ = self.file.set_len(self.complete_len);
             return self.report;
         }
         if let Err(error) = session::pack(&self.path) {
-            tracing::warn!("{}: left unpacked: {error}", self.path.display());
+            tracing::warn!("{}: not compressed: {error}", self.path.display());
         }
         self.report
     }

@@ -1,21 +1,21 @@
-//! When an event goes out: at its due time, and never so close behind the one before that a game misses either.
+//! Decides when an event is sent: at its due time, but not so soon after the previous change of the same
+//! output that a game would miss one of them.
 //!
 //! ```text
-//! due    __/~~~\______     a press that goes out late (the computer was busy) is still held for as
-//! sent   ______/~~~\__     long as it was meant to, two frames of a game at most
+//! due    __/~~~\______     a press that is sent late (the computer was busy) is still held as
+//! sent   ______/~~~\__     long as intended, but at most for two frames of a game
 //! ```
-//! So is the gap before the next press of the same key. Other keys do not wait for that, as long as what is sent means the same:
-//! the changes of one key stay in order, so do presses, and nothing passes a modifier. What became of an event is never
-//! folded back into the engine.
+//! The gap before the next press of the same key is kept in the same way. Events of other keys need not wait for it,
+//! except that presses stay in order and nothing passes a modifier key. The engine never learns of these delays.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use crate::types::{Action, Event, Key, Nanos, Output};
 
-/// Two frames of a game that runs at 60 Hz, ms: a game that polls sees what lasts so long.
-pub(super) const SEEN: Duration = Duration::from_millis(34);
-/// What goes out so much after its due time is late: a quarter of a game's frame.
+/// Two frames of a game at 60 Hz: a game that polls sees a change that lasts this long.
+pub(super) const LONGEST_KEPT_GAP: Duration = Duration::from_millis(34);
+/// An event sent later than this after its due time counts as late: a quarter of a game's frame.
 pub(super) const LATE: Duration = Duration::from_millis(4);
 
 /// An event on its way to the device.
@@ -28,52 +28,52 @@ pub(super) struct Due {
     pub(super) made: Instant,
     /// Arrival of the frame that caused it; none for a tick.
     pub(super) frame_at: Option<Instant>,
-    /// Whether it is the last that follows from one input of the engine.
+    /// Whether it is the last event of its input of the engine.
     pub(super) ends_batch: bool,
 }
 
-/// Events that wait for their time.
+/// Events that wait for their due time.
 #[derive(Debug, Default)]
 pub(super) struct Schedule {
-    /// The batch that is not yet whole.
+    /// The batch that is not complete yet.
     partial: Vec<Due>,
     waiting: VecDeque<Due>,
-    /// The last change of each output that went out.
-    changes: Vec<Change>,
+    /// The last change of each output that was sent.
+    changes: Vec<LastChange>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Change {
+struct LastChange {
     output: Output,
     sent: Instant,
     t_ns: Nanos,
 }
 
 impl Schedule {
-    /// Takes an event; it can go out once its batch is whole.
-    pub(super) fn take(&mut self, due: Due) {
+    /// Adds an event; it can be sent once its batch is complete.
+    pub(super) fn add(&mut self, due: Due) {
         self.partial.push(due);
         if due.ends_batch {
-            self.whole();
+            self.end_batch();
         }
     }
 
-    /// Nothing more will come: what is there is whole.
-    pub(super) fn whole(&mut self) {
+    /// Completes the batch, also when the engine has ended within one.
+    pub(super) fn end_batch(&mut self) {
         self.waiting.extend(self.partial.drain(..));
     }
 
-    /// How many wait.
+    /// Number of waiting events.
     pub(super) fn len(&self) -> usize {
         self.partial.len() + self.waiting.len()
     }
 
-    /// The next event that may go out now, and when it should have.
+    /// The next event that may be sent now, and when it was due.
     pub(super) fn next(&mut self, now: Instant) -> Option<(Due, Instant)> {
         let (index, at) = self.ready().find(|(_, at)| *at <= now)?;
         let due = self.waiting.remove(index)?;
         if let Some(output) = output_of(&due.event) {
-            let change = Change {
+            let change = LastChange {
                 output,
                 sent: now,
                 t_ns: due.event.t_ns,
@@ -86,32 +86,32 @@ impl Schedule {
         Some((due, at))
     }
 
-    /// When the next event may go out.
+    /// When the next event may be sent.
     pub(super) fn next_at(&self) -> Option<Instant> {
         self.ready().map(|(_, at)| at).min()
     }
 
-    /// Events that need not wait for one before them, and when each may go out.
+    /// Events that need not wait for an earlier one, and when each may be sent.
     fn ready(&self) -> impl Iterator<Item = (usize, Instant)> + '_ {
         self.waiting.iter().enumerate().filter_map(|(index, due)| {
             let mut before = self.waiting.iter().take(index);
-            if before.any(|one| keeps_waiting(&one.event, &due.event)) {
+            if before.any(|one| must_follow(&one.event, &due.event)) {
                 return None;
             }
             let output = output_of(&due.event);
             let mut changes = self.changes.iter();
             let change = changes.find(|change| Some(change.output) == output);
-            let clear = change.map_or(due.at, |change| {
-                let meant = Duration::from_nanos(due.event.t_ns.saturating_sub(change.t_ns));
-                change.sent + meant.min(SEEN)
+            let earliest = change.map_or(due.at, |change| {
+                let intended = Duration::from_nanos(due.event.t_ns.saturating_sub(change.t_ns));
+                change.sent + intended.min(LONGEST_KEPT_GAP)
             });
-            Some((index, due.at.max(clear)))
+            Some((index, due.at.max(earliest)))
         })
     }
 }
 
-/// Whether the second event must not go out before the first.
-fn keeps_waiting(first: &Event, second: &Event) -> bool {
+/// Whether the second event must not be sent before the first.
+fn must_follow(first: &Event, second: &Event) -> bool {
     let [one, other] = [first, second].map(output_of);
     let is_modifier = |output| matches!(output, Some(Output::Key(key)) if Key::is_modifier(key));
     let is_press = |event: &Event| matches!(event.action, Action::Press(_) | Action::Wheel { .. });
@@ -134,7 +134,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// A schedule, and a clock that shows the time only when it is told.
+    /// A schedule with a clock that the test sets.
     struct Bench {
         schedule: Schedule,
         start: Instant,
@@ -153,8 +153,8 @@ mod tests {
             self.start + Duration::from_millis(ms)
         }
 
-        /// An event of the source's time `t_ms`, whose time has come by the clock then too.
-        fn take(&mut self, t_ms: u64, text: &str, ends_batch: bool) {
+        /// Adds an event that is due at `t_ms`, by the source's time and by the clock.
+        fn add(&mut self, t_ms: u64, text: &str, ends_batch: bool) {
             let (action, output) = text.split_once(' ').expect("an action");
             let output: Output = output.parse().expect("an output");
             let action = match action {
@@ -162,7 +162,7 @@ mod tests {
                 _ => Action::Release(output),
             };
             let at = self.at(t_ms);
-            self.schedule.take(Due {
+            self.schedule.add(Due {
                 event: Event {
                     t_ns: t_ms * MS,
                     action,
@@ -174,7 +174,7 @@ mod tests {
             });
         }
 
-        /// What goes out at a time.
+        /// The events sent at a time.
         fn sent(&mut self, ms: u64) -> Vec<String> {
             let now = self.at(ms);
             let next = || self.schedule.next(now);
@@ -184,21 +184,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_time_goes_out_at_once() {
+    fn events_on_time_are_sent_immediately() {
         let mut bench = Bench::new();
-        bench.take(100, "press key:f", true);
+        bench.add(100, "press key:f", true);
         assert_eq!(bench.sent(100), ["100.000 press key:f"]);
-        bench.take(134, "release key:f", true);
+        bench.add(134, "release key:f", true);
         assert_eq!(bench.sent(134), ["134.000 release key:f"]);
     }
 
     #[test]
-    fn a_press_that_went_out_late_is_held_for_two_frames_and_others_do_not_wait() {
+    fn a_late_press_is_held_for_two_frames_and_other_keys_do_not_wait() {
         let mut bench = Bench::new();
-        bench.take(100, "press key:f", true);
-        bench.take(150, "release key:f", true);
-        bench.take(150, "press key:d", true);
-        bench.take(190, "press key:f", true);
+        bench.add(100, "press key:f", true);
+        bench.add(150, "release key:f", true);
+        bench.add(150, "press key:d", true);
+        bench.add(190, "press key:f", true);
         // The computer slept for 200 ms.
         assert_eq!(
             bench.sent(300),
@@ -213,10 +213,10 @@ mod tests {
     }
 
     #[test]
-    fn a_press_shorter_than_two_frames_stays_as_short_as_it_was_meant() {
+    fn a_press_shorter_than_two_frames_keeps_its_length() {
         let mut bench = Bench::new();
-        bench.take(100, "press key:f", true);
-        bench.take(110, "release key:f", true);
+        bench.add(100, "press key:f", true);
+        bench.add(110, "release key:f", true);
         assert_eq!(bench.sent(150), ["100.000 press key:f"]);
         assert_eq!(bench.sent(160), ["110.000 release key:f"]);
     }
@@ -224,13 +224,13 @@ mod tests {
     #[test]
     fn nothing_passes_a_modifier_and_presses_stay_in_order() {
         let mut bench = Bench::new();
-        bench.take(100, "press key:left-ctrl", true);
-        bench.take(100, "press key:c", true);
-        bench.take(140, "release key:c", true);
-        bench.take(140, "release key:left-ctrl", true);
-        bench.take(140, "press key:v", true);
-        bench.take(180, "press key:c", true);
-        bench.take(180, "press key:x", true);
+        bench.add(100, "press key:left-ctrl", true);
+        bench.add(100, "press key:c", true);
+        bench.add(140, "release key:c", true);
+        bench.add(140, "release key:left-ctrl", true);
+        bench.add(140, "press key:v", true);
+        bench.add(180, "press key:c", true);
+        bench.add(180, "press key:x", true);
         assert_eq!(
             bench.sent(300),
             ["100.000 press key:left-ctrl", "100.000 press key:c"]
@@ -251,19 +251,19 @@ mod tests {
     }
 
     #[test]
-    fn half_a_batch_waits_for_its_end() {
+    fn an_incomplete_batch_waits_for_its_end() {
         let mut bench = Bench::new();
-        bench.take(100, "press key:f", false);
+        bench.add(100, "press key:f", false);
         assert!(bench.sent(101).is_empty());
-        bench.take(100, "press key:d", true);
+        bench.add(100, "press key:d", true);
         assert_eq!(
             bench.sent(102),
             ["100.000 press key:f", "100.000 press key:d"]
         );
-        bench.take(200, "release key:f", false);
+        bench.add(200, "release key:f", false);
         assert!(bench.sent(201).is_empty());
-        // The engine is gone.
-        bench.schedule.whole();
+        // The engine has ended.
+        bench.schedule.end_batch();
         assert_eq!(bench.sent(202), ["200.000 release key:f"]);
     }
 }

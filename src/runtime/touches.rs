@@ -1,69 +1,65 @@
-//! Sends touches on, on a thread of its own: a frame that finds the queue full is left out, as one that UDP loses is.
+//! Sends touches as TUIO, on a thread of its own. If the queue is full, a frame is omitted, as UDP may lose one too.
 
-use std::thread::{Builder, Thread};
+use std::thread::Thread;
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::NAP;
-use super::listen::{Listener, Step};
+use super::listen::{EngineStep, StepListener};
+use super::{NAP, spawn};
 use crate::engine::Input;
 use crate::output::Tuio;
 use crate::types::{Nanos, Touch};
 
-/// Frames that may wait.
+/// Frames that may wait to be sent.
 const FRAME_QUEUE: usize = 64;
 
-struct Seen {
+struct TouchFrame {
     t_ns: Nanos,
     down: Vec<Touch>,
 }
 
-struct Tap {
-    frames: Producer<Seen>,
+struct TouchSender {
+    frames: Producer<TouchFrame>,
     thread: Thread,
 }
 
-/// Who is to be told of steps so that touches are sent on. The thread ends when that is dropped.
+/// A listener that sends the touches of every frame. Its thread ends when it is dropped.
 ///
 /// # Errors
-/// The system gives no thread.
-pub fn send_touches(tuio: Tuio) -> std::io::Result<Box<dyn Listener>> {
+/// The system cannot start a thread.
+pub fn send_touches(tuio: Tuio) -> std::io::Result<Box<dyn StepListener>> {
     let (frames_in, frames) = RingBuffer::new(FRAME_QUEUE);
-    let thread = Builder::new()
-        .name("tuio".to_owned())
-        .spawn(move || send_all(tuio, frames))?
-        .thread()
-        .clone();
-    Ok(Box::new(Tap {
+    let thread = spawn("tuio", move || send_all(tuio, frames))?;
+    Ok(Box::new(TouchSender {
         frames: frames_in,
-        thread,
+        thread: thread.thread().clone(),
     }))
 }
 
-fn send_all(mut tuio: Tuio, mut frames: Consumer<Seen>) {
+fn send_all(mut tuio: Tuio, mut frames: Consumer<TouchFrame>) {
     let mut last_ns = 0;
     loop {
         match frames.pop() {
-            Ok(seen) => {
-                last_ns = seen.t_ns;
-                tuio.frame(seen.t_ns, &seen.down);
+            Ok(frame) => {
+                last_ns = frame.t_ns;
+                tuio.frame(frame.t_ns, &frame.down);
             }
             Err(_) if frames.is_abandoned() && frames.is_empty() => break,
             Err(_) => std::thread::park_timeout(NAP),
         }
     }
-    // The session is over: nobody is down, and whoever listens must know.
+    // The session has ended: the receiver must learn that no touch is down.
     tuio.end(last_ns);
 }
 
-impl Listener for Tap {
-    fn step(&mut self, step: &Step<'_>) {
+impl StepListener for TouchSender {
+    fn on_step(&mut self, step: &EngineStep<'_>) {
         let t_ns = match step.input {
             Input::Frame(frame) => frame.t_ns,
             Input::Rezero { t_ns } | Input::End { t_ns } => *t_ns,
             _ => return,
         };
-        let _ = self.frames.push(Seen {
+        let _ = self.frames.push(TouchFrame {
             t_ns,
             down: step.touches.to_vec(),
         });
@@ -71,7 +67,7 @@ impl Listener for Tap {
     }
 }
 
-impl Drop for Tap {
+impl Drop for TouchSender {
     fn drop(&mut self) {
         self.thread.unpark();
     }

@@ -1,22 +1,20 @@
-//! Tells whoever shows the game that there is something newer to show: one flag and one thread to wake, so that the engine
-//! never waits for a view.
+//! Wakes the thread that shows the game at every new view, without making the engine wait.
 
 use std::sync::OnceLock;
 use std::thread::Thread;
 
-/// Who is woken.
+/// The thread to wake, if one was set.
 #[derive(Debug, Default)]
-pub(super) struct Wake {
+pub(super) struct ViewWaker {
     thread: OnceLock<Thread>,
 }
 
-impl Wake {
-    /// Names the thread; a second one is not taken.
-    pub(super) fn who(&self, thread: Thread) {
+impl ViewWaker {
+    /// Sets the thread; only the first call has an effect.
+    pub(super) fn set_thread(&self, thread: Thread) {
         let _ = self.thread.set(thread);
     }
 
-    /// Wakes it, if there is one.
     pub(super) fn wake(&self) {
         if let Some(thread) = self.thread.get() {
             thread.unpark();

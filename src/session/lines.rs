@@ -1,30 +1,32 @@
-//! Frames, events and a gamepad's states as they stand in a recording's JSON.
+//! Frames, events and gamepad states in the JSON of a recording.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD_NO_PAD as BASE64;
 use serde::{Deserialize, Serialize};
 
-use super::message::LATEST_NS;
-use super::volts::{self, MOST_FRAMES, Packer, Unpacker};
+use super::volts::{self, MOST_FRAMES, VoltsDecoder, VoltsEncoder};
 use crate::types::{Action, Axis, Buttons, Control, Event, Frame, Nanos, Output};
 
-/// Frames in a row.
+/// A later time, thirty years, is damage.
+pub(super) const LATEST_NS: Nanos = 1_000_000_000_000_000_000;
+
+/// Consecutive frames.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Block {
-    /// Time of the first.
+pub(super) struct FrameBlock {
+    /// Time of the first frame.
     t_ns: Nanos,
-    /// From the one before to each of the others.
+    /// Time from each frame to the next.
     dt_ns: Vec<Nanos>,
-    /// See `volts`.
+    /// Base64 of a block of [`volts`].
     volts: String,
 }
 
-impl Block {
-    pub(super) fn of(frames: &[Frame], packer: Option<&mut Packer>) -> Self {
+impl FrameBlock {
+    pub(super) fn new(frames: &[Frame], encoder: Option<&mut VoltsEncoder>) -> Self {
         let volts: Vec<&[f32]> = frames.iter().map(|frame| frame.volts.as_slice()).collect();
-        let bytes = match packer {
-            Some(packer) => packer.pack(&volts),
+        let bytes = match encoder {
+            Some(encoder) => encoder.encode(&volts),
             None => volts::plain(&volts),
         };
         Self {
@@ -37,15 +39,15 @@ impl Block {
         }
     }
 
-    pub(super) fn frames(self, unpacker: &mut Unpacker) -> Result<Vec<Frame>, String> {
+    pub(super) fn into_frames(self, decoder: &mut VoltsDecoder) -> Result<Vec<Frame>, String> {
         if self.dt_ns.len() >= MOST_FRAMES {
             return Err(format!("more than {MOST_FRAMES} frames in a block"));
         }
         let bytes = BASE64
             .decode(&self.volts)
             .map_err(|error| error.to_string())?;
-        let volts = unpacker
-            .unpack(self.dt_ns.len() + 1, &bytes)
+        let volts = decoder
+            .decode(self.dt_ns.len() + 1, &bytes)
             .map_err(|error| error.to_string())?;
         let mut t_ns = self.t_ns;
         let mut dt_ns = self.dt_ns.into_iter();
@@ -62,7 +64,7 @@ impl Block {
     }
 }
 
-/// An event with a field a fact, which a plot can choose.
+/// An event, each value in a field of its own so that tools can plot it.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EventLine {
@@ -78,8 +80,8 @@ pub(super) struct EventLine {
     dy: Option<i32>,
 }
 
-impl EventLine {
-    pub(super) fn of(event: &Event) -> Self {
+impl From<&Event> for EventLine {
+    fn from(event: &Event) -> Self {
         let (action, target, value, moved) = match event.action {
             Action::Press(output) => ("press", output.to_string(), None, None),
             Action::Release(output) => ("release", output.to_string(), None, None),
@@ -96,8 +98,10 @@ impl EventLine {
             dy: moved.map(|[_, dy]| dy),
         }
     }
+}
 
-    pub(super) fn event(self) -> Result<Event, String> {
+impl EventLine {
+    pub(super) fn into_event(self) -> Result<Event, String> {
         let output = || {
             self.target
                 .parse::<Output>()
@@ -116,7 +120,7 @@ impl EventLine {
             }
             "motion" => Action::Motion { dx, dy },
             "wheel" => Action::Wheel { dx, dy },
-            other => return Err(format!("`{other}` is no action")),
+            other => return Err(format!("unknown action `{other}`")),
         };
         Ok(Event {
             t_ns: self.t_ns,
@@ -125,20 +129,20 @@ impl EventLine {
     }
 }
 
-/// A gamepad's whole state.
+/// The whole state of a gamepad.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ControlLine {
+pub(super) struct GamepadLine {
     t_ns: Nanos,
     present: bool,
-    /// A bit a button, in the order of `Button::ALL`.
+    /// One bit for each button, in the order of `Button::ALL`.
     buttons: u16,
     /// In the order of `Axis::ALL`.
     axes: [f32; Axis::ALL.len()],
 }
 
-impl ControlLine {
-    pub(super) fn of(control: &Control) -> Self {
+impl From<&Control> for GamepadLine {
+    fn from(control: &Control) -> Self {
         Self {
             t_ns: control.t_ns,
             present: control.present,
@@ -146,8 +150,10 @@ impl ControlLine {
             axes: control.axes,
         }
     }
+}
 
-    pub(super) fn control(self) -> Result<Control, String> {
+impl GamepadLine {
+    pub(super) fn into_control(self) -> Result<Control, String> {
         if self.axes.iter().any(|value| !(-1.0..=1.0).contains(value)) {
             return Err("an axis out of range".to_owned());
         }

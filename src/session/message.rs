@@ -1,72 +1,70 @@
-//! What a recording holds, message by message, and each as JSON.
+//! The messages of a recording, and each as JSON.
 //!
-//! A topic a kind, so that any reader of MCAP files can plot what it knows. The engine's inputs stand in the order in which the
-//! engine took them; events and touches follow the input that they came of.
+//! Each kind has its own topic, so any reader of MCAP files can plot the ones it needs. The engine's inputs are in the order
+//! in which the engine took them; events and touches follow the input that caused them.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::lines::{Block, ControlLine, EventLine};
-use super::volts::{Packer, Unpacker};
+use super::lines::{EventLine, FrameBlock, GamepadLine, LATEST_NS};
+use super::volts::{VoltsDecoder, VoltsEncoder};
 use crate::types::{Control, Event, Frame, Nanos, Phase, Touch};
 
-/// No time of a source comes near this: thirty years.
-pub(super) const LATEST_NS: Nanos = 1_000_000_000_000_000_000;
-/// No count of lost things comes near this.
+/// A larger count of lost frames or inputs is damage.
 const MOST_LOST: u64 = 1 << 40;
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// One thing that a recording holds.
+/// One message of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// Input: readings of the pad, as they were received.
     Frames(Vec<Frame>),
-    /// Input: a due time came.
-    Tick(At),
+    /// Input: a due time has come.
+    Tick(TimeOnly),
     /// Input: a profile takes over.
     Profile(ProfileTexts),
-    /// Input: the player pauses, or goes on.
-    Pause(At),
-    /// Input: another matrix and other weights; they are the attachment before it.
+    /// Input: the player pauses or continues.
+    Pause(TimeOnly),
+    /// Input: a new matrix with its weights, which is the attachment before this message.
     Matrix(MatrixName),
-    /// Input: the pad counts as untouched.
-    Rezero(At),
+    /// Input: the pad counts as untouched from here on.
+    Rezero(TimeOnly),
     /// Input: frames were lost before the engine.
-    Lost(Lost),
-    /// Input: the source ended, or fell silent.
-    End(At),
-    /// Inputs that the recorder could not take: what follows cannot be replayed exactly.
+    Lost(LostFrames),
+    /// Input: the source ended or stopped sending.
+    End(TimeOnly),
+    /// Inputs that the recorder dropped: what follows cannot be replayed exactly.
     Gap(Gap),
-    /// What came of a frame: the touches that are down. Written while there are some, and once when there are none any more.
+    /// Output of a frame: the touches that are down. Written while there are any, and once when the last has lifted.
     Touches(Touches),
-    /// What came of an input: an event.
+    /// Output of an input: an event.
     Event(Event),
-    /// Input: what gamepads and switches say.
+    /// Input: the state of gamepads and switches.
     Control(Control),
 }
 
-/// A time.
+/// A message that holds only a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct At {
-    /// In the source's own time, ns.
+pub struct TimeOnly {
+    /// Time of the source, ns.
     pub t_ns: Nanos,
 }
 
-/// Texts that a profile was read from.
+/// The texts that a profile was read from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileTexts {
     /// When it takes over, ns.
     pub t_ns: Nanos,
-    /// The bases that it extends, the lowest first, and last its own.
+    /// The profiles that it extends, the lowest first, then its own text.
     pub chain: Vec<NamedText>,
-    /// One person's settings over it.
+    /// User settings applied over it.
     pub user: Option<NamedText>,
 }
 
-/// A text and its name, which is never a path.
+/// A text and its file name, without folders.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedText {
@@ -76,31 +74,31 @@ pub struct NamedText {
     pub toml: String,
 }
 
-/// Which attachment.
+/// The attachment that holds a matrix.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MatrixName {
-    /// Its name.
+    /// Name of the attachment.
     pub attachment: String,
 }
 
 /// Frames that never reached the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Lost {
-    /// How many.
+pub struct LostFrames {
+    /// Number of frames.
     pub frames: u64,
 }
 
-/// Inputs that never reached the file.
+/// Inputs that are missing in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gap {
-    /// How many.
+    /// Number of inputs; 0 if unknown.
     pub inputs: u64,
 }
 
-/// Touches of one frame, rounded for people, and a check sum of what they were to the bit.
+/// The touches of one frame, rounded, with a check sum of their exact values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Touches {
@@ -108,32 +106,32 @@ pub struct Touches {
     pub t_ns: Nanos,
     /// See [`touches_sum`].
     pub sum: u32,
-    /// Those that are down.
-    pub touches: Vec<TouchSeen>,
+    /// The touches that are down.
+    pub touches: Vec<RecordedTouch>,
 }
 
-/// A touch, rounded for people.
+/// A touch with rounded values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TouchSeen {
-    /// Its name.
+pub struct RecordedTouch {
+    /// Its id, never reused.
     pub id: u64,
-    /// Centre from the left, mm.
+    /// Distance of the centre from the left, mm.
     pub x_mm: f64,
-    /// Centre from the bottom, mm.
+    /// Distance of the centre from the bottom, mm.
     pub y_mm: f64,
     /// Footprint, mm2.
     pub area_mm2: f64,
-    /// How hard, 0 to 1.
+    /// Force, 0 to 1.
     pub force: f64,
 }
 
 impl Touches {
-    /// Touches that are down in a frame.
+    /// From the touches that are down in a frame.
     #[must_use]
-    pub fn of(t_ns: Nanos, down: &[Touch]) -> Self {
+    pub fn from_touches(t_ns: Nanos, down: &[Touch]) -> Self {
         let rounded = |value: f64, parts: f64| libm::round(value * parts) / parts;
-        let seen = |touch: &Touch| TouchSeen {
+        let recorded = |touch: &Touch| RecordedTouch {
             id: touch.id.0,
             x_mm: rounded(touch.contact.centre_mm[0], 1e2),
             y_mm: rounded(touch.contact.centre_mm[1], 1e2),
@@ -143,13 +141,13 @@ impl Touches {
         Self {
             t_ns,
             sum: touches_sum(down),
-            touches: down.iter().map(seen).collect(),
+            touches: down.iter().map(recorded).collect(),
         }
     }
 }
 
-/// CRC-32 of all that is known of touches, to the bit: for each its name, phase (0 down, 1 move, 2 up), since when, and as f64
-/// place, area, force and confidence; little-endian.
+/// CRC-32 of the exact values of touches: for each its id, phase (0 down, 1 move, 2 up), start time, and as f64 place, area,
+/// force and confidence; little-endian.
 #[must_use]
 pub fn touches_sum(touches: &[Touch]) -> u32 {
     let mut digest = CRC.digest();
@@ -171,24 +169,24 @@ pub fn touches_sum(touches: &[Touch]) -> u32 {
     digest.finalize()
 }
 
-/// Topics, in the order of their channels' numbers.
+/// The topics, in the order of their channel numbers.
 pub const TOPICS: [&str; 12] = [
     "/frames", "/tick", "/profile", "/pause", "/matrix", "/rezero", "/lost", "/end", "/gap",
     "/touches", "/event", "/control",
 ];
 
-/// Bytes that are no message of their topic.
+/// Bytes that are not a message of their topic.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a message on {topic} cannot be read: {why}")]
 pub struct BadMessage {
     /// The topic.
     pub topic: String,
-    /// What is wrong.
+    /// The reason.
     pub why: String,
 }
 
 impl Message {
-    /// Its place in [`TOPICS`].
+    /// Index of its topic in [`TOPICS`].
     #[must_use]
     pub fn channel(&self) -> usize {
         match self {
@@ -207,7 +205,7 @@ impl Message {
         }
     }
 
-    /// When, if it says so.
+    /// Its time, where it has one.
     #[must_use]
     pub fn t_ns(&self) -> Option<Nanos> {
         match self {
@@ -221,61 +219,37 @@ impl Message {
         }
     }
 
-    /// As JSON; frames plain, or packed by a packer.
+    /// As JSON; with an encoder, frames are compressed.
     #[must_use]
-    pub fn to_json(&self, packer: Option<&mut Packer>) -> Vec<u8> {
+    pub fn to_json(&self, encoder: Option<&mut VoltsEncoder>) -> Vec<u8> {
         match self {
-            Self::Frames(frames) => json(&Block::of(frames, packer)),
+            Self::Frames(frames) => json(&FrameBlock::new(frames, encoder)),
             Self::Tick(at) | Self::Pause(at) | Self::Rezero(at) | Self::End(at) => json(at),
             Self::Profile(texts) => json(texts),
             Self::Matrix(name) => json(name),
             Self::Lost(lost) => json(lost),
             Self::Gap(gap) => json(gap),
             Self::Touches(touches) => json(touches),
-            Self::Event(event) => json(&EventLine::of(event)),
-            Self::Control(control) => json(&ControlLine::of(control)),
+            Self::Event(event) => json(&EventLine::from(event)),
+            Self::Control(control) => json(&GamepadLine::from(control)),
         }
     }
 
-    /// From JSON; none for a topic that this version does not know.
+    /// Reads a message from JSON; `None` for a topic that this version does not define.
     ///
     /// # Errors
-    /// Bytes that are no such message, or numbers that cannot be.
+    /// Bytes that are not such a message, or numbers out of range.
     pub fn from_json(
         topic: &str,
         bytes: &[u8],
-        unpacker: &mut Unpacker,
+        decoder: &mut VoltsDecoder,
     ) -> Result<Option<Self>, BadMessage> {
         let bad = |why: String| BadMessage {
             topic: topic.to_owned(),
             why,
         };
-        let message = match topic {
-            "/frames" => Self::Frames(
-                read::<Block>(bytes)
-                    .and_then(|block| block.frames(unpacker))
-                    .map_err(bad)?,
-            ),
-            "/tick" => Self::Tick(read(bytes).map_err(bad)?),
-            "/profile" => Self::Profile(read(bytes).map_err(bad)?),
-            "/pause" => Self::Pause(read(bytes).map_err(bad)?),
-            "/matrix" => Self::Matrix(read(bytes).map_err(bad)?),
-            "/rezero" => Self::Rezero(read(bytes).map_err(bad)?),
-            "/lost" => Self::Lost(read(bytes).map_err(bad)?),
-            "/end" => Self::End(read(bytes).map_err(bad)?),
-            "/gap" => Self::Gap(read(bytes).map_err(bad)?),
-            "/touches" => Self::Touches(read(bytes).map_err(bad)?),
-            "/event" => Self::Event(
-                read::<EventLine>(bytes)
-                    .and_then(|line| line.event())
-                    .map_err(bad)?,
-            ),
-            "/control" => Self::Control(
-                read::<ControlLine>(bytes)
-                    .and_then(|line| line.control())
-                    .map_err(bad)?,
-            ),
-            _ => return Ok(None),
+        let Some(message) = parse(topic, bytes, decoder).map_err(bad)? else {
+            return Ok(None);
         };
         let count = match &message {
             Self::Lost(lost) => lost.frames,
@@ -289,8 +263,26 @@ impl Message {
     }
 }
 
+fn parse(topic: &str, bytes: &[u8], decoder: &mut VoltsDecoder) -> Result<Option<Message>, String> {
+    Ok(Some(match topic {
+        "/frames" => Message::Frames(read::<FrameBlock>(bytes)?.into_frames(decoder)?),
+        "/tick" => Message::Tick(read(bytes)?),
+        "/profile" => Message::Profile(read(bytes)?),
+        "/pause" => Message::Pause(read(bytes)?),
+        "/matrix" => Message::Matrix(read(bytes)?),
+        "/rezero" => Message::Rezero(read(bytes)?),
+        "/lost" => Message::Lost(read(bytes)?),
+        "/end" => Message::End(read(bytes)?),
+        "/gap" => Message::Gap(read(bytes)?),
+        "/touches" => Message::Touches(read(bytes)?),
+        "/event" => Message::Event(read::<EventLine>(bytes)?.into_event()?),
+        "/control" => Message::Control(read::<GamepadLine>(bytes)?.into_control()?),
+        _ => return Ok(None),
+    }))
+}
+
 fn json(value: &impl Serialize) -> Vec<u8> {
-    // Plain structs of numbers, texts and lists: nothing in them can fail.
+    // Structs of numbers, texts and lists always serialize.
     serde_json::to_vec(value).unwrap_or_default()
 }
 
@@ -304,15 +296,15 @@ mod tests {
     use crate::types::{Action, Axis, Contact, TouchId};
     use proptest::prelude::*;
 
-    fn back(message: &Message) -> Message {
+    fn round_trip(message: &Message) -> Message {
         let topic = TOPICS[message.channel()];
-        let read = Message::from_json(topic, &message.to_json(None), &mut Unpacker::default());
+        let read = Message::from_json(topic, &message.to_json(None), &mut VoltsDecoder::default());
         read.expect("sound").expect("known")
     }
 
     proptest! {
         #[test]
-        fn events_come_back_to_the_bit(t_ns in 0..LATEST_NS, value in -1.0..1.0f32, dx in any::<i32>(), dy in any::<i32>(), kind in 0..5) {
+        fn events_are_read_back_exactly(t_ns in 0..LATEST_NS, value in -1.0..1.0f32, dx in any::<i32>(), dy in any::<i32>(), kind in 0..5) {
             let action = match kind {
                 0 => Action::Press("key:f".parse().expect("a key")),
                 1 => Action::Release("pad:left-shoulder".parse().expect("a button")),
@@ -321,7 +313,7 @@ mod tests {
                 _ => Action::Wheel { dx, dy },
             };
             let message = Message::Event(Event { t_ns, action });
-            prop_assert_eq!(back(&message), message);
+            prop_assert_eq!(round_trip(&message), message);
         }
 
         #[test]
@@ -332,12 +324,12 @@ mod tests {
                 Frame { t_ns, volts: vec![1.5, -2.0] }
             }).collect();
             let message = Message::Frames(frames);
-            prop_assert_eq!(back(&message), message);
+            prop_assert_eq!(round_trip(&message), message);
         }
     }
 
     #[test]
-    fn the_sum_of_touches_sees_the_last_bit() {
+    fn the_sum_of_touches_covers_the_last_bit() {
         let touch = |x: f64| Touch {
             id: TouchId(3),
             phase: Phase::Move,
@@ -354,9 +346,9 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_cannot_be_are_refused() {
+    fn numbers_out_of_range_are_refused() {
         let read = |topic: &str, text: &str| {
-            Message::from_json(topic, text.as_bytes(), &mut Unpacker::default())
+            Message::from_json(topic, text.as_bytes(), &mut VoltsDecoder::default())
         };
         assert!(read("/tick", r#"{"t_ns":18446744073709551615}"#).is_err());
         assert!(read("/lost", r#"{"frames":18446744073709551615}"#).is_err());

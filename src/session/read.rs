@@ -1,80 +1,80 @@
-//! Reads a recording: what the engine is made of, then message after message.
+//! Reads a recording: the setup, then message by message.
 //!
-//! Strictly, anything wrong ends it; salvaging, whatever can be read is, and what cannot is noted.
+//! A strict reader stops at the first damage. A salvaging reader skips damage and notes it.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{Read, Seek};
 
 use super::message::{Message, ProfileTexts};
 use super::records::{self, RecordError, Records, op};
-use super::volts::Unpacker;
-use super::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::volts::VoltsDecoder;
 
-/// Losses that are noted one by one; more are only counted.
+/// Losses that are described; more are only counted.
 const MOST_NOTES: usize = 20;
-/// Channels that a file may have.
-const MOST_TOPICS: usize = 1024;
+/// Most channels of a file.
+const MOST_CHANNELS: usize = 1024;
 
-/// Why a recording cannot be read, or not further.
+/// Why a recording cannot be read, or not beyond some point.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file cannot be read.
     #[error("{0}")]
     Io(std::io::Error),
-    /// Another kind of file.
-    #[error("this is no recording: it does not begin as an MCAP file does")]
+    /// Not an MCAP file.
+    #[error("not a recording: the file is not an MCAP file")]
     NotMcap,
-    /// An MCAP file of somebody else.
-    #[error("this MCAP file is no recording of gelpad")]
+    /// An MCAP file of another program.
+    #[error("not a recording: this MCAP file is not from gelpad")]
     NotOurs,
-    /// Of a later version.
+    /// A format version that this program does not read.
     #[error(
-        "this recording is of version {version}, and this gelpad reads up to {VERSION}: take a newer gelpad"
+        "the recording has format version {version}, this gelpad reads up to {VERSION}: use a newer gelpad"
     )]
     Newer {
-        /// Its version.
+        /// The version of the recording.
         version: String,
     },
-    /// Cut before an engine could be made of it.
-    #[error("the recording is cut before its {missing}: nothing can be replayed")]
+    /// The file ends before the setup is complete.
+    #[error("the recording ends before its {missing}: nothing can be replayed")]
     NoSetup {
-        /// What is not there.
+        /// The missing part.
         missing: &'static str,
     },
     /// The file ends within a record.
-    #[error("the recording was cut at its end: {bytes} bytes of a last record")]
+    #[error("the recording ends within a record: {bytes} bytes of it are present")]
     Cut {
-        /// Bytes of it that are there.
+        /// Bytes of the record that are present.
         bytes: u64,
     },
-    /// Something in it is wrong.
+    /// The file is damaged.
     #[error(
-        "the recording is damaged at byte {offset}: {why}\n  help: `gelpad recover FILE -o SAVED` saves what it holds"
+        "the recording is damaged at byte {offset}: {why}\n  help: `gelpad recover FILE -o SAVED` saves what can be read"
     )]
     Damaged {
-        /// Where.
+        /// Offset of the damage, bytes.
         offset: u64,
-        /// What.
+        /// The reason.
         why: String,
     },
 }
 
-/// A recording that is being read.
+/// Reads a recording.
 pub struct Reader<R> {
     records: Records<R>,
-    /// Note what is wrong and go on.
+    /// Whether to note damage and continue.
     salvaging: bool,
     topics: BTreeMap<u16, String>,
-    unpacker: Unpacker,
-    /// Records of the chunk at hand.
+    decoder: VoltsDecoder,
+    /// Records left in the current chunk.
     chunk: VecDeque<(u8, Vec<u8>)>,
-    /// The record that ended the set-up.
+    /// The record that ended the setup.
     waiting: Option<u8>,
     setup: Parts,
     attachment: Option<(String, Vec<u8>)>,
     notes: Vec<String>,
     losses: u64,
-    /// Behind some damage there are no further records.
+    /// There are no further records after some damage.
     exhausted: bool,
     ended: bool,
 }
@@ -90,23 +90,23 @@ struct Parts {
 }
 
 impl<R: Read + Seek> Reader<R> {
-    /// Opens a recording and reads what its engine is made of.
+    /// Opens a recording and reads its setup.
     ///
     /// # Errors
-    /// Another kind of file, one of a later version, or one that is cut before its first message.
+    /// Another kind of file, a later version, or a file that ends before its first message.
     pub fn open(file: R) -> Result<(Self, Setup), ReadError> {
-        Self::begin(file, false)
+        Self::start(file, false)
     }
 
-    /// The same, but passes over what is damaged: see [`Self::losses`].
+    /// Opens a recording and skips damage: see [`Self::losses`].
     ///
     /// # Errors
     /// As [`Self::open`].
     pub fn salvage(file: R) -> Result<(Self, Setup), ReadError> {
-        Self::begin(file, true)
+        Self::start(file, true)
     }
 
-    fn begin(file: R, salvaging: bool) -> Result<(Self, Setup), ReadError> {
+    fn start(file: R, salvaging: bool) -> Result<(Self, Setup), ReadError> {
         let records = Records::new(file).map_err(|error| match error {
             RecordError::Io(error) => ReadError::Io(error),
             _ => ReadError::NotMcap,
@@ -115,7 +115,7 @@ impl<R: Read + Seek> Reader<R> {
             records,
             salvaging,
             topics: BTreeMap::new(),
-            unpacker: Unpacker::default(),
+            decoder: VoltsDecoder::default(),
             chunk: VecDeque::new(),
             waiting: None,
             setup: Parts::default(),
@@ -129,49 +129,44 @@ impl<R: Read + Seek> Reader<R> {
         Ok((reader, setup))
     }
 
-    /// The next message; none at the end.
+    /// Reads the next message; `None` at the end.
     ///
     /// # Errors
-    /// [`ReadError::Cut`] or [`ReadError::Damaged`], unless salvaging; there is nothing after that.
-    #[allow(
-        clippy::should_implement_trait,
-        reason = "it borrows nothing and may fail for good"
-    )]
+    /// [`ReadError::Cut`] or [`ReadError::Damaged`], unless salvaging. Nothing can be read after an error.
+    #[allow(clippy::should_implement_trait, reason = "an error ends it")]
     pub fn next(&mut self) -> Result<Option<Message>, ReadError> {
-        let outcome = self.step();
-        if !matches!(outcome, Ok(Some(_))) {
-            self.ended = true;
-        }
-        outcome
+        let message = self.read_message();
+        self.ended = !matches!(message, Ok(Some(_)));
+        message
     }
 
-    /// The attachment that came last, if it has this name: a matrix message names it.
+    /// The last attachment, if it has this name; a matrix message names the one before it.
     #[must_use]
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
         let (last, bytes) = self.attachment.as_ref()?;
         (last == name).then_some(bytes)
     }
 
-    /// Whether the file was closed as it should be: known at its end.
+    /// Whether the file was closed properly; known at its end.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.records.is_whole
     }
 
-    /// What was passed over: so many things, and the first of them in words.
+    /// The number of losses, and a description of the first of them.
     #[must_use]
     pub fn losses(&self) -> (u64, &[String]) {
         (self.losses, &self.notes)
     }
 
     fn read_setup(&mut self) -> Result<Setup, ReadError> {
-        while let Some(code) = self.record()? {
+        while let Some(code) = self.next_record()? {
             match code {
                 op::MESSAGE | op::CHUNK | op::DATA_END | op::FOOTER => {
                     self.waiting = Some(code);
                     break;
                 }
-                _ => self.take_opening(code)?,
+                _ => self.take_other(code)?,
             }
         }
         let parts = std::mem::take(&mut self.setup);
@@ -196,11 +191,12 @@ impl<R: Read + Seek> Reader<R> {
         })
     }
 
-    fn take_opening(&mut self, code: u8) -> Result<(), ReadError> {
+    /// Takes a record that is neither a message nor a chunk.
+    fn take_other(&mut self, code: u8) -> Result<(), ReadError> {
         match code {
             op::METADATA if self.setup.version.is_none() => {
                 if let Some((name, Some(version))) =
-                    records::metadata(&self.records.body, "version")
+                    records::parse_metadata(&self.records.body, "version")
                     && name == FORMAT
                 {
                     self.setup.version = Some(version.to_owned());
@@ -208,8 +204,8 @@ impl<R: Read + Seek> Reader<R> {
                 Ok(())
             }
             op::ATTACHMENT => {
-                let Some((name, bytes)) = records::attachment(&self.records.body) else {
-                    return self.wrong("an attachment is damaged".to_owned());
+                let Some((name, bytes)) = records::parse_attachment(&self.records.body) else {
+                    return self.report_damage("an attachment is damaged".to_owned());
                 };
                 let parts = &mut self.setup;
                 match name.as_str() {
@@ -230,7 +226,7 @@ impl<R: Read + Seek> Reader<R> {
         }
     }
 
-    fn step(&mut self) -> Result<Option<Message>, ReadError> {
+    fn read_message(&mut self) -> Result<Option<Message>, ReadError> {
         if self.ended {
             return Ok(None);
         }
@@ -248,31 +244,31 @@ impl<R: Read + Seek> Reader<R> {
             }
             let code = match self.waiting.take() {
                 Some(code) => Some(code),
-                None => self.record()?,
+                None => self.next_record()?,
             };
             match code {
                 None => return Ok(None),
-                // The index that follows serves others.
+                // Only other tools need the index that follows.
                 Some(op::DATA_END | op::FOOTER) => {
                     self.records.is_whole = true;
                     return Ok(None);
                 }
                 Some(op::CHUNK) => match records::unpack_chunk(&self.records.body) {
                     Ok(records) => self.chunk = records.into(),
-                    Err(why) => self.wrong(why)?,
+                    Err(why) => self.report_damage(why)?,
                 },
                 Some(op::MESSAGE) => {
                     if let Some(message) = self.take_message(None)? {
                         return Ok(Some(message));
                     }
                 }
-                Some(code) => self.take_opening(code)?,
+                Some(code) => self.take_other(code)?,
             }
         }
     }
 
-    /// The next record, past damage if salvaging.
-    fn record(&mut self) -> Result<Option<u8>, ReadError> {
+    /// Reads the next record; skips damage if salvaging.
+    fn next_record(&mut self) -> Result<Option<u8>, ReadError> {
         while !self.exhausted {
             let offset = self.records.offset;
             let why = match self.records.next() {
@@ -283,15 +279,13 @@ impl<R: Read + Seek> Reader<R> {
                     return Err(ReadError::Cut { bytes });
                 }
                 Err(RecordError::Cut { bytes }) => {
-                    format!("{bytes} bytes of a record that is not whole")
+                    format!("an incomplete record of {bytes} bytes")
                 }
                 Err(RecordError::Damaged { why }) => why,
             };
-            self.wrong(why)?;
+            self.report_damage(why)?;
             match self.records.resynchronise().map_err(ReadError::Io)? {
-                Some(bytes) => {
-                    self.note(format!("{bytes} bytes from {offset} on were passed over"))
-                }
+                Some(bytes) => self.note(format!("skipped {bytes} bytes from byte {offset}")),
                 None => self.exhausted = true,
             }
         }
@@ -299,32 +293,32 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     fn take_channel(&mut self, body: Option<&[u8]>) {
-        if let Some((id, topic)) = records::channel(body.unwrap_or(&self.records.body))
-            && self.topics.len() < MOST_TOPICS
+        if let Some((id, topic)) = records::parse_channel(body.unwrap_or(&self.records.body))
+            && self.topics.len() < MOST_CHANNELS
         {
             self.topics.insert(id, topic);
         }
     }
 
-    /// A message of a known topic.
+    /// Parses a message; `None` for an unknown topic.
     fn take_message(&mut self, body: Option<&[u8]>) -> Result<Option<Message>, ReadError> {
         let body = body.unwrap_or(&self.records.body);
-        let read = match records::message(body) {
-            None => Err("a message's head is damaged".to_owned()),
+        let read = match records::parse_message(body) {
+            None => Err("the head of a message is damaged".to_owned()),
             Some((id, payload)) => match self.topics.get(&id) {
-                None => Err(format!("a message of the unknown channel {id}")),
-                Some(topic) => Message::from_json(topic, payload, &mut self.unpacker)
+                None => Err(format!("a message of unknown channel {id}")),
+                Some(topic) => Message::from_json(topic, payload, &mut self.decoder)
                     .map_err(|error| error.to_string()),
             },
         };
         match read {
             Ok(message) => Ok(message),
-            Err(why) => self.wrong(why).map(|()| None),
+            Err(why) => self.report_damage(why).map(|()| None),
         }
     }
 
-    /// Something is wrong: the end, or a note.
-    fn wrong(&mut self, why: String) -> Result<(), ReadError> {
+    /// Reports damage: an error, or a note if salvaging.
+    fn report_damage(&mut self, why: String) -> Result<(), ReadError> {
         let offset = self.records.offset;
         if !self.salvaging {
             return Err(ReadError::Damaged { offset, why });

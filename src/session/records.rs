@@ -1,70 +1,60 @@
-//! Records of an MCAP file, one after the other, in bounded memory.
+//! The records of an MCAP file in order, in bounded memory.
 //!
-//! The walk is the library's (`mcap::sans_io::LinearReader`); the limits are ours: no record is longer than what is left of the
-//! file, no chunk unpacks to more than a real one. What a record's body says is read here byte by byte, since a
-//! hostile one may say anything.
+//! `mcap::sans_io::LinearReader` splits the file into records and unpacks chunks; the limits are ours: no record is longer than
+//! the rest of the file, no chunk unpacks to more than a real one. The bodies are parsed here: `mcap::parse_record` (0.26)
+//! panics on a short attachment and reserves up to 4 GiB for a damaged text length.
 
 use std::io::{Read, Seek, SeekFrom};
 
 use mcap::McapError;
+pub(super) use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::types::ByteReader;
 
-/// No record is longer: a table of responses takes 15 MB, one of 256 channels 60.
+/// Most bytes of a record. A response table takes 15 MB, one of 256 channels 60.
 const MOST_RECORD: usize = 128 << 20;
-/// No chunk unpacks to more; those written here to a twentieth.
+/// Most bytes of an unpacked chunk; those written here take a twentieth.
 pub(super) const MOST_CHUNK: usize = 8 << 20;
-/// Nor to so many times its packed size: frames pack to a half, the emptiest of sessions to a hundredth.
+/// Largest ratio of unpacked to packed size. Frames pack to a half, an empty session to a hundredth.
 const MOST_RATIO: u64 = 1000;
 
-/// Codes of the records that matter here.
-pub(super) mod op {
-    pub(in crate::session) const FOOTER: u8 = 0x02;
-    pub(in crate::session) const CHANNEL: u8 = 0x04;
-    pub(in crate::session) const MESSAGE: u8 = 0x05;
-    pub(in crate::session) const CHUNK: u8 = 0x06;
-    pub(in crate::session) const ATTACHMENT: u8 = 0x09;
-    pub(in crate::session) const METADATA: u8 = 0x0C;
-    pub(in crate::session) const DATA_END: u8 = 0x0F;
-}
-
-/// Why there is no further record.
+/// Why the next record cannot be read.
 #[derive(Debug)]
 pub(super) enum RecordError {
     /// The file cannot be read.
     Io(std::io::Error),
-    /// No MCAP file.
+    /// Not an MCAP file.
     NotMcap,
     /// The file ends within a record.
     Cut {
-        /// Bytes of it that are there.
+        /// Bytes of the record that are present.
         bytes: u64,
     },
-    /// No record stands here.
+    /// There is no valid record at this offset.
     Damaged {
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
-/// Walks a file's records.
+/// Reads the records of a file.
 pub(super) struct Records<R> {
     file: R,
-    /// Length of the file.
+    /// Length of the file, bytes.
     length: u64,
-    /// Where the next record begins.
+    /// Offset of the next record.
     pub(super) offset: u64,
-    /// Bytes handed to the walker so far, counted from the file's start.
+    /// Offset up to which `reader` was fed.
     fed: u64,
-    walker: LinearReader,
+    reader: LinearReader,
     pub(super) body: Vec<u8>,
-    /// Whether the file was closed as it should be.
+    /// Whether the file was closed properly.
     pub(super) is_whole: bool,
 }
 
 impl<R: Read + Seek> Records<R> {
-    /// The records of a file from its start.
+    /// Checks the magic bytes of a file.
     pub(super) fn new(mut file: R) -> Result<Self, RecordError> {
         let length = file.seek(SeekFrom::End(0)).map_err(RecordError::Io)?;
         file.seek(SeekFrom::Start(0)).map_err(RecordError::Io)?;
@@ -78,18 +68,18 @@ impl<R: Read + Seek> Records<R> {
             length,
             offset: 8,
             fed: 8,
-            walker: walker(true, MOST_RECORD),
+            reader: linear_reader(true, MOST_RECORD),
             body: Vec::new(),
             is_whole: false,
         })
     }
 
-    /// The next record's code; its body is in `body`. None at the end.
+    /// Reads the next record into `body` and returns its op code; `None` at the end.
     pub(super) fn next(&mut self) -> Result<Option<u8>, RecordError> {
         if self.is_whole {
             return Ok(None);
         }
-        while let Some(event) = self.walker.next_event() {
+        while let Some(event) = self.reader.next_event() {
             match event {
                 Ok(LinearReadEvent::ReadRequest(need)) => {
                     let left = self.length - self.fed;
@@ -102,9 +92,9 @@ impl<R: Read + Seek> Records<R> {
                         };
                     }
                     self.file
-                        .read_exact(self.walker.insert(need))
+                        .read_exact(self.reader.insert(need))
                         .map_err(RecordError::Io)?;
-                    self.walker.notify_read(need);
+                    self.reader.notify_read(need);
                     self.fed += need as u64;
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
@@ -125,7 +115,7 @@ impl<R: Read + Seek> Records<R> {
         Ok(None)
     }
 
-    /// Goes to the next place where records seem to stand; how many bytes were passed over, none if there is no such place.
+    /// Moves to the next offset where a chain of records begins. Returns the number of bytes skipped, `None` if there is none.
     pub(super) fn resynchronise(&mut self) -> std::io::Result<Option<u64>> {
         const WINDOW: usize = 1 << 16;
         let start = self.offset;
@@ -149,7 +139,7 @@ impl<R: Read + Seek> Records<R> {
         Ok(None)
     }
 
-    /// Where the record at a place would end, if it looks like one.
+    /// The end of the record at `place`, if its head is plausible.
     fn plausible(&self, head: &[u8], place: u64) -> Option<u64> {
         let mut head = ByteReader::new(head);
         let code = head.u8()?;
@@ -162,7 +152,7 @@ impl<R: Read + Seek> Records<R> {
             .then_some(end)
     }
 
-    /// Whether three records stand in a row here, or fewer and then the end of the file.
+    /// Whether three records follow each other here, or fewer up to the end of the file.
     fn chain_holds(&mut self, place: u64) -> std::io::Result<bool> {
         let mut place = place;
         for _ in 0..3 {
@@ -187,12 +177,12 @@ impl<R: Read + Seek> Records<R> {
         self.file.seek(SeekFrom::Start(place))?;
         self.offset = place;
         self.fed = place;
-        self.walker = walker(true, MOST_RECORD);
+        self.reader = linear_reader(true, MOST_RECORD);
         Ok(())
     }
 }
 
-fn walker(emit_chunks: bool, limit: usize) -> LinearReader {
+fn linear_reader(emit_chunks: bool, limit: usize) -> LinearReader {
     LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -203,42 +193,37 @@ fn walker(emit_chunks: bool, limit: usize) -> LinearReader {
     )
 }
 
-/// The records of a chunk's body, each with its code.
+/// Unpacks the body of a chunk into records: op code and body.
 pub(super) fn unpack_chunk(body: &[u8]) -> Result<Vec<(u8, Vec<u8>)>, String> {
-    let wrong = || "a chunk's head is damaged".to_owned();
+    let wrong = || "the head of a chunk is damaged".to_owned();
     let mut head = ByteReader::new(body);
     let (_start, _end) = (head.u64().ok_or_else(wrong)?, head.u64().ok_or_else(wrong)?);
     let unpacked = head.u64().ok_or_else(wrong)?;
     let _sum = head.u32().ok_or_else(wrong)?;
     let _compression = head.text().ok_or_else(wrong)?;
     let packed = head.u64().ok_or_else(wrong)?;
-    // The walker trusts that no record runs out of its chunk: it must not find bytes beyond.
+    // The reader does not check that records end within their chunk, so no bytes may follow it.
     if packed != head.rest().len() as u64 {
         return Err(wrong());
     }
     if unpacked > MOST_CHUNK as u64 || unpacked > packed.saturating_mul(MOST_RATIO) {
         return Err(format!(
-            "a chunk claims to unpack from {packed} to {unpacked} bytes"
+            "a chunk of {packed} bytes claims to unpack to {unpacked} bytes"
         ));
     }
-    let mut walker = walker(false, MOST_CHUNK);
+    let mut reader = linear_reader(false, MOST_CHUNK);
     let mut opening = vec![op::CHUNK];
     opening.extend_from_slice(&(body.len() as u64).to_le_bytes());
-    let mut feed = opening.iter().chain(body).copied();
-    let mut left = opening.len() + body.len();
+    let mut feed = opening.as_slice().chain(body);
     let mut records = Vec::new();
-    while let Some(event) = walker.next_event() {
+    while let Some(event) = reader.next_event() {
         match event {
             Ok(LinearReadEvent::ReadRequest(need)) => {
-                if left == 0 {
+                let count = feed.read(reader.insert(need)).map_err(|e| e.to_string())?;
+                if count == 0 {
                     return Ok(records);
                 }
-                let count = need.min(left);
-                for (slot, byte) in walker.insert(count).iter_mut().zip(&mut feed) {
-                    *slot = byte;
-                }
-                walker.notify_read(count);
-                left -= count;
+                reader.notify_read(count);
             }
             Ok(LinearReadEvent::Record { opcode, data }) => records.push((opcode, data.to_vec())),
             Err(error) => return Err(error.to_string()),
@@ -247,24 +232,24 @@ pub(super) fn unpack_chunk(body: &[u8]) -> Result<Vec<(u8, Vec<u8>)>, String> {
     Ok(records)
 }
 
-/// A channel: its number and topic.
-pub(super) fn channel(body: &[u8]) -> Option<(u16, String)> {
+/// Parses a channel: id and topic.
+pub(super) fn parse_channel(body: &[u8]) -> Option<(u16, String)> {
     let mut body = ByteReader::new(body);
     let id = body.u16()?;
     let _schema = body.u16()?;
     Some((id, body.text()?.to_owned()))
 }
 
-/// A message: its channel and payload.
-pub(super) fn message(body: &[u8]) -> Option<(u16, &[u8])> {
+/// Parses a message: channel id and payload.
+pub(super) fn parse_message(body: &[u8]) -> Option<(u16, &[u8])> {
     let mut body = ByteReader::new(body);
     let id = body.u16()?;
     let (_sequence, _log_time, _publish_time) = (body.u32()?, body.u64()?, body.u64()?);
     Some((id, body.rest()))
 }
 
-/// An attachment: its name and bytes, if its check sum is right.
-pub(super) fn attachment(body: &[u8]) -> Option<(String, &[u8])> {
+/// Parses an attachment: name and bytes, if the check sum is right.
+pub(super) fn parse_attachment(body: &[u8]) -> Option<(String, &[u8])> {
     const CRC: crc::Crc<u32, crc::Table<16>> =
         crc::Crc::<u32, crc::Table<16>>::new(&crc::CRC_32_ISO_HDLC);
     let mut reader = ByteReader::new(body);
@@ -278,8 +263,11 @@ pub(super) fn attachment(body: &[u8]) -> Option<(String, &[u8])> {
     (reader.rest().is_empty() && (sum == 0 || CRC.checksum(before) == sum)).then_some((name, bytes))
 }
 
-/// A metadata record: its name, and the value of a key.
-pub(super) fn metadata<'a>(body: &'a [u8], wanted: &str) -> Option<(&'a str, Option<&'a str>)> {
+/// Parses a metadata record: its name, and the value of the `wanted` key.
+pub(super) fn parse_metadata<'a>(
+    body: &'a [u8],
+    wanted: &str,
+) -> Option<(&'a str, Option<&'a str>)> {
     let mut body = ByteReader::new(body);
     let name = body.text()?;
     let count = body.count()?;

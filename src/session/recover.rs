@@ -1,66 +1,68 @@
-//! Copies a recording: packed when it has ended, or as much of a damaged one as can be read.
+//! Copies a recording into a packed one: a complete recording, or what can be read of a damaged one.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek};
 use std::path::Path;
 
 use super::message::{Gap, Message};
-use super::{ReadError, Reader, Setup, WriteError, Writer};
+use super::read::{ReadError, Reader};
+use super::setup::Setup;
+use super::write::{WriteError, Writer};
 
 /// Why a copy could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum CopyError {
-    /// Nothing can be read.
+    /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The copy cannot be written.
     #[error("the copy cannot be written: {}", .0.reason())]
     Write(#[from] WriteError),
-    /// A file cannot be made, or renamed.
+    /// A file cannot be created or renamed.
     #[error("the copy cannot be written: {0}")]
     File(#[from] std::io::Error),
 }
 
-/// What a damaged file held.
+/// What was saved of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Salvage {
-    /// Frames that were saved.
+pub struct RecoveryReport {
+    /// Frames saved.
     pub frames: u64,
-    /// Other inputs of the engine that were saved.
+    /// Other engine inputs saved.
     pub inputs: u64,
-    /// Events that were saved.
+    /// Events saved.
     pub events: u64,
-    /// Inputs that the recorder itself had to leave out.
-    pub left_out: u64,
-    /// Things that could not be read.
+    /// Inputs that the recorder dropped.
+    pub dropped_inputs: u64,
+    /// Places that could not be read.
     pub losses: u64,
-    /// The first of them, in words.
+    /// Descriptions of the first of them.
     pub notes: Vec<String>,
-    /// Whether the file was closed as it should be.
+    /// Whether the file was closed properly.
     pub was_whole: bool,
 }
 
-impl Salvage {
-    /// Whether anything is known to be missing.
+impl RecoveryReport {
+    /// Whether the recording is incomplete.
     #[must_use]
-    pub fn has_lost(&self) -> bool {
-        self.losses + self.left_out > 0
+    pub fn is_incomplete(&self) -> bool {
+        self.losses + self.dropped_inputs > 0
     }
 }
 
-/// Saves what a damaged recording holds, packed: written beside first, then renamed.
+/// Saves what can be read of a recording, packed: writes a temporary file next to `to`, then renames it.
 ///
 /// # Errors
-/// A file of which nothing can be saved; a copy that cannot be written.
-pub fn recover(from: &Path, to: &Path) -> Result<Salvage, CopyError> {
+/// A file of which nothing can be read; a copy that cannot be written.
+pub fn recover(from: &Path, to: &Path) -> Result<RecoveryReport, CopyError> {
     let (reader, setup) = Reader::salvage(open(from)?)?;
     copy(reader, &setup, to)
 }
 
-/// Packs a recording in its place. It stays as it was until the packed one is whole.
+/// Packs a recording in place. The original stays until the packed file is complete.
 ///
 /// # Errors
-/// As [`recover`]; and anything that is wrong with the recording.
+/// As [`recover`]; any damage of the recording.
 pub fn pack(path: &Path) -> Result<(), CopyError> {
     let (reader, setup) = Reader::open(open(path)?)?;
     copy(reader, &setup, path).map(|_| ())
@@ -74,18 +76,17 @@ fn copy<R: Read + Seek>(
     mut reader: Reader<R>,
     setup: &Setup,
     to: &Path,
-) -> Result<Salvage, CopyError> {
-    let mut beside = to.as_os_str().to_owned();
-    beside.push(".part");
-    let beside = Path::new(&beside);
-    let outcome = copy_into(&mut reader, setup, beside);
-    let finished = outcome.and_then(|salvage| {
-        std::fs::rename(beside, to)?;
-        Ok(salvage)
+) -> Result<RecoveryReport, CopyError> {
+    let mut part = to.as_os_str().to_owned();
+    part.push(".part");
+    let part = Path::new(&part);
+    let finished = copy_into(&mut reader, setup, part).and_then(|report| {
+        std::fs::rename(part, to)?;
+        Ok(report)
     });
     if finished.is_err() {
-        // Half a copy helps nobody; what it was made of is still there.
-        let _ = std::fs::remove_file(beside);
+        // The original is still there.
+        let _ = std::fs::remove_file(part);
     }
     finished
 }
@@ -94,8 +95,8 @@ fn copy_into<R: Read + Seek>(
     reader: &mut Reader<R>,
     setup: &Setup,
     to: &Path,
-) -> Result<Salvage, CopyError> {
-    let mut salvage = Salvage::default();
+) -> Result<RecoveryReport, CopyError> {
+    let mut report = RecoveryReport::default();
     let mut writer = Writer::packed(BufWriter::new(File::create(to)?), setup)?;
     let mut known_losses = 0;
     while let Some(message) = reader.next()? {
@@ -107,19 +108,19 @@ fn copy_into<R: Read + Seek>(
         match &message {
             Message::Matrix(name) => match reader.attachment(&name.attachment) {
                 Some(sensing) => {
-                    salvage.inputs += 1;
-                    writer.matrix(sensing)?;
+                    report.inputs += 1;
+                    writer.write_matrix(sensing)?;
                 }
                 None => writer.write(&Message::Gap(Gap { inputs: 1 }))?,
             },
             _ => writer.write(&message)?,
         }
         match &message {
-            Message::Frames(frames) => salvage.frames += frames.len() as u64,
-            Message::Gap(gap) => salvage.left_out += gap.inputs.max(1),
-            Message::Event(_) => salvage.events += 1,
+            Message::Frames(frames) => report.frames += frames.len() as u64,
+            Message::Gap(gap) => report.dropped_inputs += gap.inputs.max(1),
+            Message::Event(_) => report.events += 1,
             Message::Touches(_) | Message::Matrix(_) => {}
-            _ => salvage.inputs += 1,
+            _ => report.inputs += 1,
         }
     }
     let file = writer.finish()?;
@@ -127,8 +128,8 @@ fn copy_into<R: Read + Seek>(
         .map_err(std::io::IntoInnerError::into_error)?
         .sync_all()?;
     let (losses, notes) = reader.losses();
-    salvage.losses = losses;
-    salvage.notes = notes.to_vec();
-    salvage.was_whole = reader.is_whole();
-    Ok(salvage)
+    report.losses = losses;
+    report.notes = notes.to_vec();
+    report.was_whole = reader.is_whole();
+    Ok(report)
 }

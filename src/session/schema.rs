@@ -1,6 +1,6 @@
-//! The JSON schema of each topic: what MCAP tools show fields by.
+//! The JSON schema of each topic, for MCAP tools. The texts are part of the format: changing one changes every new file.
 
-/// Schema of each of [`super::TOPICS`], as name and text.
+/// Name and text of the schema of each topic, in the order of [`super::TOPICS`].
 pub(super) const SCHEMAS: [(&str, &str); 12] = [
     (
         "gelpad.Frames",

@@ -1,4 +1,4 @@
-//! Writes a recording: message by message as they come, or packed.
+//! Writes a recording: live, message by message, or packed.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,15 +9,15 @@ use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::message::{MatrixName, Message, TOPICS};
 use super::schema::SCHEMAS;
-use super::volts::Packer;
-use super::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::volts::VoltsEncoder;
 use crate::types::{Frame, Nanos};
 
-/// Frames that are packed into one message: a message's head is then next to nothing.
+/// Frames in one message of a packed file; the head of a message then hardly counts.
 const BLOCK_FRAMES: usize = 16;
-/// Messages of a chunk: what a damaged byte can spoil of a packed file.
+/// Messages in a chunk of a packed file: what one damaged byte can destroy.
 const CHUNK_MESSAGES: usize = 512;
-/// How hard zstd tries; what is worth packing has been packed before.
+/// Level of zstd; the voltages are compressed already.
 const ZSTD_LEVEL: u32 = 3;
 
 /// Why a recording cannot be written.
@@ -26,7 +26,7 @@ const ZSTD_LEVEL: u32 = 3;
 pub struct WriteError(#[from] McapError);
 
 impl WriteError {
-    /// What the system said.
+    /// The error of the system or the library.
     #[must_use]
     pub fn reason(&self) -> String {
         match &self.0 {
@@ -36,11 +36,12 @@ impl WriteError {
     }
 }
 
-/// A recording that is being written.
+/// Writes a recording.
 pub struct Writer<W: Write + Seek> {
     file: mcap::Writer<W>,
-    packing: Option<Packing>,
-    /// The number of each topic's channel.
+    /// For a packed recording.
+    packed: Option<PackedState>,
+    /// Channel number of each topic.
     channels: Vec<u16>,
     sequence: u32,
     latest_ns: Nanos,
@@ -48,44 +49,44 @@ pub struct Writer<W: Write + Seek> {
 }
 
 #[derive(Default)]
-struct Packing {
-    packer: Packer,
-    /// Frames that wait for a whole block ...
+struct PackedState {
+    encoder: VoltsEncoder,
+    /// Frames of the incomplete block.
     block: Vec<Frame>,
-    /// ... and what came of them.
-    outcomes: Vec<Message>,
+    /// Touches and events of these frames.
+    outputs: Vec<Message>,
     messages: usize,
 }
 
 impl<W: Write + Seek> Writer<W> {
-    /// Begins a recording that is flushed with every message that [`Self::flush`] follows.
+    /// Starts a live recording: after [`Self::flush`], all messages so far are readable.
     ///
     /// # Errors
-    /// What the system says: no space, no such folder.
+    /// The file cannot be written.
     pub fn live(file: W, setup: &Setup) -> Result<Self, WriteError> {
-        Self::begin(file, setup, None)
+        Self::start(file, setup, None)
     }
 
-    /// Begins a packed recording.
+    /// Starts a packed recording.
     ///
     /// # Errors
     /// As [`Self::live`].
     pub fn packed(file: W, setup: &Setup) -> Result<Self, WriteError> {
-        Self::begin(file, setup, Some(Packing::default()))
+        Self::start(file, setup, Some(PackedState::default()))
     }
 
-    fn begin(file: W, setup: &Setup, packing: Option<Packing>) -> Result<Self, WriteError> {
+    fn start(file: W, setup: &Setup, packed: Option<PackedState>) -> Result<Self, WriteError> {
         let options = WriteOptions::new()
             .profile(FORMAT)
             .library(concat!("gelpad ", env!("CARGO_PKG_VERSION")))
-            .use_chunks(packing.is_some())
+            .use_chunks(packed.is_some())
             .chunk_size(None)
-            .compression(packing.is_some().then_some(Compression::Zstd))
+            .compression(packed.is_some().then_some(Compression::Zstd))
             .compression_level(ZSTD_LEVEL)
             .compression_threads(0);
         let mut writer = Self {
             file: options.create(file)?,
-            packing,
+            packed,
             channels: Vec::new(),
             sequence: 0,
             latest_ns: 0,
@@ -95,13 +96,13 @@ impl<W: Write + Seek> Writer<W> {
             name: FORMAT.to_owned(),
             metadata: BTreeMap::from([("version".to_owned(), VERSION.to_string())]),
         })?;
-        writer.setup(setup)?;
+        writer.write_setup(setup)?;
         Ok(writer)
     }
 
-    fn setup(&mut self, setup: &Setup) -> Result<(), WriteError> {
+    fn write_setup(&mut self, setup: &Setup) -> Result<(), WriteError> {
         self.attach(PAD, setup.pad.as_bytes())?;
-        // Texts and a number: nothing in them can fail.
+        // Texts and a number always serialize.
         self.attach(
             PROFILE,
             &serde_json::to_vec(&setup.profile).unwrap_or_default(),
@@ -136,23 +137,23 @@ impl<W: Write + Seek> Writer<W> {
         Ok(())
     }
 
-    /// Writes a message. A matrix goes by [`Self::matrix`].
+    /// Writes a message. A matrix is written by [`Self::write_matrix`].
     ///
     /// # Errors
-    /// What the system says. Nothing should be written after that.
+    /// The file cannot be written; the recording ends there.
     pub fn write(&mut self, message: &Message) -> Result<(), WriteError> {
-        let Some(packing) = &mut self.packing else {
+        let Some(packed) = &mut self.packed else {
             return self.put(message);
         };
         match message {
             Message::Frames(frames) => {
                 for frame in frames {
-                    self.pack(frame)?;
+                    self.add_to_block(frame)?;
                 }
                 Ok(())
             }
-            Message::Touches(_) | Message::Event(_) if !packing.block.is_empty() => {
-                packing.outcomes.push(message.clone());
+            Message::Touches(_) | Message::Event(_) if !packed.block.is_empty() => {
+                packed.outputs.push(message.clone());
                 Ok(())
             }
             _ => {
@@ -162,36 +163,30 @@ impl<W: Write + Seek> Writer<W> {
         }
     }
 
-    /// Writes another matrix and the message that it takes over.
+    /// Writes a new matrix and the message that it is used from here on.
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub fn matrix(&mut self, sensing: &[u8]) -> Result<(), WriteError> {
+    pub fn write_matrix(&mut self, sensing: &[u8]) -> Result<(), WriteError> {
         self.end_block()?;
         self.matrices += 1;
         let name = format!("sensing-{}.bin", self.matrices);
         self.attach(&name, sensing)?;
-        if let Some(packing) = &mut self.packing {
-            packing.messages = 0;
-            packing.packer.restart();
-        }
+        self.restart_chunk();
         self.put(&Message::Matrix(MatrixName { attachment: name }))
     }
 
-    /// Hands all that was written to the system; while packing, ends a chunk.
+    /// Passes all messages to the system; in a packed recording, ends the chunk.
     ///
     /// # Errors
     /// As [`Self::write`].
     pub fn flush(&mut self) -> Result<(), WriteError> {
         self.end_block()?;
-        if let Some(packing) = &mut self.packing {
-            packing.packer.restart();
-            packing.messages = 0;
-        }
+        self.restart_chunk();
         Ok(self.file.flush()?)
     }
 
-    /// Ends the recording: what comes after is an index.
+    /// Ends the recording and writes the index.
     ///
     /// # Errors
     /// As [`Self::write`].
@@ -201,47 +196,55 @@ impl<W: Write + Seek> Writer<W> {
         Ok(self.file.into_inner())
     }
 
-    fn pack(&mut self, frame: &Frame) -> Result<(), WriteError> {
-        let Some(packing) = &mut self.packing else {
+    /// The next message begins a chunk, which must be readable alone.
+    fn restart_chunk(&mut self) {
+        if let Some(packed) = &mut self.packed {
+            packed.messages = 0;
+            packed.encoder.restart();
+        }
+    }
+
+    fn add_to_block(&mut self, frame: &Frame) -> Result<(), WriteError> {
+        let Some(packed) = &mut self.packed else {
             return Ok(());
         };
-        let fits = packing
+        let fits = packed
             .block
             .first()
             .is_none_or(|first| first.volts.len() == frame.volts.len());
-        if packing.block.len() == BLOCK_FRAMES || !fits {
+        if packed.block.len() == BLOCK_FRAMES || !fits {
             self.end_block()?;
         }
-        if let Some(packing) = &mut self.packing {
-            packing.block.push(frame.clone());
+        if let Some(packed) = &mut self.packed {
+            packed.block.push(frame.clone());
         }
         Ok(())
     }
 
     fn end_block(&mut self) -> Result<(), WriteError> {
-        match &mut self.packing {
-            Some(packing) if !packing.block.is_empty() => {
-                let frames = std::mem::take(&mut packing.block);
-                let outcomes = std::mem::take(&mut packing.outcomes);
+        match &mut self.packed {
+            Some(packed) if !packed.block.is_empty() => {
+                let frames = std::mem::take(&mut packed.block);
+                let outputs = std::mem::take(&mut packed.outputs);
                 self.put(&Message::Frames(frames))?;
-                outcomes.iter().try_for_each(|outcome| self.put(outcome))
+                outputs.iter().try_for_each(|output| self.put(output))
             }
             _ => Ok(()),
         }
     }
 
     fn put(&mut self, message: &Message) -> Result<(), WriteError> {
-        if let Some(packing) = &mut self.packing {
-            packing.messages += 1;
-            if packing.messages > CHUNK_MESSAGES {
-                packing.messages = 1;
-                packing.packer.restart();
+        if let Some(packed) = &mut self.packed {
+            packed.messages += 1;
+            if packed.messages > CHUNK_MESSAGES {
+                packed.messages = 1;
+                packed.encoder.restart();
                 self.file.flush()?;
             }
         }
-        // Other tools sort by this: it never runs backwards.
+        // Other tools sort by this time, so it never decreases.
         self.latest_ns = self.latest_ns.max(message.t_ns().unwrap_or(0));
-        let payload = message.to_json(self.packing.as_mut().map(|packing| &mut packing.packer));
+        let payload = message.to_json(self.packed.as_mut().map(|packed| &mut packed.encoder));
         let header = MessageHeader {
             channel_id: self.channels[message.channel()],
             sequence: self.sequence,
@@ -265,8 +268,8 @@ fn media_type(name: &str) -> &'static str {
 mod tests {
     use std::io::Cursor;
 
-    use super::super::message::{At, Gap, Lost, NamedText, ProfileTexts, Touches};
-    use super::super::{ReadError, Reader};
+    use super::super::message::{Gap, LostFrames, NamedText, ProfileTexts, TimeOnly, Touches};
+    use super::super::read::{ReadError, Reader};
     use super::*;
     use crate::types::{Action, Event};
     use proptest::prelude::*;
@@ -289,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Messages of a session, times ascending.
+    /// Messages of a session, in the order of their times.
     fn messages() -> impl Strategy<Value = Vec<Message>> {
         let one = (0..9u8, 0..50u64, proptest::collection::vec(-1.0..1.0f32, 3));
         proptest::collection::vec(one, 0..150).prop_map(|all| {
@@ -297,11 +300,11 @@ mod tests {
             let message = |(kind, dt, volts): (u8, u64, Vec<f32>)| {
                 t_ns += dt;
                 match kind {
-                    0 => Message::Tick(At { t_ns }),
-                    1 => Message::Rezero(At { t_ns }),
-                    2 => Message::Lost(Lost { frames: dt }),
+                    0 => Message::Tick(TimeOnly { t_ns }),
+                    1 => Message::Rezero(TimeOnly { t_ns }),
+                    2 => Message::Lost(LostFrames { frames: dt }),
                     3 => Message::Gap(Gap { inputs: dt }),
-                    4 => Message::Touches(Touches::of(t_ns, &[])),
+                    4 => Message::Touches(Touches::from_touches(t_ns, &[])),
                     5 => Message::Event(Event {
                         t_ns,
                         action: Action::Press("key:f".parse().expect("a key")),
@@ -313,11 +316,11 @@ mod tests {
         })
     }
 
-    fn is_outcome(message: &Message) -> bool {
+    fn is_output(message: &Message) -> bool {
         matches!(message, Message::Touches(_) | Message::Event(_))
     }
 
-    /// All messages, frames one by one.
+    /// All messages of a recording, one frame each.
     fn read(bytes: Vec<u8>) -> Vec<Message> {
         let (mut reader, back) = Reader::open(Cursor::new(bytes)).expect("a recording");
         assert_eq!(back, setup());
@@ -336,7 +339,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn live_or_packed_the_messages_come_back(messages in messages()) {
+        fn messages_are_read_back_from_live_and_packed_files(messages in messages()) {
             let mut live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
             let mut packed = Writer::packed(Cursor::new(Vec::new()), &setup()).expect("memory");
             for message in &messages {
@@ -346,18 +349,18 @@ mod tests {
             }
             let live = read(live.finish().expect("memory").into_inner());
             prop_assert_eq!(&live, &messages);
-            // Packed, what came of a block of frames follows the block.
+            // In a packed file, touches and events follow their block of frames.
             let packed = read(packed.finish().expect("memory").into_inner());
-            for outcome in [true, false] {
+            for is_wanted in [true, false] {
                 let those = |all: &[Message]| -> Vec<Message> {
-                    all.iter().filter(|m| is_outcome(m) == outcome).cloned().collect()
+                    all.iter().filter(|m| is_output(m) == is_wanted).cloned().collect()
                 };
                 prop_assert_eq!(those(&packed), those(&messages));
             }
         }
 
         #[test]
-        fn a_file_that_is_cut_anywhere_gives_all_before(messages in messages(), cut in 0..3000usize) {
+        fn a_file_cut_anywhere_is_read_up_to_the_cut(messages in messages(), cut in 0..3000usize) {
             let mut live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
             for message in &messages {
                 live.write(message).expect("memory");
@@ -384,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_of_a_later_version_asks_for_a_newer_gelpad() {
+    fn a_recording_of_a_later_version_is_refused() {
         let live = Writer::live(Cursor::new(Vec::new()), &setup()).expect("memory");
         let mut bytes = live.finish().expect("memory").into_inner();
         let key = bytes
@@ -394,6 +397,6 @@ mod tests {
         assert_eq!(bytes[key + 11], b'1');
         bytes[key + 11] = b'2';
         let error = Reader::open(Cursor::new(bytes)).err().expect("refused");
-        assert!(error.to_string().contains("take a newer gelpad"), "{error}");
+        assert!(error.to_string().contains("use a newer gelpad"), "{error}");
     }
 }

@@ -1,51 +1,51 @@
-//! From the order in which a board lists its readings to the pad's.
+//! Maps the order in which a board lists its readings to the pad's order.
 //!
-//! The first frames tell the order ([`recognise`]), unless the board names its drives or the player declares it. A reading
-//! that the pad wants and the board lacks is taken from its reciprocal twin, so 104 readings serve a pad of 208.
+//! The first frames tell the order (`recognise_order`), unless the board names its drives or the player declares the order. A
+//! reading that the board lacks is taken from its reciprocal twin, so 104 readings serve a pad of 208 channels.
 //!
-//! Invariant: an arrangement only moves readings and turns signs; every bit of a voltage stays.
+//! Invariant: an arrangement only moves readings and changes signs; every bit of a magnitude stays.
 
-use crate::eit::order::{Layout, Order, OrderError, recognise};
+use crate::eit::order::{Layout, Order, OrderError, recognise_order};
 use crate::pad::{Channel, Pad, Pair};
 
 use super::wire::DeclaredOrder;
 
-/// Where each of a pad's readings stands in a board's frame.
+/// Where each of a pad's channels is in a board's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arrangement {
-    /// For each of the pad's channels the place in the frame and the sign.
+    /// For each of the pad's channels the index in the frame and the sign.
     places: Vec<(usize, f32)>,
-    /// Values of the board's frame.
+    /// Number of values of the board's frame.
     values: usize,
-    /// In words.
-    told: String,
+    /// Description for people.
+    summary: String,
 }
 
-/// Why a board's frames do not fit a pad.
+/// The reason why a board's frames do not fit a pad.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ArrangementError {
-    /// The board measures something else.
+    /// The board measures with another protocol.
     #[error(
-        "the board sends {sent}, which the pad {pad} ({wanted} voltages) is not measured with\n  help: choose the pad that the board is wired to: --pad NAME (`gelpad pad list`), or a file of your own"
+        "the board sends {sent}, but the pad {pad} is measured with another protocol ({wanted} voltages)\n  help: choose the pad that the board is wired to with --pad NAME (see `gelpad pad list`) or --pad FILE"
     )]
     OtherProtocol {
-        /// What it sends.
+        /// What the board sends.
         sent: String,
         /// The pad.
         pad: String,
-        /// Voltages of its frames.
+        /// Number of voltages of the pad's frames.
         wanted: usize,
     },
-    /// No layout has so many values.
+    /// No layout has this number of values.
     #[error(transparent)]
     Order(#[from] OrderError),
 }
 
 impl Arrangement {
-    /// The arrangement of a board whose first frames (or their median) are these values.
+    /// The arrangement of a board from the values of its first frame, or the median of some frames.
     ///
     /// # Errors
-    /// A board that measures with another protocol than the pad's.
+    /// The board measures with another protocol than the pad's.
     pub fn find(
         values: &[f32],
         listing: Option<&[Channel]>,
@@ -54,25 +54,25 @@ impl Arrangement {
     ) -> Result<Self, ArrangementError> {
         let electrodes = pad.protocol.electrodes;
         if let Some(listing) = listing {
-            return Self::of_listing(values, listing, pad);
+            return Self::from_listing(values, listing, pad);
         }
         let volts: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
         let order = match declared {
             Some(DeclaredOrder { rotated, flipped }) => {
-                Order::declared(values.len(), electrodes, rotated, flipped)
+                Order::from_declaration(values.len(), electrodes, rotated, flipped)
             }
-            None => recognise(&volts, electrodes),
+            None => recognise_order(&volts, electrodes),
         };
         match order {
-            Ok(order) => Self::of_order(&order, values.len(), pad),
-            Err(error) if values.len() == pad.channels() => Ok(Self::as_it_comes(pad, &error)),
+            Ok(order) => Self::from_order(&order, values.len(), pad),
+            Err(error) if values.len() == pad.channels() => Ok(Self::unchanged(pad, &error)),
             Err(OrderError::Ambiguous | OrderError::NoneFits(_)) => {
-                let order = Order::declared(values.len(), electrodes, false, false)?;
-                let found = Self::of_order(&order, values.len(), pad)?;
+                let order = Order::from_declaration(values.len(), electrodes, false, false)?;
+                let found = Self::from_order(&order, values.len(), pad)?;
                 Ok(Self {
-                    told: format!(
-                        "{}; the voltages do not tell their order: not rotated is taken",
-                        found.told
+                    summary: format!(
+                        "{}; the order cannot be recognised: assumed not rotated",
+                        found.summary
                     ),
                     ..found
                 })
@@ -81,37 +81,37 @@ impl Arrangement {
         }
     }
 
-    /// Nothing is moved: the pad's own order is taken, and it is said why.
-    fn as_it_comes(pad: &Pad, why: &OrderError) -> Self {
+    /// The frame is taken as it is, in the pad's order; the description says why.
+    fn unchanged(pad: &Pad, why: &OrderError) -> Self {
         let count = pad.channels();
         let why = match why {
-            OrderError::NoneFits(_) => "they fit no known order",
-            _ => "they do not tell their order",
+            OrderError::NoneFits(_) => "no known order fits",
+            _ => "the order cannot be recognised",
         };
         Self {
             places: (0..count).map(|place| (place, 1.0)).collect(),
             values: count,
-            told: format!("{count} voltages a frame; {why}, so the pad's own is taken"),
+            summary: format!("{count} voltages a frame; {why}: the pad's own order is assumed"),
         }
     }
 
-    fn of_order(order: &Order, count: usize, pad: &Pad) -> Result<Self, ArrangementError> {
+    fn from_order(order: &Order, count: usize, pad: &Pad) -> Result<Self, ArrangementError> {
         let electrodes = pad.protocol.electrodes;
-        let told = told(order, count);
+        let summary = describe_order(order, count);
         let flip = if order.flipped { -1.0 } else { 1.0 };
         let places = places(&order.channels(electrodes), pad, order.layout)
             .ok_or_else(|| other_protocol(order.layout, count, pad))?
             .into_iter()
-            .map(|(channel, sign)| (order.source()[channel], flip * sign))
+            .map(|(channel, sign)| (order.stream_indices()[channel], flip * sign))
             .collect();
         Ok(Self {
             places,
             values: count,
-            told,
+            summary,
         })
     }
 
-    fn of_listing(
+    fn from_listing(
         values: &[f32],
         listing: &[Channel],
         pad: &Pad,
@@ -132,7 +132,7 @@ impl Arrangement {
             (a + 1) % pad.protocol.electrodes == b
         });
         let flip = if is_adjacent && sum < 0.0 { -1.0 } else { 1.0 };
-        let turned = if flip < 0.0 { ", signs turned" } else { "" };
+        let inverted = if flip < 0.0 { ", signs inverted" } else { "" };
         let error = reciprocity_error(values, &places, pad).map_or(String::new(), |error| {
             format!(", reciprocity error {:.1} %", error * 100.0)
         });
@@ -142,8 +142,8 @@ impl Arrangement {
                 .map(|(place, sign)| (place, flip * sign))
                 .collect(),
             values: listing.len(),
-            told: format!(
-                "{} voltages a frame, of drives that are named{turned}{error}",
+            summary: format!(
+                "{} voltages a frame, with named drives{inverted}{error}",
                 listing.len()
             ),
         })
@@ -152,7 +152,7 @@ impl Arrangement {
     /// A frame in the pad's order.
     ///
     /// # Panics
-    /// If it has another number of values than [`Arrangement::values`].
+    /// If the frame has another number of values than [`Arrangement::values`].
     #[must_use]
     pub fn apply(&self, values: &[f32]) -> Vec<f32> {
         assert_eq!(values.len(), self.values);
@@ -168,21 +168,21 @@ impl Arrangement {
         self.values
     }
 
-    /// What was found, for the player.
+    /// What was found, for people.
     #[must_use]
-    pub fn told(&self) -> &str {
-        &self.told
+    pub fn summary(&self) -> &str {
+        &self.summary
     }
 }
 
-/// Frames of how many values may be frames of a pad.
+/// The numbers of values that a frame of a pad may have.
 #[must_use]
 pub fn plausible_counts(pad: &Pad) -> Vec<usize> {
     let electrodes = pad.protocol.electrodes;
     let mut counts: Vec<usize> = Layout::ALL
         .into_iter()
-        .map(|layout| layout.stream(electrodes, false).len())
-        .filter(|count| Layout::of(*count, electrodes).is_some())
+        .map(|layout| layout.stream_channels(electrodes, false).len())
+        .filter(|count| Layout::from_count(*count, electrodes).is_some())
         .collect();
     counts.push(pad.channels());
     counts.sort_unstable();
@@ -190,21 +190,25 @@ pub fn plausible_counts(pad: &Pad) -> Vec<usize> {
     counts
 }
 
-/// An order in words, for the player.
+/// An order in words, for people.
 #[must_use]
-pub fn told(order: &Order, count: usize) -> String {
+pub fn describe_order(order: &Order, count: usize) -> String {
     let layout = match order.layout {
         Layout::Adjacent => "adjacent drive",
-        Layout::AdjacentHalf => "adjacent drive, the half without reciprocal readings",
-        Layout::Square => "adjacent drive, all pairs (the driven ones are left out)",
+        Layout::AdjacentHalf => "adjacent drive, without reciprocal readings",
+        Layout::Square => "adjacent drive, all pairs (driven ones are ignored)",
         Layout::Opposite => "opposite drive",
     };
     let rotated = match (order.layout, order.rotated) {
         (Layout::AdjacentHalf, _) => "",
-        (_, true) => ", rotated (each drive begins behind itself)",
+        (_, true) => ", rotated (measurements start after the drive)",
         (_, false) => ", not rotated",
     };
-    let flipped = if order.flipped { ", signs turned" } else { "" };
+    let flipped = if order.flipped {
+        ", signs inverted"
+    } else {
+        ""
+    };
     let error = order.error.map_or(String::new(), |error| {
         format!(", reciprocity error {:.1} %", error * 100.0)
     });
@@ -223,7 +227,7 @@ fn other_protocol(layout: Layout, count: usize, pad: &Pad) -> ArrangementError {
     }
 }
 
-/// Norm of the differences of reciprocal readings over the norm of all; none where nothing is read twice.
+/// Norm of the differences of reciprocal readings over the norm of all readings; none if no channel has a twin.
 fn reciprocity_error(values: &[f32], places: &[(usize, f32)], pad: &Pad) -> Option<f64> {
     let volt = |channel: usize| {
         let (place, sign) = places[channel];
@@ -238,9 +242,9 @@ fn reciprocity_error(values: &[f32], places: &[(usize, f32)], pad: &Pad) -> Opti
     (all > 0.0).then(|| libm::sqrt(off / all))
 }
 
-/// For each of the pad's channels its place among those that are there, and the sign; none if one is missing.
+/// For each of the pad's channels its index in `there` and the sign; none if one is missing.
 fn places(there: &[Channel], pad: &Pad, layout: Layout) -> Option<Vec<(usize, f32)>> {
-    let turned = |pair: Pair| Pair(pair.1, pair.0);
+    let swapped = |pair: Pair| Pair(pair.1, pair.0);
     let find = |drive: Pair, measure: Pair| {
         there
             .iter()
@@ -249,9 +253,9 @@ fn places(there: &[Channel], pad: &Pad, layout: Layout) -> Option<Vec<(usize, f3
     let either_way = |drive: Pair, measure: Pair| {
         [
             (drive, measure, 1.0),
-            (turned(drive), turned(measure), 1.0),
-            (turned(drive), measure, -1.0),
-            (drive, turned(measure), -1.0),
+            (swapped(drive), swapped(measure), 1.0),
+            (swapped(drive), measure, -1.0),
+            (drive, swapped(measure), -1.0),
         ]
         .into_iter()
         .find_map(|(drive, measure, sign)| Some((find(drive, measure)?, sign)))
@@ -287,10 +291,10 @@ mod tests {
             .collect()
     }
 
-    /// What a board that lists its readings so would send of a pad's frame.
+    /// The frame that a board with this order of readings sends.
     fn sent(volts: &[f32], pad: &Pad, layout: Layout, rotated: bool, sign: f32) -> Vec<f32> {
         layout
-            .stream(pad.protocol.electrodes, rotated)
+            .stream_channels(pad.protocol.electrodes, rotated)
             .iter()
             .map(|channel| {
                 let place = pad.protocol.channels.iter().position(|c| c == channel);
@@ -309,20 +313,24 @@ mod tests {
                 let found = Arrangement::find(&stream, None, None, &pad).expect("recognised");
                 let got = found.apply(&stream);
                 for (channel, (got, truth)) in got.iter().zip(&volts).enumerate() {
-                    // The half's other half is its reciprocal twin, equal to rounding.
+                    // The missing half is filled with reciprocal twins, equal up to rounding.
                     let near = (got - truth).abs() <= 1e-5 * truth.abs();
                     assert!(
                         got == truth || (layout == Layout::AdjacentHalf && near),
                         "{layout:?} {rotated} {sign} {channel}: {got} {truth}"
                     );
                 }
-                assert!(found.told().contains("adjacent drive"), "{}", found.told());
+                assert!(
+                    found.summary().contains("adjacent drive"),
+                    "{}",
+                    found.summary()
+                );
             }
         }
     }
 
     #[test]
-    fn what_is_declared_is_not_recognised() {
+    fn a_declared_order_is_used_without_recognition() {
         let pad = pad("edinburgh-lattice");
         let stream: Vec<f32> = (0..208).map(|value| value as f32).collect();
         let declared = DeclaredOrder {
@@ -330,25 +338,25 @@ mod tests {
             flipped: true,
         };
         let found = Arrangement::find(&stream, None, Some(declared), &pad).expect("declared");
-        // Drive 2 begins behind itself, with (4, 5), and ends with (0, 1).
+        // The measurements of drive 2 start after it, with (4, 5), and end with (0, 1).
         assert_eq!(found.apply(&stream)[26], -stream[26 + 12]);
     }
 
     #[test]
-    fn a_board_of_another_protocol_is_told() {
+    fn a_board_of_another_protocol_is_refused() {
         let opposite = pad("openeit-lattice");
         let volts = rest(&opposite);
         let error = Arrangement::find(&volts, None, None, &pad("edinburgh-lattice"))
             .expect_err("another protocol")
             .to_string();
         assert!(
-            error.starts_with("the board sends 192 voltages of opposite drive, which the pad edinburgh-lattice (208 voltages) is not measured with"),
+            error.starts_with("the board sends 192 voltages of opposite drive, but the pad edinburgh-lattice is measured with another protocol (208 voltages)"),
             "{error}"
         );
     }
 
     #[test]
-    fn every_shipped_pad_takes_its_own_frames_as_they_are() {
+    fn every_shipped_pad_takes_its_own_frames_unchanged() {
         for shipped in SHIPPED_PADS {
             let pad = pad(shipped.name);
             let volts = rest(&pad);

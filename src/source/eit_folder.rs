@@ -1,15 +1,15 @@
-//! A folder of Sciospec's `.eit` files as a source: a frame a file, in the order of their numbers, at the rate that their
-//! header says.
+//! A folder of Sciospec's `.eit` files as a source: one frame a file, in the order of the numbers in the
+//! names, at the frame rate of the header.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::eit_text::EitFrame;
-use super::{Arrangement, Pace, Reading, Source, SourceError};
+use super::{Arrangement, Source, SourceError, SourcePace, SourceReading};
 use crate::pad::{Channel, Pad, Pair};
 use crate::types::{Frame, Nanos};
 
-/// Files that are read one after the other.
+/// The files of a folder, read one after the other.
 pub struct EitFolder {
     paths: std::vec::IntoIter<PathBuf>,
     arrangement: Arrangement,
@@ -18,29 +18,23 @@ pub struct EitFolder {
 }
 
 impl EitFolder {
-    /// Opens a folder, or one file, of a pad's frames.
+    /// Opens a folder of frames of a pad, or one file.
     ///
     /// # Errors
-    /// A folder that cannot be read or holds no such file; frames of another pad.
+    /// The folder cannot be read or holds no `.eit` file, or the frames are of another pad.
     pub fn open(path: &Path, pad: &Pad) -> Result<Self, SourceError> {
         let paths = files(path)?;
         let first = EitFrame::open(&paths[0])?;
         let listing: Vec<Channel> = listing(&first);
-        let arrangement =
-            Arrangement::find(&values(&first), Some(&listing), None, pad).map_err(|error| {
-                SourceError::Line {
-                    path: paths[0].clone(),
-                    line: 1,
-                    problem: error.to_string(),
-                }
-            })?;
+        let arrangement = Arrangement::find(&values(&first), Some(&listing), None, pad)
+            .map_err(|error| SourceError::line(&paths[0], 1, error.to_string()))?;
         tracing::info!(
             target: "gelpad::told",
             "{}: {} frames, {} frames/s; {}",
             path.display(),
             paths.len(),
             first.frames_per_s,
-            arrangement.told()
+            arrangement.summary()
         );
         Ok(Self {
             paths: paths.into_iter(),
@@ -52,13 +46,13 @@ impl EitFolder {
 }
 
 impl Source for EitFolder {
-    fn pace(&self) -> Pace {
-        Pace::ByStamp
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByStamp
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         let Some(path) = self.paths.next() else {
-            return Ok(Reading::End);
+            return Ok(SourceReading::End);
         };
         let values = values(&EitFrame::open(&path)?);
         if values.len() != self.arrangement.values() {
@@ -74,19 +68,19 @@ impl Source for EitFolder {
         }
         let t_ns = (self.count as f64 * self.frame_s * 1e9).round() as Nanos;
         self.count += 1;
-        Ok(Reading::Frame(Frame {
+        Ok(SourceReading::Frame(Frame {
             t_ns,
             volts: self.arrangement.apply(&values),
         }))
     }
 }
 
-/// Second minus first, as gelpad reads.
+/// The differences with gelpad's sign: second electrode minus first.
 fn values(frame: &EitFrame) -> Vec<f32> {
     frame.adjacent().iter().map(|volt| -volt as f32).collect()
 }
 
-/// What [`EitFrame::adjacent`] lists.
+/// The channels in the order of [`EitFrame::adjacent`].
 fn listing(frame: &EitFrame) -> Vec<Channel> {
     frame
         .drives
@@ -99,17 +93,14 @@ fn listing(frame: &EitFrame) -> Vec<Channel> {
                     drive,
                     measure: Pair(m, (m + 1) % count),
                 })
-                .filter(|channel| !channel.drive.meets(channel.measure))
+                .filter(|channel| !channel.drive.shares_electrode(channel.measure))
         })
         .collect()
 }
 
-/// The `.eit` files of a folder by their numbers, at least one.
+/// The `.eit` files of a folder, at least one, in the order of their numbers.
 fn files(path: &Path) -> Result<Vec<PathBuf>, SourceError> {
-    let failed = |error| SourceError::File {
-        path: path.to_owned(),
-        error,
-    };
+    let failed = |error| SourceError::file(path, error);
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
@@ -166,34 +157,37 @@ mod tests {
     #[test]
     fn a_folder_is_played_in_the_order_of_its_numbers_at_its_rate() {
         let folder = tempfile::tempdir().expect("a folder");
-        // 10 comes behind 9, whatever the alphabet says.
+        // In the alphabet 10 would come before 9.
         for n in 8..11 {
             let path = folder.path().join(format!("setup_{n}.eit"));
             fs::write(path, text(1, n as f64)).expect("written");
         }
         let mut source = EitFolder::open(folder.path(), &tank()).expect("opened");
         for n in 8..11_u64 {
-            let Ok(Reading::Frame(frame)) = source.read() else {
+            let Ok(SourceReading::Frame(frame)) = source.read() else {
                 panic!("no frame {n}")
             };
             assert_eq!(frame.t_ns, (n - 8) * 50_000_000);
             assert_eq!(frame.volts, [n as f32; 208]);
         }
-        assert_eq!(source.read().expect("all read"), Reading::End);
+        assert_eq!(source.read().expect("all read"), SourceReading::End);
     }
 
     #[test]
-    fn an_empty_folder_and_other_drives_are_told() {
+    fn an_empty_folder_and_other_drives_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
-        let said = |path: &Path| {
+        let error_of = |path: &Path| {
             EitFolder::open(path, &tank())
                 .err()
                 .expect("refused")
                 .to_string()
         };
-        assert!(said(folder.path()).contains("no .eit files"));
+        assert!(error_of(folder.path()).contains("no .eit files"));
         let path = folder.path().join("opposite.eit");
         fs::write(&path, text(8, 1.0)).expect("written");
-        assert!(said(&path).contains("the pad round-tank (208 voltages) is not measured with"));
+        assert!(
+            error_of(&path)
+                .contains("the pad round-tank is measured with another protocol (208 voltages)")
+        );
     }
 }

@@ -1,37 +1,37 @@
-//! Sciospec's `.eit` text files: one frame a file, potentials of every electrode for every drive.
+//! Sciospec's `.eit` text files: one frame a file, with the potential of every electrode for every drive.
 //!
-//! The first line gives the number of header lines; then come pairs of lines: the two driven electrodes, counted from 1,
-//! and the real and imaginary part of every electrode's potential. Potentials are single-ended: what gelpad works
-//! with are differences of neighbours, which [`EitFrame::adjacent`] takes.
+//! The first line is the number of header lines. Pairs of lines follow the header: the two driven electrodes,
+//! counted from 1, and the real and imaginary part of every electrode's potential. Potentials are
+//! single-ended; [`EitFrame::adjacent`] takes the differences of neighbours that gelpad works with.
 
 use std::path::Path;
 
 use super::SourceError;
 
-/// A larger file is no frame, bytes: a frame of 16 electrodes takes 12 kB.
+/// Largest file that is read, bytes: a frame of 16 electrodes takes 12 kB.
 const LARGEST_FILE: u64 = 16 << 20;
-/// The header's line that lists the electrodes, from 1, whose potentials are of the pad: larger instruments list all theirs.
+/// Start of the header line that lists the pad's electrodes, from 1: larger instruments measure all of theirs.
 const CHANNELS_LINE: &str = "MeasurementChannels:";
 /// Header line (from 0) of the frame rate.
 const RATE_LINE: usize = 9;
-/// Frame rates that an instrument can have, 1/s: one frame in a quarter of an hour is none any more.
+/// Frame rates that an instrument can have, 1/s.
 const RATES_PER_S: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
-/// A potential beyond this is none, V: differences of such fit a single float.
-const MOST_V: f64 = 1e30;
+/// Largest potential, V: differences of such potentials fit an f32.
+const LARGEST_V: f64 = 1e30;
 
-/// A frame as the instrument wrote it.
+/// A frame of the instrument.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EitFrame {
-    /// Frames a second, as the header says.
+    /// Frames a second, from the header.
     pub frames_per_s: f64,
-    /// What each drive gave, in the file's order.
+    /// The drives, in the file's order.
     pub drives: Vec<EitDrive>,
 }
 
 /// One drive of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EitDrive {
-    /// The electrodes where current goes in and out, from 0.
+    /// The electrodes where the current goes in and out, from 0.
     pub electrodes: (usize, usize),
     /// Real part of each electrode's potential, V.
     pub real: Vec<f64>,
@@ -43,118 +43,52 @@ impl EitFrame {
     /// Reads a file.
     ///
     /// # Errors
-    /// A file that cannot be read or holds something else.
+    /// The file cannot be read or is not such a file.
     pub fn open(path: &Path) -> Result<Self, SourceError> {
         use std::io::Read as _;
 
         let mut text = String::new();
         std::fs::File::open(path)
             .and_then(|file| file.take(LARGEST_FILE).read_to_string(&mut text))
-            .map_err(|error| SourceError::File {
-                path: path.to_owned(),
-                error,
-            })?;
+            .map_err(|error| SourceError::file(path, error))?;
         Self::parse(path, &text)
     }
 
-    /// Reads the text of a file; `path` stands for it in messages.
+    /// Reads the text of a file; `path` is its name for messages.
     ///
     /// # Errors
-    /// The first line that is not what it should be.
+    /// The first line that is wrong.
     pub fn parse(path: &Path, text: &str) -> Result<Self, SourceError> {
         let lines: Vec<&str> = text.lines().collect();
-        let problem = |line: usize, problem: String| SourceError::Line {
-            path: path.to_owned(),
-            line: line as u64 + 1,
-            problem,
-        };
-        let header: usize = lines
-            .first()
-            .and_then(|line| line.trim().parse().ok())
-            .filter(|count| (RATE_LINE + 1..lines.len()).contains(count))
-            .ok_or_else(|| {
-                problem(0, "no .eit file: the first line must be the number of header lines, and readings follow them".to_owned())
-            })?;
-        let frames_per_s: f64 = lines[RATE_LINE]
-            .trim()
-            .parse()
-            .ok()
-            .filter(|rate| RATES_PER_S.contains(rate))
-            .ok_or_else(|| {
-                let (least, most) = RATES_PER_S.into_inner();
-                problem(
-                    RATE_LINE,
-                    format!("the frame rate is no number from {least} to {most} frames/s"),
-                )
-            })?;
-        // Without such a line, all are.
-        let channels = lines[..header]
-            .iter()
-            .enumerate()
-            .find_map(|(line, text)| Some((line, text.strip_prefix(CHANNELS_LINE)?)))
-            .map(|(line, list)| {
-                electrodes(list).ok_or_else(|| {
-                    problem(
-                        line,
-                        "expected the measured electrodes, from 1 and each once, as in `1,2,3`"
-                            .to_owned(),
-                    )
-                })
-            })
-            .transpose()?;
+        Self::parse_lines(&lines)
+            .map_err(|(line, problem)| SourceError::line(path, line as u64 + 1, problem))
+    }
+
+    fn parse_lines(lines: &[&str]) -> Result<Self, Problem> {
+        let header = Header::parse(lines)?;
         let mut drives: Vec<EitDrive> = Vec::new();
-        let body: Vec<(usize, &str)> = lines
-            .iter()
-            .enumerate()
-            .skip(header)
+        let body: Vec<(usize, &str)> = (header.lines..lines.len())
+            .map(|index| (index, lines[index]))
             .filter(|(_, line)| !line.trim().is_empty())
-            .map(|(index, line)| (index, *line))
             .collect();
         for pair in body.chunks(2) {
-            let [(drive_line, drive), (volts_line, volts)] = *pair else {
-                return Err(problem(pair[0].0, "a drive without potentials".to_owned()));
+            let [drive, volts] = *pair else {
+                return Err((pair[0].0, "a drive without potentials".to_owned()));
             };
-            let driven = driven(drive).ok_or_else(|| {
-                problem(
-                    drive_line,
-                    "expected the two driven electrodes, from 1, as in `1 2`".to_owned(),
-                )
-            })?;
-            let (real, imaginary) = potentials(volts, channels.as_deref())
-                .map_err(|wrong| problem(volts_line, wrong.to_owned()))?;
-            let count = real.len();
-            if drives
-                .first()
-                .is_some_and(|first| first.real.len() != count)
-            {
-                return Err(problem(
-                    volts_line,
-                    format!("{count} potentials where the first drive has another number"),
-                ));
-            }
-            if driven.0.max(driven.1) >= count {
-                return Err(problem(
-                    drive_line,
-                    format!("drives an electrode beyond the {count} that are read"),
-                ));
-            }
-            drives.push(EitDrive {
-                electrodes: driven,
-                real,
-                imaginary,
-            });
+            let electrodes = drives.first().map(|first| first.real.len());
+            drives.push(EitDrive::parse(drive, volts, &header, electrodes)?);
         }
         if drives.is_empty() {
-            return Err(problem(header, "no reading follows the header".to_owned()));
+            return Err((header.lines, "no reading follows the header".to_owned()));
         }
         Ok(Self {
-            frames_per_s,
+            frames_per_s: header.frames_per_s,
             drives,
         })
     }
 
-    /// Real parts of the differences of neighbours, V(m) - V(m + 1), drive by drive, those that meet the drive left out:
-    /// what [`recognise`](crate::eit::order::recognise) takes.
+    /// Real parts of the differences of neighbours, V(m) - V(m + 1), drive by drive, without those that
+    /// include a driven electrode: the input of [`recognise`](crate::eit::order::recognise_order).
     #[must_use]
     pub fn adjacent(&self) -> Vec<f64> {
         self.drives
@@ -171,7 +105,84 @@ impl EitFrame {
     }
 }
 
-/// The electrodes of a header's list, from 0. One that is listed twice would let a small file fill the memory.
+/// A line, from 0, and its mistake.
+type Problem = (usize, String);
+
+struct Header {
+    /// Number of lines.
+    lines: usize,
+    frames_per_s: f64,
+    /// The pad's electrodes among the potentials, from 0; none: all of them.
+    channels: Option<Vec<usize>>,
+}
+
+impl Header {
+    fn parse(lines: &[&str]) -> Result<Self, Problem> {
+        let count: usize = lines
+            .first()
+            .and_then(|line| line.trim().parse().ok())
+            .filter(|count| (RATE_LINE + 1..lines.len()).contains(count))
+            .ok_or_else(|| {
+                (0, "not an .eit file: the first line must be the number of header lines, and readings must follow them".to_owned())
+            })?;
+        let frames_per_s = lines[RATE_LINE].trim().parse().ok();
+        let frames_per_s = frames_per_s
+            .filter(|rate| RATES_PER_S.contains(rate))
+            .ok_or_else(|| {
+                let (least, most) = RATES_PER_S.into_inner();
+                let problem =
+                    format!("the frame rate is not a number from {least} to {most} frames/s");
+                (RATE_LINE, problem)
+            })?;
+        let listed = lines[..count]
+            .iter()
+            .enumerate()
+            .find_map(|(line, text)| Some((line, text.strip_prefix(CHANNELS_LINE)?)));
+        let channels = listed.map(|(line, list)| {
+            let problem = "expected the measured electrodes, from 1 and each once, as in `1,2,3`";
+            electrodes(list).ok_or_else(|| (line, problem.to_owned()))
+        });
+        Ok(Self {
+            lines: count,
+            frames_per_s,
+            channels: channels.transpose()?,
+        })
+    }
+}
+
+impl EitDrive {
+    /// Reads the two lines of a drive. `electrodes` is the number of potentials of the first drive.
+    fn parse(
+        (drive_line, drive): (usize, &str),
+        (volts_line, volts): (usize, &str),
+        header: &Header,
+        electrodes: Option<usize>,
+    ) -> Result<Self, Problem> {
+        let driven = driven(drive).ok_or_else(|| {
+            let problem = "expected the two driven electrodes, from 1, as in `1 2`";
+            (drive_line, problem.to_owned())
+        })?;
+        let (real, imaginary) = potentials(volts, header.channels.as_deref())
+            .map_err(|problem| (volts_line, problem.to_owned()))?;
+        let count = real.len();
+        if electrodes.is_some_and(|electrodes| electrodes != count) {
+            let problem = format!("{count} potentials where the first drive has another number");
+            return Err((volts_line, problem));
+        }
+        if driven.0.max(driven.1) >= count {
+            let problem = format!("drives an electrode beyond the {count} that are read");
+            return Err((drive_line, problem));
+        }
+        Ok(Self {
+            electrodes: driven,
+            real,
+            imaginary,
+        })
+    }
+}
+
+/// The electrodes of a header's list, from 0; none if the list is wrong. An electrode that is listed twice is
+/// refused: such a list could make a small file fill the memory.
 fn electrodes(list: &str) -> Option<Vec<usize>> {
     let electrodes: Vec<usize> = list
         .split(',')
@@ -196,11 +207,15 @@ fn driven(line: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Real and imaginary parts of a line of potentials, V: of the electrodes that the header lists, or of all.
+/// Real and imaginary parts of a line of potentials, V, of the listed electrodes or of all.
 fn potentials(line: &str, listed: Option<&[usize]>) -> Result<(Vec<f64>, Vec<f64>), &'static str> {
     let numbers = line
         .split_whitespace()
-        .map(|word| word.parse().ok().filter(|volt: &f64| volt.abs() <= MOST_V))
+        .map(|word| {
+            word.parse()
+                .ok()
+                .filter(|volt: &f64| volt.abs() <= LARGEST_V)
+        })
         .collect::<Option<Vec<f64>>>()
         .unwrap_or_default();
     let (all @ [_, ..], []) = numbers.as_chunks::<2>() else {
@@ -243,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_damaged_header_is_refused_at_its_line() {
-        let said = |line: usize, text: &str| {
+        let error_of = |line: usize, text: &str| {
             let mut lines: Vec<&str> = HEADER.lines().collect();
             lines[line] = text;
             let text = format!("{}\n1 2\n9 0 8 0 5 1 3 0\n", lines.join("\n"));
@@ -251,25 +266,29 @@ mod tests {
             error.to_string()
         };
         for rate in ["", "0", "-20", "nan", "1e-9", "1e9"] {
-            let told = "f.eit:10: the frame rate is no number from 0.001 to 1000000 frames/s";
-            assert_eq!(said(9, rate), told);
+            let expected =
+                "f.eit:10: the frame rate is not a number from 0.001 to 1000000 frames/s";
+            assert_eq!(error_of(9, rate), expected);
         }
         for channels in ["", "0,1", "1,1", "1;2", "1,2,3,2"] {
-            let told = said(11, &format!("{CHANNELS_LINE}{channels}"));
+            let message = error_of(11, &format!("{CHANNELS_LINE}{channels}"));
             assert!(
-                told.starts_with("f.eit:12: expected the measured"),
-                "{told}"
+                message.starts_with("f.eit:12: expected the measured"),
+                "{message}"
             );
         }
         for channels in ["5", "18446744073709551615"] {
-            let told = said(11, &format!("{CHANNELS_LINE} 1,2,{channels}"));
-            assert!(told.starts_with("f.eit:14: fewer potentials"), "{told}");
+            let message = error_of(11, &format!("{CHANNELS_LINE} 1,2,{channels}"));
+            assert!(
+                message.starts_with("f.eit:14: fewer potentials"),
+                "{message}"
+            );
         }
     }
 
     #[test]
     fn a_damaged_file_is_refused_at_its_line() {
-        for (body, told) in [
+        for (body, message) in [
             ("1 2\n", "f.eit:13: a drive without potentials"),
             ("0 2\n1 0 2 0\n", "f.eit:13: expected the two driven"),
             ("1 2\n1 0 2\n", "f.eit:14: expected a real"),
@@ -279,9 +298,9 @@ mod tests {
             ("1 2\n1 0 2 0\n2 1\n1 0\n", "f.eit:16: 1 potentials"),
         ] {
             let error = parse(body).expect_err(body);
-            assert!(error.starts_with(told), "{error}");
+            assert!(error.starts_with(message), "{error}");
         }
         let short = EitFrame::parse(Path::new("f.eit"), "18\n1\n").expect_err("short");
-        assert!(short.to_string().contains("no .eit file"));
+        assert!(short.to_string().contains("not an .eit file"));
     }
 }

@@ -1,4 +1,4 @@
-//! Frames from a file, whatever it holds: what it is shows in its first bytes, not in its name.
+//! Frames from a file of any supported kind, recognised by its first bytes and not by its name.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,12 +7,12 @@ use std::path::Path;
 use super::{EitFolder, FramesCsv, FramesTable, RecordedFrames, Source, SourceError};
 use crate::pad::Pad;
 
-/// Bytes that tell what a file is.
-const TELLING_BYTES: u64 = 4096;
-/// How a recording begins.
+/// Number of bytes that are read to recognise a file.
+const START_BYTES: u64 = 4096;
+/// First bytes of a recording.
 const RECORDING: &[u8] = b"\x89MCAP0\r\n";
 
-/// What a file holds.
+/// Kind of a file of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     /// A gelpad recording (`.mcap`).
@@ -25,21 +25,18 @@ pub enum FileKind {
     Table,
 }
 
-/// Tells what a file or folder holds.
+/// Recognises what a file or folder holds.
 ///
 /// # Errors
-/// What cannot be read.
+/// The file cannot be read.
 pub fn file_kind(path: &Path) -> Result<FileKind, SourceError> {
-    let failed = |error| SourceError::File {
-        path: path.to_owned(),
-        error,
-    };
+    let failed = |error| SourceError::file(path, error);
     if path.is_dir() || path.extension().is_some_and(|extension| extension == "eit") {
         return Ok(FileKind::Eit);
     }
     let mut start = Vec::new();
     File::open(path)
-        .and_then(|file| file.take(TELLING_BYTES).read_to_end(&mut start))
+        .and_then(|file| file.take(START_BYTES).read_to_end(&mut start))
         .map_err(failed)?;
     if start.starts_with(RECORDING) {
         return Ok(FileKind::Recording);
@@ -54,7 +51,7 @@ pub fn file_kind(path: &Path) -> Result<FileKind, SourceError> {
             .filter(|word| !word.trim().is_empty())
             .all(is_number)
     });
-    // What is neither is told by the reader of CSV, whose message names what it expects.
+    // Anything else goes to the CSV reader, whose error says what it expects.
     Ok(if looks_like_table {
         FileKind::Table
     } else {
@@ -62,10 +59,10 @@ pub fn file_kind(path: &Path) -> Result<FileKind, SourceError> {
     })
 }
 
-/// Opens a file of a pad's frames.
+/// Opens a file of frames of a pad.
 ///
 /// # Errors
-/// A file that cannot be read, or holds something else or another pad's frames.
+/// The file cannot be read, or does not hold frames of this pad.
 pub fn open_file(path: &Path, pad: &Pad) -> Result<Box<dyn Source>, SourceError> {
     Ok(match file_kind(path)? {
         FileKind::Csv => Box::new(FramesCsv::open(path, pad.channels())?),
@@ -81,7 +78,7 @@ mod tests {
     use std::io::Write;
 
     #[test]
-    fn a_file_is_told_by_what_it_holds() {
+    fn a_file_is_recognised_by_its_content() {
         let kind = |bytes: &[u8]| {
             let mut file = tempfile::NamedTempFile::new().expect("a file");
             file.write_all(bytes).expect("written");

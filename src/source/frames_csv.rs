@@ -1,32 +1,29 @@
-//! Frames from a CSV file: `t_ms,v0,v1,...`, a frame a line, times in milliseconds and never backwards.
+//! Frames from a CSV file: `t_ms,v0,v1,...`, one frame a line, times in milliseconds that never run backwards.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::{Pace, Reading, Source, SourceError};
+use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::types::{Frame, Nanos, nanos_from_ms};
 
-/// A file that is read as it plays.
+/// A file that is read while it plays.
 pub struct FramesCsv {
     path: PathBuf,
     rows: csv::Reader<Box<dyn Read + Send>>,
     row: csv::StringRecord,
     channels: usize,
     last_ns: Nanos,
-    any: bool,
+    has_frames: bool,
 }
 
 impl FramesCsv {
-    /// Opens a file of frames of so many channels and checks its header.
+    /// Opens a file of frames with this number of channels and checks its header.
     ///
     /// # Errors
-    /// A file that cannot be read, is empty, or holds something else.
+    /// The file cannot be read, is empty, or is not such a CSV file.
     pub fn open(path: &Path, channels: usize) -> Result<Self, SourceError> {
-        let file = File::open(path).map_err(|error| SourceError::File {
-            path: path.to_owned(),
-            error,
-        })?;
+        let file = File::open(path).map_err(|error| SourceError::file(path, error))?;
         let input: Box<dyn Read + Send> = Box::new(ShortLines {
             input: BufReader::new(file),
             since_newline: 0,
@@ -40,7 +37,7 @@ impl FramesCsv {
             row: csv::StringRecord::new(),
             channels,
             last_ns: 0,
-            any: false,
+            has_frames: false,
         };
         let header = csv.rows.headers().map_err(|e| csv_error(&csv.path, &e))?;
         let named = header.get(0) == Some("t_ms");
@@ -51,24 +48,20 @@ impl FramesCsv {
         if !named {
             return Err(csv.problem(
                 1,
-                "no frames here: the header must begin with t_ms,v0,v1,...",
+                "this is not a file of frames: the header must be t_ms,v0,v1,...",
             ));
         }
         if found != channels {
             return Err(csv.problem(
                 1,
-                format!("{found} voltages a frame, but the pad gives {channels}: choose its pad with --pad"),
+                format!("{found} voltages a frame, but the pad has {channels}: choose another pad with --pad"),
             ));
         }
         Ok(csv)
     }
 
     fn problem(&self, line: u64, problem: impl Into<String>) -> SourceError {
-        SourceError::Line {
-            path: self.path.clone(),
-            line,
-            problem: problem.into(),
-        }
+        SourceError::line(&self.path, line, problem.into())
     }
 
     fn frame(&self) -> Result<Frame, SourceError> {
@@ -83,11 +76,11 @@ impl FramesCsv {
         let t_ns = match self.row[0].trim().parse::<f64>() {
             Ok(t_ms) if (0.0..1e12).contains(&t_ms) => nanos_from_ms(t_ms),
             _ => {
-                let word = shown(&self.row[0]);
-                return Err(self.problem(line, format!("column 1 (t_ms): {word} is no time")));
+                let word = quoted(&self.row[0]);
+                return Err(self.problem(line, format!("column 1 (t_ms): {word} is not a time")));
             }
         };
-        if self.any && t_ns < self.last_ns {
+        if self.has_frames && t_ns < self.last_ns {
             return Err(self.problem(line, "column 1 (t_ms): the time runs backwards"));
         }
         let mut volts = Vec::with_capacity(self.channels);
@@ -98,9 +91,9 @@ impl FramesCsv {
                     return Err(self.problem(
                         line,
                         format!(
-                            "column {} (v{channel}): {} is no voltage",
+                            "column {} (v{channel}): {} is not a voltage",
                             channel + 2,
-                            shown(word)
+                            quoted(word)
                         ),
                     ));
                 }
@@ -111,30 +104,30 @@ impl FramesCsv {
 }
 
 impl Source for FramesCsv {
-    fn pace(&self) -> Pace {
-        Pace::ByStamp
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByStamp
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         let more = self
             .rows
             .read_record(&mut self.row)
             .map_err(|error| csv_error(&self.path, &error))?;
         if !more {
-            return if self.any {
-                Ok(Reading::End)
+            return if self.has_frames {
+                Ok(SourceReading::End)
             } else {
-                Err(self.problem(2, "the file ends after its header: it holds no frame"))
+                Err(self.problem(2, "the file holds no frame, only a header"))
             };
         }
         let frame = self.frame()?;
         self.last_ns = frame.t_ns;
-        self.any = true;
-        Ok(Reading::Frame(frame))
+        self.has_frames = true;
+        Ok(SourceReading::Frame(frame))
     }
 }
 
-/// A reader that refuses a line of over a megabyte: something else than text must not fill the memory.
+/// A reader that refuses lines of over a megabyte, so that a file that is not text cannot fill the memory.
 struct ShortLines<R> {
     input: R,
     since_newline: usize,
@@ -150,15 +143,15 @@ impl<R: Read> Read for ShortLines<R> {
         }
         if self.since_newline > LONGEST_LINE {
             return Err(std::io::Error::other(
-                "a line of over a megabyte: this is no table of frames",
+                "a line of over 1 MB: this is not a table of frames",
             ));
         }
         Ok(count)
     }
 }
 
-/// A word of the file, cut and quoted: random bytes must not flood a terminal.
-fn shown(word: &str) -> String {
+/// A word of the file, shortened and quoted, so that random bytes cannot flood a terminal.
+fn quoted(word: &str) -> String {
     let mut short: String = word.chars().take(20).collect();
     if short.len() < word.len() {
         short.push_str("...");
@@ -169,15 +162,11 @@ fn shown(word: &str) -> String {
 fn csv_error(path: &Path, error: &csv::Error) -> SourceError {
     let line = error.position().map_or(1, csv::Position::line);
     let problem = match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "this is no text file".to_owned(),
+        csv::ErrorKind::Utf8 { .. } => "this is not a text file".to_owned(),
         csv::ErrorKind::Io(error) => error.to_string(),
         _ => error.to_string(),
     };
-    SourceError::Line {
-        path: path.to_owned(),
-        line,
-        problem,
-    }
+    SourceError::line(path, line, problem)
 }
 
 #[cfg(test)]
@@ -185,19 +174,19 @@ mod tests {
     use super::*;
     use std::io::Write;
 
-    fn said_of(bytes: &[u8]) -> String {
+    fn error_of(bytes: &[u8]) -> String {
         let mut file = tempfile::NamedTempFile::new().expect("a file");
         file.write_all(bytes).expect("written");
-        let outcome = FramesCsv::open(file.path(), 2).and_then(|mut csv| {
-            while csv.read()? != Reading::End {}
+        let result = FramesCsv::open(file.path(), 2).and_then(|mut csv| {
+            while csv.read()? != SourceReading::End {}
             Ok(())
         });
-        let said = outcome.expect_err("refused").to_string();
-        said.replace(&file.path().display().to_string(), "f.csv")
+        let message = result.expect_err("refused").to_string();
+        message.replace(&file.path().display().to_string(), "f.csv")
     }
 
     #[test]
-    fn wrong_files_are_told_by_line_and_column() {
+    fn mistakes_are_reported_with_line_and_column() {
         let cases: &[(&[u8], &str)] = &[
             (
                 b"",
@@ -205,15 +194,15 @@ mod tests {
             ),
             (
                 b"t_ms,v0,v1\n",
-                "f.csv:2: the file ends after its header: it holds no frame",
+                "f.csv:2: the file holds no frame, only a header",
             ),
             (
                 b"a,b,c\n1,2,3\n",
-                "f.csv:1: no frames here: the header must begin with t_ms,v0,v1,...",
+                "f.csv:1: this is not a file of frames: the header must be t_ms,v0,v1,...",
             ),
             (
                 b"t_ms,v0\n1,2\n",
-                "f.csv:1: 1 voltages a frame, but the pad gives 2: choose its pad with --pad",
+                "f.csv:1: 1 voltages a frame, but the pad has 2: choose another pad with --pad",
             ),
             (
                 b"t_ms,v0,v1\n0,1,2\n10,1\n",
@@ -221,11 +210,11 @@ mod tests {
             ),
             (
                 b"t_ms,v0,v1\n0,1,NaN\n",
-                "f.csv:2: column 3 (v1): \"NaN\" is no voltage",
+                "f.csv:2: column 3 (v1): \"NaN\" is not a voltage",
             ),
             (
                 b"t_ms,v0,v1\nx,1,2\n",
-                "f.csv:2: column 1 (t_ms): \"x\" is no time",
+                "f.csv:2: column 1 (t_ms): \"x\" is not a time",
             ),
             (
                 b"t_ms,v0,v1\n9,1,2\n8,1,2\n",
@@ -233,20 +222,23 @@ mod tests {
             ),
             (
                 b"t_ms,v0,v1\n0,1,2\n\xff\xfe,1,2\n",
-                "f.csv:3: this is no text file",
+                "f.csv:3: this is not a text file",
             ),
         ];
-        for (bytes, said) in cases {
-            assert_eq!(&said_of(bytes), said);
+        for (bytes, message) in cases {
+            assert_eq!(&error_of(bytes), message);
         }
     }
 
     #[test]
     fn a_missing_file_is_named() {
-        let said = FramesCsv::open(Path::new("no/such.csv"), 2)
+        let message = FramesCsv::open(Path::new("no/such.csv"), 2)
             .err()
             .expect("missing")
             .to_string();
-        assert!(said.starts_with("no/such.csv: No such file"), "{said}");
+        assert!(
+            message.starts_with("no/such.csv: No such file"),
+            "{message}"
+        );
     }
 }

@@ -1,81 +1,85 @@
-//! Physical gamepads and switches as a source without image: their buttons and sticks play a profile's bindings.
+//! Physical gamepads and switches as a source without images: their buttons and sticks trigger a profile's bindings.
 //!
-//! What all devices say together is handed up as a whole at every report, and ten times a second besides, so that the
-//! engine knows from silence that nobody reads the devices any more. gelpad's own virtual pad is never among them.
+//! The combined state of all devices is returned after every report, and at least ten times a second, so that
+//! the engine notices when nobody reads the devices any more. gelpad's own virtual pad is excluded.
 
 use std::time::{Duration, Instant, SystemTime};
 
 use gilrs::ev::Code;
-use gilrs::{Axis as From, Button as Pressed, EventType, GamepadId, Gilrs, GilrsBuilder};
+use gilrs::{
+    Axis as GamepadAxis, Button as GamepadButton, EventType, GamepadId, Gilrs, GilrsBuilder,
+};
 
-use super::{Pace, Reading, Source, SourceError};
+use super::clock::now;
+use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::types::{Axis, Button, Buttons, Control, Nanos};
 
-/// A state is handed up at least this often.
+/// A state is returned at least this often.
 const HEARTBEAT: Duration = Duration::from_millis(100);
-/// Where the library wakes for nothing, it is asked again after this.
-const NAP: Duration = Duration::from_millis(2);
-/// While no device is there, they are looked for anew this often: one that comes while another goes may be missed.
-const LOOK: Duration = Duration::from_secs(1);
-/// The maker and kind of gelpad's own pad, and of many that are not.
+/// Pause after the library woke up without an event.
+const IDLE_PAUSE: Duration = Duration::from_millis(2);
+/// How often the devices are listed again while there is none: a device that connects while another
+/// disconnects may be missed.
+const LIST_PERIOD: Duration = Duration::from_secs(1);
+/// Vendor and product of gelpad's own pad, and of many real ones.
 const OWN_ID: (Option<u16>, Option<u16>) = (Some(0x045e), Some(0x028e));
-/// Buttons without a layout count up from a multiple of this in the kernel's codes.
+/// Codes of buttons without a layout start at a multiple of this in the kernel.
 const BLOCK: u32 = 16;
 
-/// What the buttons of a gamepad are to the library.
-const BUTTONS: &[(Button, Pressed)] = &[
-    (Button::A, Pressed::South),
-    (Button::B, Pressed::East),
-    (Button::X, Pressed::West),
-    (Button::Y, Pressed::North),
-    (Button::LeftShoulder, Pressed::LeftTrigger),
-    (Button::RightShoulder, Pressed::RightTrigger),
-    (Button::Select, Pressed::Select),
-    (Button::Start, Pressed::Start),
-    (Button::Guide, Pressed::Mode),
-    (Button::LeftStick, Pressed::LeftThumb),
-    (Button::RightStick, Pressed::RightThumb),
-    (Button::Up, Pressed::DPadUp),
-    (Button::Down, Pressed::DPadDown),
-    (Button::Left, Pressed::DPadLeft),
-    (Button::Right, Pressed::DPadRight),
+/// The library's names of the buttons.
+const BUTTONS: &[(Button, GamepadButton)] = &[
+    (Button::A, GamepadButton::South),
+    (Button::B, GamepadButton::East),
+    (Button::X, GamepadButton::West),
+    (Button::Y, GamepadButton::North),
+    (Button::LeftShoulder, GamepadButton::LeftTrigger),
+    (Button::RightShoulder, GamepadButton::RightTrigger),
+    (Button::Select, GamepadButton::Select),
+    (Button::Start, GamepadButton::Start),
+    (Button::Guide, GamepadButton::Mode),
+    (Button::LeftStick, GamepadButton::LeftThumb),
+    (Button::RightStick, GamepadButton::RightThumb),
+    (Button::Up, GamepadButton::DPadUp),
+    (Button::Down, GamepadButton::DPadDown),
+    (Button::Left, GamepadButton::DPadLeft),
+    (Button::Right, GamepadButton::DPadRight),
 ];
-/// And its sticks.
-const STICKS: &[(Axis, From)] = &[
-    (Axis::LeftX, From::LeftStickX),
-    (Axis::LeftY, From::LeftStickY),
-    (Axis::RightX, From::RightStickX),
-    (Axis::RightY, From::RightStickY),
+/// The library's names of the sticks.
+const STICKS: &[(Axis, GamepadAxis)] = &[
+    (Axis::LeftX, GamepadAxis::LeftStickX),
+    (Axis::LeftY, GamepadAxis::LeftStickY),
+    (Axis::RightX, GamepadAxis::RightStickX),
+    (Axis::RightY, GamepadAxis::RightStickY),
 ];
-/// And its triggers: as buttons that are pressed more or less.
-const TRIGGERS: &[(Axis, Pressed)] = &[
-    (Axis::LeftTrigger, Pressed::LeftTrigger2),
-    (Axis::RightTrigger, Pressed::RightTrigger2),
+/// The library's names of the triggers: buttons with a value.
+const TRIGGERS: &[(Axis, GamepadButton)] = &[
+    (Axis::LeftTrigger, GamepadButton::LeftTrigger2),
+    (Axis::RightTrigger, GamepadButton::RightTrigger2),
 ];
 
-/// All gamepads and switches that are plugged in, now or later.
+/// All gamepads and switches that are plugged in, at the start or later.
 pub struct GamepadSource {
     gilrs: Gilrs,
     opened: Instant,
-    /// Devices that count.
-    devices: Vec<Device>,
-    own: Own,
-    /// What came after the report that was handed up last.
+    /// Devices whose state counts.
+    devices: Vec<GamepadState>,
+    own: OwnPad,
+    /// The first event after the report that was returned last.
     next: Option<gilrs::Event>,
-    /// The last state, and when it was handed up.
-    told: Option<Control>,
-    looked: Instant,
+    /// The state that was returned last.
+    last: Option<Control>,
+    listed_at: Instant,
 }
 
-/// The pad that gelpad itself has made: nothing tells it from a real one but that it comes when it is expected.
-enum Own {
+/// gelpad's own pad: it looks like a real one and is known only by the time at which it appears.
+enum OwnPad {
     None,
     Expected,
     Is(GamepadId),
 }
 
-/// The events of a device that belong together: half of a report is no state. They carry one time; but where the
-/// clock is coarse a whole tap does too, and no report presses a button and releases it.
+/// The events of a device that belong to one report and carry one time; half of a report is not a state. With
+/// a coarse clock a whole tap may carry one time too, but no report both presses and releases a button.
 struct Report {
     id: GamepadId,
     time: SystemTime,
@@ -83,7 +87,7 @@ struct Report {
 }
 
 impl Report {
-    fn of(first: &gilrs::Event) -> Self {
+    fn from_first(first: &gilrs::Event) -> Self {
         Self {
             id: first.id,
             time: first.time,
@@ -91,8 +95,8 @@ impl Report {
         }
     }
 
-    /// Whether an event is one more of this report.
-    fn takes(&mut self, event: &gilrs::Event) -> bool {
+    /// Whether an event belongs to this report.
+    fn includes(&mut self, event: &gilrs::Event) -> bool {
         let button = button_of(&event.event);
         let again = button.is_some_and(|button| self.buttons.contains(&button));
         self.buttons.extend(button);
@@ -108,65 +112,59 @@ fn button_of(event: &EventType) -> Option<Code> {
     }
 }
 
-struct Device {
+struct GamepadState {
     id: GamepadId,
     name: String,
-    /// As far as its events have been taken: the library's own state is ahead of them. The buttons of a switch box, which
-    /// has no gamepad's layout, are a, b, x, y, ... in their order.
+    /// The state after the events taken so far; the library's own state is ahead of them. The buttons of a
+    /// switch box, which has no gamepad layout, are a, b, x, y, ... in their order.
     buttons: Buttons,
     axes: [f32; Axis::ALL.len()],
 }
 
 impl GamepadSource {
-    /// Opens whatever is plugged in; more may come later.
+    /// Opens all devices that are plugged in; more may follow later.
     ///
     /// # Errors
-    /// Input devices cannot be watched at all.
-    #[allow(
-        clippy::disallowed_methods,
-        reason = "what a gamepad says is stamped on arrival"
-    )]
+    /// The system gives no access to input devices.
     pub fn open() -> Result<Self, SourceError> {
         let mut source = Self {
-            gilrs: library()?,
-            opened: Instant::now(),
+            gilrs: open_library()?,
+            opened: now(),
             devices: Vec::new(),
-            own: Own::None,
+            own: OwnPad::None,
             next: None,
-            told: None,
-            looked: Instant::now(),
+            last: None,
+            listed_at: now(),
         };
-        source.take_all();
+        source.add_all();
         if source.devices.is_empty() {
-            tracing::warn!("no gamepad is plugged in yet: plug one in whenever you like");
+            tracing::warn!("no gamepad is plugged in yet: plug one in at any time");
         }
         Ok(source)
     }
 
-    /// Since this was opened gelpad has made a pad of its own: the next one of its kind to come is that, and plays
-    /// nothing.
+    /// gelpad creates its own pad after this source: the next matching device is that pad, and is ignored.
     #[must_use]
-    pub fn beside_own_pad(mut self) -> Self {
-        self.own = Own::Expected;
+    pub fn ignoring_own_pad(mut self) -> Self {
+        self.own = OwnPad::Expected;
         self
     }
 
-    /// Takes whatever is plugged in.
-    fn take_all(&mut self) {
-        let there: Vec<GamepadId> = self.gilrs.gamepads().map(|(id, _)| id).collect();
-        for id in there {
+    /// Adds all devices that are plugged in.
+    fn add_all(&mut self) {
+        let ids: Vec<GamepadId> = self.gilrs.gamepads().map(|(id, _)| id).collect();
+        for id in ids {
             self.connected(id);
         }
     }
 
-    /// Looks for devices anew, if there are none.
-    #[allow(clippy::disallowed_methods, reason = "by the clock, not at every call")]
-    fn look_again(&mut self) -> Result<(), SourceError> {
-        let alone = self.devices.is_empty() && matches!(self.own, Own::None);
-        if alone && self.looked.elapsed() > LOOK {
-            self.looked = Instant::now();
-            self.gilrs = library()?;
-            self.take_all();
+    /// Lists the devices again if there are none.
+    fn list_again(&mut self) -> Result<(), SourceError> {
+        let alone = self.devices.is_empty() && matches!(self.own, OwnPad::None);
+        if alone && self.listed_at.elapsed() > LIST_PERIOD {
+            self.listed_at = now();
+            self.gilrs = open_library()?;
+            self.add_all();
         }
         Ok(())
     }
@@ -177,13 +175,13 @@ impl GamepadSource {
         }
         let gamepad = self.gilrs.gamepad(id);
         let looks_own = (gamepad.vendor_id(), gamepad.product_id()) == OWN_ID;
-        if looks_own && matches!(self.own, Own::Expected) {
-            self.own = Own::Is(id);
+        if looks_own && matches!(self.own, OwnPad::Expected) {
+            self.own = OwnPad::Is(id);
             return;
         }
         let name = gamepad.name().to_owned();
         tracing::warn!("gamepad: {name}");
-        self.devices.push(Device {
+        self.devices.push(GamepadState {
             id,
             name,
             buttons: Buttons::default(),
@@ -192,29 +190,29 @@ impl GamepadSource {
     }
 
     fn disconnected(&mut self, id: GamepadId) {
-        if matches!(self.own, Own::Is(own) if own == id) {
-            self.own = Own::None;
+        if matches!(self.own, OwnPad::Is(own) if own == id) {
+            self.own = OwnPad::None;
         }
         let gone = self.devices.iter().position(|device| device.id == id);
         if let Some(index) = gone {
             let name = self.devices.remove(index).name;
-            tracing::warn!("the gamepad {name} is gone: all keys are up until it is back");
+            tracing::warn!("gamepad disconnected: {name}: all keys are released until it is back");
         }
     }
 
-    fn take(&mut self, event: &gilrs::Event) {
+    fn handle_event(&mut self, event: &gilrs::Event) {
         match event.event {
             EventType::Connected => return self.connected(event.id),
             EventType::Disconnected => return self.disconnected(event.id),
             _ => {}
         }
-        let device = self.devices.iter_mut().find(|own| own.id == event.id);
+        let device = self.devices.iter_mut().find(|device| device.id == event.id);
         if let Some(device) = device {
-            device.take(&event.event);
+            device.handle_event(&event.event);
         }
     }
 
-    /// What all devices say together: a button of any of them, the axis that is moved furthest.
+    /// The combined state: a button counts if it is down on any device, an axis has the value furthest from zero.
     fn state(&self) -> Control {
         let mut control = Control {
             t_ns: Nanos::try_from(self.opened.elapsed().as_nanos()).unwrap_or(Nanos::MAX),
@@ -234,32 +232,34 @@ impl GamepadSource {
     }
 }
 
-impl Device {
-    fn take(&mut self, event: &EventType) {
+impl GamepadState {
+    fn handle_event(&mut self, event: &EventType) {
         match *event {
-            EventType::ButtonPressed(Pressed::Unknown, code) => {
-                self.button(switch(code.into_u32()), true);
+            EventType::ButtonPressed(GamepadButton::Unknown, code) => {
+                self.set_button(switch_button(code.into_u32()), true);
             }
-            EventType::ButtonReleased(Pressed::Unknown, code) => {
-                self.button(switch(code.into_u32()), false);
+            EventType::ButtonReleased(GamepadButton::Unknown, code) => {
+                self.set_button(switch_button(code.into_u32()), false);
             }
             EventType::ButtonPressed(pressed, _) => {
-                self.button(found(BUTTONS, pressed), true);
-                self.axis(found(TRIGGERS, pressed), 1.0);
+                self.set_button(translated(BUTTONS, pressed), true);
+                self.set_axis(translated(TRIGGERS, pressed), 1.0);
             }
             EventType::ButtonReleased(pressed, _) => {
-                self.button(found(BUTTONS, pressed), false);
-                self.axis(found(TRIGGERS, pressed), 0.0);
+                self.set_button(translated(BUTTONS, pressed), false);
+                self.set_axis(translated(TRIGGERS, pressed), 0.0);
             }
             EventType::ButtonChanged(pressed, value, _) => {
-                self.axis(found(TRIGGERS, pressed), value);
+                self.set_axis(translated(TRIGGERS, pressed), value);
             }
-            EventType::AxisChanged(from, value, _) => self.axis(found(STICKS, from), value),
+            EventType::AxisChanged(from, value, _) => {
+                self.set_axis(translated(STICKS, from), value)
+            }
             _ => {}
         }
     }
 
-    fn button(&mut self, button: Option<Button>, is_down: bool) {
+    fn set_button(&mut self, button: Option<Button>, is_down: bool) {
         if let Some(button) = button {
             self.buttons = match is_down {
                 true => self.buttons.with(button),
@@ -268,7 +268,7 @@ impl Device {
         }
     }
 
-    fn axis(&mut self, axis: Option<Axis>, value: f32) {
+    fn set_axis(&mut self, axis: Option<Axis>, value: f32) {
         if let Some(axis) = axis {
             self.axes[axis as usize] = value;
         }
@@ -276,48 +276,48 @@ impl Device {
 }
 
 impl Source for GamepadSource {
-    fn pace(&self) -> Pace {
-        Pace::ByDevice
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByDevice
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
-        self.look_again()?;
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
+        self.list_again()?;
         let first = match self.next.take() {
             Some(event) => Some(event),
             None => self.gilrs.next_event_blocking(Some(HEARTBEAT)),
         };
         match first {
             Some(first) => {
-                self.take(&first);
-                let mut report = Report::of(&first);
+                self.handle_event(&first);
+                let mut report = Report::from_first(&first);
                 while let Some(event) = self.gilrs.next_event() {
-                    if !report.takes(&event) {
+                    if !report.includes(&event) {
                         self.next = Some(event);
                         break;
                     }
-                    self.take(&event);
+                    self.handle_event(&event);
                 }
             }
-            None => std::thread::sleep(NAP),
+            None => std::thread::sleep(IDLE_PAUSE),
         }
         let state = self.state();
-        let news = match &self.told {
-            Some(told) => {
-                let long = state.t_ns - told.t_ns >= HEARTBEAT.as_nanos() as Nanos;
-                let said = |of: &Control| (of.present, of.buttons, of.axes);
-                long || said(told) != said(&state)
+        let is_new = match &self.last {
+            Some(last) => {
+                let long = state.t_ns - last.t_ns >= HEARTBEAT.as_nanos() as Nanos;
+                let values_of = |of: &Control| (of.present, of.buttons, of.axes);
+                long || values_of(last) != values_of(&state)
             }
             None => true,
         };
-        if !news {
-            return Ok(Reading::Idle);
+        if !is_new {
+            return Ok(SourceReading::Idle);
         }
-        self.told = Some(state);
-        Ok(Reading::Control(state))
+        self.last = Some(state);
+        Ok(SourceReading::Control(state))
     }
 }
 
-fn library() -> Result<Gilrs, SourceError> {
+fn open_library() -> Result<Gilrs, SourceError> {
     GilrsBuilder::new()
         .with_force_feedback(false)
         .build()
@@ -326,15 +326,15 @@ fn library() -> Result<Gilrs, SourceError> {
         })
 }
 
-/// What something of the library's is to us.
-fn found<T: Copy, L: Copy + PartialEq>(table: &[(T, L)], theirs: L) -> Option<T> {
+/// Our name for a name of the library.
+fn translated<T: Copy, L: Copy + PartialEq>(table: &[(T, L)], theirs: L) -> Option<T> {
     table
         .iter()
         .find(|(_, one)| *one == theirs)
-        .map(|(own, _)| *own)
+        .map(|(ours, _)| *ours)
 }
 
-/// The button that a switch without a layout is, by the kernel's code.
-fn switch(code: u32) -> Option<Button> {
+/// The button for a switch without a layout, by the kernel's code.
+fn switch_button(code: u32) -> Option<Button> {
     Button::ALL.get((code % BLOCK) as usize).copied()
 }

@@ -1,11 +1,13 @@
-//! Where frames come from: the simulated pad, frames from a file, a board on a serial port; and gamepads, which have no frames.
+//! Where frames come from: the simulated pad, files, a board on a serial port; and gamepads, which have no frames.
 //!
-//! A source checks what it hands up: every frame has the pad's number of voltages, all finite, and times never
-//! run backwards. What it had to skip it says, so that nothing is lost in silence.
+//! A source checks its frames: each has the pad's number of voltages, all finite, and times never run
+//! backwards. Everything that it skips is reported.
 
 mod arrangement;
 pub mod board;
 mod clock;
+mod disturbance;
+mod disturbed;
 mod eit_folder;
 pub mod eit_text;
 mod files;
@@ -22,96 +24,98 @@ mod simulated;
 mod table;
 pub mod wire;
 
-pub use arrangement::{Arrangement, ArrangementError, plausible_counts, told as order_told};
+pub use arrangement::{Arrangement, ArrangementError, describe_order, plausible_counts};
+pub use disturbance::{DISTURBANCE_NAMES, Disturbance, Disturber, UnknownDisturbance};
+pub use disturbed::DisturbedSource;
 pub use eit_folder::EitFolder;
 pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;
 #[cfg(feature = "gilrs")]
 pub use gamepad::GamepadSource;
-pub use live::{Hand, LiveSource};
+pub use live::{LiveFingers, LiveSource};
 pub use noise::Noise;
 pub use recorded::RecordedFrames;
-pub use robot::Robot;
-pub use script::{Finger, LEVEL_SCRIPT, Script, Step, StepKind};
-pub use simulated::{SimulatedPad, SimulatedSource};
+pub use robot::RobotSource;
+pub use script::{Finger, FingerAction, LEVEL_SCRIPT, Script, ScriptStep};
+pub use simulated::{SIMULATED_FRAME_NS, SimulatedPad, SimulatedSource};
 pub use table::FramesTable;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::eit::ForwardError;
 use crate::types::{Control, Frame};
 
-/// What a source has to say when asked.
+/// A reading of a source.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Reading {
+pub enum SourceReading {
     /// A frame.
     Frame(Frame),
-    /// What gamepads and switches say: from a source without image.
+    /// The state of gamepads and switches, from a source without images.
     Control(Control),
-    /// Something came that is no frame; it was skipped.
+    /// Input that is not a frame was skipped.
     Skipped {
-        /// What was wrong with it, for the player.
+        /// What was wrong, for people.
         reason: String,
-        /// Frames that were lost with it; 0 where the next frame's number will tell.
+        /// Number of frames that were lost with it; 0 if the next frame's number will tell.
         frames: u64,
     },
-    /// The board went away; the source looks for it and goes on when it is back.
-    Gone {
-        /// What happened, for the player.
+    /// The board was disconnected; the source waits until it is back.
+    Disconnected {
+        /// What happened, for people.
         reason: String,
     },
-    /// Nothing yet; ask again.
+    /// Nothing yet.
     Idle,
-    /// There is no more.
+    /// There are no more readings.
     End,
 }
 
-/// Who keeps the time of a source.
+/// What determines when a frame is played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pace {
-    /// Whoever plays it: frames are there at once and carry the time at which they are due.
+pub enum SourcePace {
+    /// The time stamps: frames are available immediately and are played when they are due.
     ByStamp,
-    /// The source itself: a frame is there when the device sends it.
+    /// The device: a frame is available when the device sends it.
     ByDevice,
 }
 
-/// Why a source gives no more frames.
+/// The reason why a source ends.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// A file cannot be read.
     #[error("{}: {error}", path.display())]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: std::io::Error,
     },
-    /// A file holds something else.
+    /// A line of a file is wrong.
     #[error("{}:{line}: {problem}", path.display())]
     Line {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Its line, from 1.
+        /// The line, from 1.
         line: u64,
-        /// What is wrong there.
+        /// The mistake.
         problem: String,
     },
-    /// A recording cannot be read, or not further.
+    /// A recording cannot be read, or only in part.
     #[error("{}: {error}", path.display())]
     Recording {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: crate::session::ReadError,
     },
-    /// A finger of a script misses the pad.
+    /// A finger of a script is off the pad.
     #[error("finger {id} at ({x}, {y}) mm is off the pad, which is {width} x {height} mm")]
     OffPad {
-        /// Its number.
+        /// Number of the finger.
         id: u64,
-        /// Where.
+        /// x, mm.
         x: f64,
-        /// Where.
+        /// y, mm.
         y: f64,
         /// The pad's width, mm.
         width: f64,
@@ -119,27 +123,27 @@ pub enum SourceError {
         height: f64,
     },
     /// The simulated pad cannot be solved.
-    #[error("the simulated pad: {0}")]
+    #[error("the simulated pad cannot be solved: {0}")]
     Simulation(#[from] ForwardError),
     /// A serial port cannot be opened.
     #[error(
-        "{port}: {error}\n  help: plug the board in, close what else holds the port, and join the group `dialout` if permission is denied"
+        "{port}: {error}\n  help: plug the board in, close other programs that use the port, and join the group `dialout` if permission is denied"
     )]
     Open {
-        /// Its path.
+        /// Path of the port.
         port: String,
-        /// Why.
+        /// The cause.
         error: serialport::Error,
     },
     /// Gamepads cannot be watched.
-    #[error("gamepads cannot be watched: {reason}")]
+    #[error("cannot open gamepads: {reason}")]
     Gamepads {
-        /// Why.
+        /// The cause.
         reason: String,
     },
-    /// A port that is listened to went away.
-    #[error("{port}: the board is gone (unplugged or reset)")]
-    Gone {
+    /// The board was disconnected while `gelpad listen` was running.
+    #[error("{port}: pad disconnected (unplugged or reset)")]
+    Disconnected {
         /// Its path.
         port: String,
     },
@@ -148,14 +152,31 @@ pub enum SourceError {
     Arrangement(ArrangementError),
 }
 
-/// Something that gives frames.
-pub trait Source: Send {
-    /// Who keeps its time.
-    fn pace(&self) -> Pace;
+impl SourceError {
+    fn file(path: &Path, error: std::io::Error) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            error,
+        }
+    }
 
-    /// The next reading. Returns within a tenth of a second, with [`Reading::Idle`] if need be.
+    fn line(path: &Path, line: u64, problem: impl Into<String>) -> Self {
+        Self::Line {
+            path: path.to_owned(),
+            line,
+            problem: problem.into(),
+        }
+    }
+}
+
+/// Something that produces frames.
+pub trait Source: Send {
+    /// What determines when a frame is played.
+    fn pace(&self) -> SourcePace;
+
+    /// The next reading. Returns within a tenth of a second, with [`SourceReading::Idle`] if there is nothing.
     ///
     /// # Errors
-    /// When there will be no more frames, and why.
-    fn read(&mut self) -> Result<Reading, SourceError>;
+    /// The reason why there are no more frames.
+    fn read(&mut self) -> Result<SourceReading, SourceError>;
 }

@@ -12,7 +12,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Noise of a signal-to-noise ratio in dB.
+    /// Noise with a signal-to-noise ratio in dB.
     #[must_use]
     pub fn new(snr_db: f64, seed: u64) -> Self {
         Self {

@@ -1,61 +1,57 @@
-//! Touch scripts: what fingers do to the simulated pad, as a text.
+//! Touch scripts: text that says what fingers do on the simulated pad.
 //!
 //! ```text
 //! # comment
 //! t:1000 down 1 80 30            a finger at (80, 30) mm, radius 7 mm, rise 1.2
-//! t:1000 down 2 20 50 6.5 1.5    the same with its radius (mm) and relative rise of conductivity
+//! t:1000 down 2 20 50 6.5 1.5    the same with a radius (mm) and a relative rise of conductivity
 //! t:1040 move 1 82 31            or with a new radius and rise: `move 1 82 31 9 2.0`
 //! t:1080 up 1
-//! t:2000 end                     else the script ends half a second after its last line
+//! t:2000 end                     without this line the script ends half a second after the last one
 //! ```
-//! Times are milliseconds, ascending; coordinates are the pad's, y up.
+//! Times are in milliseconds and never run backwards; coordinates are those of the pad, y up.
 
-use crate::types::{Fault, Faulty, NANOS_PER_MS, Nanos, PointMm, nanos_from_ms};
+use super::simulated::{FINGER_RADIUS_MM, FINGER_RISE};
+use crate::eit::Press;
+use crate::types::{Diagnostic, NANOS_PER_MS, Nanos, PointMm, SourceErrors, nanos_from_ms};
 
-/// The level that plays when gelpad is started without arguments.
+/// The script that plays when gelpad is started without arguments.
 pub const LEVEL_SCRIPT: &str = include_str!("../../scripts/level.txt");
 
-/// Radius of a finger, mm, and relative rise of conductivity in its middle, where a script gives none.
-const FINGER: (f64, f64) = (7.0, 1.2);
-/// How long a script goes on after its last line.
+/// Time from the last line to the end of a script without `end`.
 const TAIL_NS: Nanos = 500 * NANOS_PER_MS;
 
-/// A finger on the simulated pad. It multiplies the conductivity by 1 + rise (1 - (d / radius)^2) within its radius.
+/// A finger on the simulated pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finger {
     /// Its number in the script.
     pub id: u64,
-    /// Where it presses, mm.
-    pub centre_mm: PointMm,
-    /// Radius of its footprint, mm.
-    pub radius_mm: f64,
-    /// Relative rise of conductivity in its middle.
-    pub rise: f64,
+    /// Where and how it presses.
+    pub press: Press,
 }
 
 /// One line of a script.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// When.
+pub struct ScriptStep {
+    /// The time.
     pub t_ns: Nanos,
-    /// What.
-    pub kind: StepKind,
+    /// The action.
+    pub kind: FingerAction,
 }
 
-/// What happens to a finger.
+/// What a finger does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StepKind {
+pub enum FingerAction {
     /// It goes down.
     Down(Finger),
-    /// It is at another place from now on.
+    /// It moves to another place.
     Move {
         /// Its number.
         id: u64,
-        /// Where.
+        /// The place.
         centre_mm: PointMm,
-        /// Its radius (mm) from now on, if it changes.
+        /// Its new radius, mm, if that changes.
         radius_mm: Option<f64>,
-        /// Its rise from now on, if it changes.
+        /// Its new rise, if that changes.
         rise: Option<f64>,
     },
     /// It lifts.
@@ -65,19 +61,19 @@ pub enum StepKind {
     },
 }
 
-/// A whole script, checked: fingers move and lift only while they are down.
+/// A checked script: fingers move and lift only while they are down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Script {
-    steps: Vec<Step>,
+    steps: Vec<ScriptStep>,
     end_ns: Nanos,
 }
 
 impl Script {
-    /// Reads a script; `name` stands for the file in messages.
+    /// Reads a script; `name` is the file's name for messages.
     ///
     /// # Errors
-    /// The first mistake, at its word.
-    pub fn parse(name: &str, text: &str) -> Result<Self, Faulty> {
+    /// The first mistake, with its place.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SourceErrors> {
         let mut script = Self {
             steps: Vec::new(),
             end_ns: 0,
@@ -86,28 +82,28 @@ impl Script {
         let mut down = Vec::new();
         let mut start = 0;
         for line in text.split_inclusive('\n') {
-            let words = Words::of(line, start);
+            let words = Words::split(line, start);
             start += line.len();
             script
-                .line(&words, &mut down, &mut end_ns)
-                .map_err(|fault| Faulty::new(name, text, vec![fault]))?;
+                .parse_line(&words, &mut down, &mut end_ns)
+                .map_err(|fault| SourceErrors::new(name, text, vec![fault]))?;
         }
         if script.steps.is_empty() {
-            let fault = Fault::new(0..0, "the script is empty: no finger goes down", "here")
+            let fault = Diagnostic::new(0..0, "the script is empty: no finger goes down", "here")
                 .help("a line is a time and what a finger does, as in `t:1000 down 1 80 30`");
-            return Err(Faulty::new(name, text, vec![fault]));
+            return Err(SourceErrors::new(name, text, vec![fault]));
         }
         script.end_ns = end_ns.unwrap_or_else(|| script.last_ns() + TAIL_NS);
         Ok(script)
     }
 
-    /// What happens, in the order of time.
+    /// All steps, in the order of time.
     #[must_use]
-    pub fn steps(&self) -> &[Step] {
+    pub fn steps(&self) -> &[ScriptStep] {
         &self.steps
     }
 
-    /// When it is over.
+    /// The end of the script.
     #[must_use]
     pub fn end_ns(&self) -> Nanos {
         self.end_ns
@@ -117,12 +113,12 @@ impl Script {
         self.steps.last().map_or(0, |step| step.t_ns)
     }
 
-    fn line(
+    fn parse_line(
         &mut self,
         words: &Words<'_>,
         down: &mut Vec<u64>,
         end_ns: &mut Option<Nanos>,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), Diagnostic> {
         if words.is_empty() {
             return Ok(());
         }
@@ -131,70 +127,70 @@ impl Script {
         }
         let t_ns = words.time(0)?;
         if t_ns < self.last_ns() {
-            return Err(words.fault(
-                0,
-                "times must not run backwards",
-                "earlier than the line before",
-            ));
+            let label = "earlier than the line before";
+            return Err(words.fault(0, "times must not run backwards", label));
         }
-        let kind = match words.get(1, "what happens: down, move, up or end")? {
-            "end" => {
-                words.at_most(2)?;
-                *end_ns = Some(t_ns);
-                return Ok(());
-            }
-            "down" => {
-                words.at_most(7)?;
-                let id = words.id(2)?;
-                if down.contains(&id) {
-                    return Err(words.fault(2, format!("finger {id} is down already"), "here"));
-                }
-                down.push(id);
-                StepKind::Down(Finger {
-                    id,
-                    centre_mm: [words.number(3, "x in mm")?, words.number(4, "y in mm")?],
-                    radius_mm: words.above_zero(5, FINGER.0)?,
-                    rise: words.above_zero(6, FINGER.1)?,
-                })
-            }
-            "move" => {
-                words.at_most(7)?;
-                StepKind::Move {
-                    id: words.id_among(2, down)?,
-                    centre_mm: [words.number(3, "x in mm")?, words.number(4, "y in mm")?],
-                    radius_mm: words.changed(5)?,
-                    rise: words.changed(6)?,
-                }
-            }
-            "up" => {
-                words.at_most(3)?;
-                let id = words.id_among(2, down)?;
-                down.retain(|other| *other != id);
-                StepKind::Up { id }
-            }
-            other => {
-                return Err(words
-                    .fault(
-                        1,
-                        format!("`{other}` is nothing that a finger does"),
-                        "here",
-                    )
-                    .help("write down, move, up or end"));
-            }
-        };
-        self.steps.push(Step { t_ns, kind });
+        if words.get(1, "what happens: down, move, up or end")? == "end" {
+            words.expect_at_most(2)?;
+            *end_ns = Some(t_ns);
+            return Ok(());
+        }
+        let kind = parse_action(words, down)?;
+        self.steps.push(ScriptStep { t_ns, kind });
         Ok(())
     }
 }
 
-/// The words of a line and where they stand in the text.
+/// What a finger does in a line; `down` holds the fingers that are down.
+fn parse_action(words: &Words<'_>, down: &mut Vec<u64>) -> Result<FingerAction, Diagnostic> {
+    let centre_mm = || Ok([words.number(3, "x in mm")?, words.number(4, "y in mm")?]);
+    match words.get(1, "what happens")? {
+        "down" => {
+            words.expect_at_most(7)?;
+            let id = words.id(2)?;
+            if down.contains(&id) {
+                return Err(words.fault(2, format!("finger {id} is down already"), "here"));
+            }
+            down.push(id);
+            let press = Press {
+                centre_mm: centre_mm()?,
+                radius_mm: words.above_zero(5)?.unwrap_or(FINGER_RADIUS_MM),
+                rise: words.above_zero(6)?.unwrap_or(FINGER_RISE),
+            };
+            Ok(FingerAction::Down(Finger { id, press }))
+        }
+        "move" => {
+            words.expect_at_most(7)?;
+            Ok(FingerAction::Move {
+                id: words.id_among(2, down)?,
+                centre_mm: centre_mm()?,
+                radius_mm: words.above_zero(5)?,
+                rise: words.above_zero(6)?,
+            })
+        }
+        "up" => {
+            words.expect_at_most(3)?;
+            let id = words.id_among(2, down)?;
+            down.retain(|other| *other != id);
+            Ok(FingerAction::Up { id })
+        }
+        other => {
+            let message = format!("`{other}` is not an action of a finger");
+            Err(words
+                .fault(1, message, "here")
+                .help("write down, move, up or end"))
+        }
+    }
+}
+
+/// The words of a line and their places in the text.
 struct Words<'a> {
     words: Vec<(usize, &'a str)>,
     end: usize,
 }
 
 impl<'a> Words<'a> {
-    fn of(line: &'a str, start: usize) -> Self {
+    fn split(line: &'a str, start: usize) -> Self {
         let code = line.split('#').next().unwrap_or_default();
         let place = |word: &str| start + (word.as_ptr().addr() - line.as_ptr().addr());
         Self {
@@ -210,49 +206,41 @@ impl<'a> Words<'a> {
         self.words.is_empty()
     }
 
-    fn fault(&self, index: usize, message: impl Into<String>, label: &str) -> Fault {
+    fn fault(&self, index: usize, message: impl Into<String>, label: &str) -> Diagnostic {
         let span = match self.words.get(index) {
             Some((start, word)) => *start..start + word.len(),
             None => self.end..self.end,
         };
-        Fault::new(span, message, label)
+        Diagnostic::new(span, message, label)
     }
 
-    fn get(&self, index: usize, what: &str) -> Result<&'a str, Fault> {
+    fn get(&self, index: usize, what: &str) -> Result<&'a str, Diagnostic> {
         match self.words.get(index) {
             Some((_, word)) => Ok(word),
             None => Err(self.fault(index, format!("the line ends before {what}"), "ends here")),
         }
     }
 
-    fn at_most(&self, count: usize) -> Result<(), Fault> {
+    fn expect_at_most(&self, count: usize) -> Result<(), Diagnostic> {
         if self.words.len() > count {
-            return Err(self.fault(count, "this word is too many", "too many"));
+            return Err(self.fault(count, "there are too many words", "not expected"));
         }
         Ok(())
     }
 
-    fn time(&self, index: usize) -> Result<Nanos, Fault> {
+    fn time(&self, index: usize) -> Result<Nanos, Diagnostic> {
         let word = self.get(index, "the time")?;
         word.strip_prefix("t:")
             .and_then(|ms| ms.parse::<f64>().ok())
             .filter(|ms| (0.0..=1e9).contains(ms))
             .map(nanos_from_ms)
             .ok_or_else(|| {
-                self.fault(index, format!("`{word}` is no time"), "here")
-                    .help("a line begins with t: and milliseconds, as in `t:1000 down 1 80 30`")
+                self.fault(index, format!("`{word}` is not a time"), "here")
+                    .help("a line starts with t: and milliseconds, as in `t:1000 down 1 80 30`")
             })
     }
 
-    /// A radius or rise, if the line has one there.
-    fn changed(&self, index: usize) -> Result<Option<f64>, Fault> {
-        match self.words.get(index) {
-            Some(_) => self.above_zero(index, 0.0).map(Some),
-            None => Ok(None),
-        }
-    }
-
-    fn number(&self, index: usize, what: &str) -> Result<f64, Fault> {
+    fn number(&self, index: usize, what: &str) -> Result<f64, Diagnostic> {
         let word = self.get(index, what)?;
         word.parse::<f64>()
             .ok()
@@ -260,31 +248,36 @@ impl<'a> Words<'a> {
             .ok_or_else(|| {
                 self.fault(
                     index,
-                    format!("`{word}` is no number: expected {what}"),
+                    format!("`{word}` is not a number: expected {what}"),
                     "here",
                 )
             })
     }
 
-    fn above_zero(&self, index: usize, default: f64) -> Result<f64, Fault> {
+    /// A radius or rise, if the line has one at this place.
+    fn above_zero(&self, index: usize) -> Result<Option<f64>, Diagnostic> {
         if self.words.len() <= index {
-            return Ok(default);
+            return Ok(None);
         }
         let number = self.number(index, "a number")?;
         if number > 0.0 {
-            Ok(number)
+            Ok(Some(number))
         } else {
-            Err(self.fault(index, "a finger's radius and rise are above zero", "here"))
+            Err(self.fault(
+                index,
+                "a finger's radius and rise must be above zero",
+                "here",
+            ))
         }
     }
 
-    fn id(&self, index: usize) -> Result<u64, Fault> {
+    fn id(&self, index: usize) -> Result<u64, Diagnostic> {
         let word = self.get(index, "the finger's number")?;
         word.parse()
-            .map_err(|_| self.fault(index, format!("`{word}` is no finger's number"), "here"))
+            .map_err(|_| self.fault(index, format!("`{word}` is not a finger's number"), "here"))
     }
 
-    fn id_among(&self, index: usize, down: &[u64]) -> Result<u64, Fault> {
+    fn id_among(&self, index: usize, down: &[u64]) -> Result<u64, Diagnostic> {
         let id = self.id(index)?;
         if down.contains(&id) {
             Ok(id)
@@ -308,10 +301,10 @@ mod tests {
         assert_eq!(script.steps().len(), 5);
         assert_eq!(script.steps()[2].t_ns, 30_500_000);
         assert_eq!(script.end_ns(), 590_000_000);
-        let StepKind::Down(finger) = script.steps()[1].kind else {
+        let FingerAction::Down(finger) = script.steps()[1].kind else {
             panic!("a finger goes down");
         };
-        assert_eq!((finger.radius_mm, finger.rise), (6.0, 1.5));
+        assert_eq!((finger.press.radius_mm, finger.press.rise), (6.0, 1.5));
     }
 
     #[test]
@@ -320,9 +313,9 @@ mod tests {
             ("t:10 down 1 80", "s:1:15: the line ends before y in mm"),
             (
                 "t:10 tap 1 80 50",
-                "s:1:6: `tap` is nothing that a finger does",
+                "s:1:6: `tap` is not an action of a finger",
             ),
-            ("10 down 1 80 50", "s:1:1: `10` is no time"),
+            ("10 down 1 80 50", "s:1:1: `10` is not a time"),
             (
                 "t:10 down 1 80 50\nt:20 up 2",
                 "s:2:9: finger 2 is not down",
@@ -333,21 +326,27 @@ mod tests {
             ),
             (
                 "t:10 down 1 80 x",
-                "s:1:16: `x` is no number: expected y in mm",
+                "s:1:16: `x` is not a number: expected y in mm",
             ),
             (
                 "t:10 down 1 80 50 -1",
-                "s:1:19: a finger's radius and rise are above zero",
+                "s:1:19: a finger's radius and rise must be above zero",
             ),
             ("", "s:1:1: the script is empty: no finger goes down"),
             (
                 "t:5 down 1 1 1\nt:10 end\nt:20 end",
                 "s:3:1: nothing may follow `end`",
             ),
-            ("t:10 down 1 80 50 7 1 9", "s:1:23: this word is too many"),
+            (
+                "t:10 down 1 80 50 7 1 9",
+                "s:1:23: there are too many words",
+            ),
         ];
-        for (text, said) in cases {
-            assert_eq!(Script::parse("s", text).expect_err(text).to_string(), said);
+        for (text, message) in cases {
+            assert_eq!(
+                Script::parse("s", text).expect_err(text).to_string(),
+                message
+            );
         }
     }
 

@@ -1,19 +1,24 @@
-//! The simulated pad: fingers of a script, voltages from the real forward model, noise from a seed.
+//! The simulated pad: fingers of a script, voltages from the forward model, noise from a seed.
 //!
-//! It lives in the library because tests, demonstrations and users without a pad share it. It is solved on a mesh
-//! other than the reconstruction's, so that no image is made with the model that made its voltages.
+//! It is part of the library because tests, demonstrations and users without a pad share it. Its mesh differs
+//! from that of the reconstruction, so that no image is made with the same model as its voltages.
 
 use std::collections::BTreeMap;
 
-use super::{Finger, Noise, Pace, Reading, Script, Source, SourceError, Step, StepKind};
-use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
+use super::{
+    Finger, FingerAction, Noise, Script, ScriptStep, Source, SourceError, SourcePace, SourceReading,
+};
+use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize, Press};
 use crate::pad::{Pad, TouchSign};
 use crate::types::{Frame, NANOS_PER_MS, Nanos};
 
-/// 100 frames a second.
-const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
+/// Time between two frames of every simulated source, ns: 100 frames/s.
+pub const SIMULATED_FRAME_NS: Nanos = 10 * NANOS_PER_MS;
+/// Radius of a finger, mm, and relative rise of conductivity at its centre, unless a script says otherwise.
+pub(super) const FINGER_RADIUS_MM: f64 = 7.0;
+pub(super) const FINGER_RISE: f64 = 1.2;
 
-/// A pad that can be touched and read.
+/// A pad that can be pressed and measured.
 #[derive(Clone, Debug)]
 pub struct SimulatedPad {
     pad: Pad,
@@ -24,29 +29,22 @@ impl SimulatedPad {
     /// Meshes a pad for simulation.
     ///
     /// # Errors
-    /// A pad whose conductor or electrodes cannot be solved.
+    /// The conductor or the electrodes of the pad cannot be solved.
     pub fn new(pad: &Pad) -> Result<Self, ForwardError> {
-        let mesh = Mesh::of_pad(pad, MeshSize::simulation(pad));
+        let mesh = Mesh::from_pad(pad, MeshSize::simulation(pad));
         Ok(Self {
-            model: ForwardModel::new(mesh, &ContactModel::of_pad(pad))?,
+            model: ForwardModel::new(mesh, &ContactModel::from_pad(pad))?,
             pad: pad.clone(),
         })
     }
 
-    /// The voltages, V/A, while the fingers press.
+    /// The voltages under some presses, V/A.
     ///
     /// # Errors
-    /// A conductivity that leaves the model unsolvable.
-    pub fn volts(&self, fingers: &[Finger]) -> Result<Vec<f64>, ForwardError> {
-        let conductivity = self.model.mesh().mean_over_triangles(|[x, y]| {
-            let factor: f64 = fingers
-                .iter()
-                .map(|finger| {
-                    let [dx, dy] = [x - finger.centre_mm[0], y - finger.centre_mm[1]];
-                    let share = (dx * dx + dy * dy) / (finger.radius_mm * finger.radius_mm);
-                    1.0 + finger.rise * (1.0 - share).max(0.0)
-                })
-                .product();
+    /// The forward model cannot be solved for this conductivity.
+    pub fn volts(&self, presses: &[Press]) -> Result<Vec<f64>, ForwardError> {
+        let conductivity = self.model.mesh().mean_over_triangles(|point| {
+            let factor: f64 = presses.iter().map(|press| press.factor(point)).product();
             match self.pad.touch_sign {
                 TouchSign::Rise => self.pad.background_s_per_m * factor,
                 TouchSign::Fall => self.pad.background_s_per_m / factor,
@@ -57,10 +55,10 @@ impl SimulatedPad {
     }
 }
 
-/// The simulated pad as a source: plays a script at 100 frames a second.
+/// The simulated pad as a source: plays a script at 100 frames/s.
 pub struct SimulatedSource {
     states: Vec<Vec<f64>>,
-    /// From when on which state holds.
+    /// When each state begins, by its index.
     changes: Vec<(Nanos, usize)>,
     end_ns: Nanos,
     next_ns: Nanos,
@@ -68,16 +66,16 @@ pub struct SimulatedSource {
 }
 
 impl SimulatedSource {
-    /// Solves the pad for every state of a script, ahead of time: playing then takes none.
+    /// Solves the pad for every state of a script in advance, so that playing costs no solution.
     ///
     /// # Errors
-    /// A finger off the pad; a pad that cannot be solved.
+    /// A finger is off the pad, or the pad cannot be solved.
     pub fn new(pad: &Pad, script: &Script, noise: Noise) -> Result<Self, SourceError> {
         for step in script.steps() {
             let (id, [x, y]) = match step.kind {
-                StepKind::Down(finger) => (finger.id, finger.centre_mm),
-                StepKind::Move { id, centre_mm, .. } => (id, centre_mm),
-                StepKind::Up { .. } => continue,
+                FingerAction::Down(finger) => (finger.id, finger.press.centre_mm),
+                FingerAction::Move { id, centre_mm, .. } => (id, centre_mm),
+                FingerAction::Up { .. } => continue,
             };
             if !pad.outline.contains([x, y]) {
                 let [width, height] = pad.outline.size_mm();
@@ -96,11 +94,12 @@ impl SimulatedSource {
         let mut fingers: Vec<Finger> = Vec::new();
         let mut changes = Vec::new();
         let mut enter = |t_ns: Nanos, fingers: &[Finger]| -> Result<(), ForwardError> {
-            let key = fingers.iter().map(bits).collect();
+            let presses: Vec<Press> = fingers.iter().map(|finger| finger.press).collect();
+            let key = presses.iter().map(bits).collect();
             let state = match known.get(&key) {
                 Some(state) => *state,
                 None => {
-                    states.push(simulated.volts(fingers)?);
+                    states.push(simulated.volts(&presses)?);
                     known.insert(key, states.len() - 1);
                     states.len() - 1
                 }
@@ -133,57 +132,52 @@ impl SimulatedSource {
         &self.states[state]
     }
 
-    /// When the script is over.
+    /// End of the script.
     pub(super) fn end_ns(&self) -> Nanos {
         self.end_ns
     }
 }
 
 impl Source for SimulatedSource {
-    fn pace(&self) -> Pace {
-        Pace::ByStamp
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByStamp
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         if self.next_ns > self.end_ns {
-            return Ok(Reading::End);
+            return Ok(SourceReading::End);
         }
         let t_ns = self.next_ns;
-        self.next_ns += FRAME_NS;
+        self.next_ns += SIMULATED_FRAME_NS;
         let since = self.changes.partition_point(|(from, _)| *from <= t_ns);
         let (_, state) = self.changes[since - 1];
         let volts = self.noise.read(&self.states[state]);
-        Ok(Reading::Frame(Frame { t_ns, volts }))
+        Ok(SourceReading::Frame(Frame { t_ns, volts }))
     }
 }
 
-/// A finger as a key: the same finger has the same bits.
-fn bits(finger: &Finger) -> [u64; 4] {
-    [
-        finger.centre_mm[0],
-        finger.centre_mm[1],
-        finger.radius_mm,
-        finger.rise,
-    ]
-    .map(f64::to_bits)
+/// The key of a press in the map of solved states.
+fn bits(press: &Press) -> [u64; 4] {
+    let [x, y] = press.centre_mm;
+    [x, y, press.radius_mm, press.rise].map(f64::to_bits)
 }
 
-fn apply(fingers: &mut Vec<Finger>, step: &Step) {
+fn apply(fingers: &mut Vec<Finger>, step: &ScriptStep) {
     match step.kind {
-        StepKind::Down(finger) => fingers.push(finger),
-        StepKind::Move {
+        FingerAction::Down(finger) => fingers.push(finger),
+        FingerAction::Move {
             id,
             centre_mm,
             radius_mm,
             rise,
         } => {
-            for finger in fingers.iter_mut().filter(|finger| finger.id == id) {
-                finger.centre_mm = centre_mm;
-                finger.radius_mm = radius_mm.unwrap_or(finger.radius_mm);
-                finger.rise = rise.unwrap_or(finger.rise);
+            for Finger { press, .. } in fingers.iter_mut().filter(|finger| finger.id == id) {
+                press.centre_mm = centre_mm;
+                press.radius_mm = radius_mm.unwrap_or(press.radius_mm);
+                press.rise = rise.unwrap_or(press.rise);
             }
         }
-        StepKind::Up { id } => fingers.retain(|finger| finger.id != id),
+        FingerAction::Up { id } => fingers.retain(|finger| finger.id != id),
     }
 }
 
@@ -200,13 +194,12 @@ mod tests {
     fn a_finger_lowers_the_voltages_near_it() {
         let pad = SimulatedPad::new(&pad()).expect("solvable");
         let rest = pad.volts(&[]).expect("solved");
-        let finger = Finger {
-            id: 1,
+        let press = Press {
             centre_mm: [50.0, 20.0],
-            radius_mm: 7.0,
-            rise: 1.2,
+            radius_mm: FINGER_RADIUS_MM,
+            rise: FINGER_RISE,
         };
-        let touched = pad.volts(&[finger]).expect("solved");
+        let touched = pad.volts(&[press]).expect("solved");
         let change = |i: usize| (touched[i] - rest[i]) / rest[i];
         let mean = (0..208).map(change).sum::<f64>() / 208.0;
         assert!(mean < -1e-3, "the pad conducts better: {mean}");
@@ -219,7 +212,7 @@ mod tests {
             let mut source =
                 SimulatedSource::new(&pad(), &script, Noise::new(60.0, seed)).expect("solvable");
             let mut frames = Vec::new();
-            while let Reading::Frame(frame) = source.read().expect("a frame") {
+            while let SourceReading::Frame(frame) = source.read().expect("a frame") {
                 frames.push(frame);
             }
             frames

@@ -1,26 +1,25 @@
-//! A table of numbers as a source: a reading a row and a frame a column, as EIDORS and its kin keep them.
+//! A table of numbers as a source: one reading a row and one frame a column, as EIDORS writes them.
 //!
-//! Numbers stand between commas, semicolons, tabs or blanks; lines that begin with `%` or `#` are comments. A table whose
-//! rows are the frames is turned. Where columns come in pairs of which the second is like its kind and unlike the first, they are
-//! real and imaginary parts, and the real ones are taken. Such tables know no times: they play at [`FRAMES_PER_S`].
+//! Numbers are separated by commas, semicolons, tabs or blanks; lines that begin with `%` or `#` are comments. A table
+//! with frames as rows is transposed. If columns come in pairs whose second resembles all other seconds but not the
+//! first, they are real and imaginary parts, and the real parts are used. A table has no times: it plays at 100 frames/s.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use super::arrangement::plausible_counts;
-use super::{Arrangement, Pace, Reading, Source, SourceError};
+use super::{Arrangement, SIMULATED_FRAME_NS, Source, SourceError, SourcePace, SourceReading};
 use crate::pad::Pad;
 use crate::types::{Frame, Nanos};
 
-/// A table has no times.
-const FRAMES_PER_S: u64 = 100;
-/// A larger file is no table to be read at once, bytes.
+/// Largest file that is read, bytes.
 const LARGEST_FILE: u64 = 512 << 20;
-/// Columns of the same kind differ by less than this (norm of the difference over the norm), those of another by more.
-const UNLIKE: f64 = 0.3;
+/// Columns of the same kind differ by less than this (norm of the difference over the norm), columns of
+/// different kinds by more.
+const KIND_LIMIT: f64 = 0.3;
 
-/// A table that was read.
+/// The frames of a table.
 pub struct FramesTable {
     frames: std::vec::IntoIter<Vec<f32>>,
     count: u64,
@@ -30,31 +29,25 @@ impl FramesTable {
     /// Reads a table of a pad's frames.
     ///
     /// # Errors
-    /// A file that cannot be read, holds something else, or another pad's frames.
+    /// The file cannot be read, is not a table, or holds frames of another pad.
     pub fn open(path: &Path, pad: &Pad) -> Result<Self, SourceError> {
         let mut text = String::new();
         File::open(path)
             .and_then(|file| {
                 if file.metadata()?.len() > LARGEST_FILE {
-                    return Err(std::io::Error::other("a table of over 512 MB"));
+                    return Err(std::io::Error::other("the table is larger than 512 MB"));
                 }
                 file.take(LARGEST_FILE).read_to_string(&mut text)
             })
-            .map_err(|error| SourceError::File {
-                path: path.to_owned(),
-                error,
-            })?;
-        let (frames, told) =
-            frames_of(&text, pad).map_err(|(line, problem)| SourceError::Line {
-                path: path.to_owned(),
-                line,
-                problem,
-            })?;
+            .map_err(|error| SourceError::file(path, error))?;
+        let (frames, summary) = parse_frames(&text, pad)
+            .map_err(|(line, problem)| SourceError::line(path, line, problem))?;
         tracing::info!(
             target: "gelpad::told",
-            "{}: {} frames at {FRAMES_PER_S} frames/s, as tables have no times; {told}",
+            "{}: {} frames, played at {} frames/s because a table has no times; {summary}",
             path.display(),
-            frames.len()
+            frames.len(),
+            1_000_000_000 / SIMULATED_FRAME_NS,
         );
         Ok(Self {
             frames: frames.into_iter(),
@@ -64,30 +57,33 @@ impl FramesTable {
 }
 
 impl Source for FramesTable {
-    fn pace(&self) -> Pace {
-        Pace::ByStamp
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByStamp
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         let Some(volts) = self.frames.next() else {
-            return Ok(Reading::End);
+            return Ok(SourceReading::End);
         };
-        let t_ns: Nanos = self.count * (1_000_000_000 / FRAMES_PER_S);
+        let t_ns: Nanos = self.count * SIMULATED_FRAME_NS;
         self.count += 1;
-        Ok(Reading::Frame(Frame { t_ns, volts }))
+        Ok(SourceReading::Frame(Frame { t_ns, volts }))
     }
 }
 
-/// A line, from 1, and what is wrong there.
+/// A line, from 1, and its mistake.
 type Problem = (u64, String);
 
-/// The frames of a text in the pad's order, and what was found; or the first problem.
-fn frames_of(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), Problem> {
-    let rows = rows_of(text)?;
+/// The frames of a text in the pad's order and a summary, or the first mistake.
+fn parse_frames(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), Problem> {
+    let rows = parse_rows(text)?;
     let (Some(first), counts) = (rows.first(), plausible_counts(pad)) else {
         return Err((1, "the table is empty".to_owned()));
     };
-    let (is_turned, turned) = match (counts.contains(&rows.len()), counts.contains(&first.len())) {
+    let (is_transposed, transposed) = match (
+        counts.contains(&rows.len()),
+        counts.contains(&first.len()),
+    ) {
         (true, _) => (false, ""),
         (false, true) => (true, ", frames as rows"),
         (false, false) => {
@@ -103,7 +99,7 @@ fn frames_of(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), Problem> 
             ));
         }
     };
-    let mut frames = if is_turned {
+    let mut frames = if is_transposed {
         rows
     } else {
         (0..first.len())
@@ -117,16 +113,16 @@ fn frames_of(text: &str, pad: &Pad) -> Result<(Vec<Vec<f32>>, String), Problem> 
     }
     let arrangement =
         Arrangement::find(&frames[0], None, None, pad).map_err(|error| (1, error.to_string()))?;
-    let told = format!("{}{turned}{parts}", arrangement.told());
+    let summary = format!("{}{transposed}{parts}", arrangement.summary());
     let frames = frames
         .iter()
         .map(|frame| arrangement.apply(frame))
         .collect();
-    Ok((frames, told))
+    Ok((frames, summary))
 }
 
-/// Rows of the same length.
-fn rows_of(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
+/// The rows of a text, all of the same length.
+fn parse_rows(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
     let mut rows: Vec<Vec<f32>> = Vec::new();
     for (line, row) in text.lines().enumerate() {
         let line = line as u64 + 1;
@@ -143,7 +139,7 @@ fn rows_of(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
                     .filter(|number| number.is_finite())
                     .ok_or_else(|| {
                         let short: String = word.chars().take(20).collect();
-                        (line, format!("{short:?} is no number"))
+                        (line, format!("{short:?} is not a number"))
                     })
             })
             .collect::<Result<Vec<f32>, _>>()?;
@@ -167,25 +163,25 @@ fn rows_of(text: &str) -> Result<Vec<Vec<f32>>, (u64, String)> {
     Ok(rows)
 }
 
-/// Whether every second frame is like its kind and unlike the first.
+/// Whether the frames alternate between two kinds: real and imaginary parts.
 fn is_complex(frames: &[Vec<f32>]) -> bool {
     let [first, second, ..] = frames else {
         return false;
     };
-    let unlike = |a: &[f32], b: &[f32]| {
+    let differ = |a: &[f32], b: &[f32]| {
         let (mut off, mut all) = (0.0, 0.0);
         for (a, b) in a.iter().zip(b) {
             let [a, b] = [f64::from(*a), f64::from(*b)];
             off += (a - b) * (a - b);
             all += a * a;
         }
-        off > UNLIKE * UNLIKE * all
+        off > KIND_LIMIT * KIND_LIMIT * all
     };
     frames.len().is_multiple_of(2)
-        && unlike(first, second)
+        && differ(first, second)
         && frames
             .chunks(2)
-            .all(|pair| !unlike(first, &pair[0]) && !unlike(second, &pair[1]))
+            .all(|pair| !differ(first, &pair[0]) && !differ(second, &pair[1]))
 }
 
 #[cfg(test)]
@@ -208,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_or_rows_are_frames_and_parts_are_told_from_them() {
+    fn frames_may_be_columns_or_rows_and_complex() {
         let volts = volts();
         let columns: String = volts
             .iter()
@@ -220,30 +216,35 @@ mod tests {
             .iter()
             .map(|volt| format!("{volt},{},{},{}\n", -0.3 * volt, volt * 1.01, -0.29 * volt))
             .collect();
-        let told = |text: &str| {
-            let (frames, told) = frames_of(text, &tank()).expect("a table");
+        let summary_of = |text: &str| {
+            let (frames, summary) = parse_frames(text, &tank()).expect("a table");
             assert_eq!(frames.len(), 2);
             assert_eq!(frames[0], volts);
-            told
+            summary
         };
-        assert!(told(&columns).starts_with("208 voltages a frame: adjacent drive, not rotated"));
-        assert!(told(&rows).ends_with("frames as rows"));
-        assert!(told(&parts).ends_with("real parts of complex values"));
+        assert!(
+            summary_of(&columns).starts_with("208 voltages a frame: adjacent drive, not rotated")
+        );
+        assert!(summary_of(&rows).ends_with("frames as rows"));
+        assert!(summary_of(&parts).ends_with("real parts of complex values"));
     }
 
     #[test]
-    fn what_is_no_table_of_the_pad_is_told_at_its_line() {
-        let said = |text: &str| frames_of(text, &tank()).expect_err("refused");
-        assert_eq!(said("\n").1, "the table is empty");
-        // As many rows as a frame has voltages, and nothing in them.
-        assert_eq!(said(&";\n".repeat(208)).1, "the table is empty");
+    fn a_mistake_is_reported_with_its_line() {
+        let error_of = |text: &str| parse_frames(text, &tank()).expect_err("refused");
+        assert_eq!(error_of("\n").1, "the table is empty");
+        // As many rows as a frame has voltages, but empty.
+        assert_eq!(error_of(&";\n".repeat(208)).1, "the table is empty");
         assert_eq!(
-            said("1 2\n3\n"),
+            error_of("1 2\n3\n"),
             (2, "1 numbers where the rows before have 2".to_owned())
         );
-        assert_eq!(said("1 2\n3 x\n"), (2, "\"x\" is no number".to_owned()));
+        assert_eq!(
+            error_of("1 2\n3 x\n"),
+            (2, "\"x\" is not a number".to_owned())
+        );
         assert!(
-            said("1 2\n3 4\n")
+            error_of("1 2\n3 4\n")
                 .1
                 .starts_with("2 rows of 2 numbers, but a frame of the pad")
         );

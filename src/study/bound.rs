@@ -1,24 +1,25 @@
-//! The Cramer-Rao bound of touches: how well any method, with this pad and this noise, could place and weigh them.
+//! The Cramer-Rao bound of touches: the smallest errors of place and strength that any unbiased method can have with a
+//! pad and its noise.
 //!
-//! Four unknowns a press: x, y, radius and rise. The Fisher information is F = D' W D with D the exact derivative of the
-//! voltages in the touched state (adjoint fields there times the derivative of the conductivity), W one over the variance
-//! of each reading; the inverse of F is the least covariance of any unbiased estimate. (Kay 1993, theorem 3.2.) The
-//! untouched pad is taken as known, and the small information in the size of the noise itself is left out.
+//! A press has four unknowns: x, y, radius and rise. The Fisher information is F = D' W D, where D is the exact derivative
+//! of the voltages in the touched state (adjoint fields times the derivative of the conductivity) and W holds one over the
+//! variance of each reading. The inverse of F is the least covariance of an unbiased estimate (Kay 1993, theorem 3.2). The
+//! untouched pad is taken as known; the little information in the size of the noise itself is ignored.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::{Press, StudyError, pressed};
+use super::{Press, StudyError, conductivity_factor};
 use crate::eit::{Fields, ForwardModel, PRESS_UNKNOWNS, element_jacobian};
 use crate::pad::{Pad, TouchSign};
 use crate::types::PointMm;
 
-/// The least that any unbiased method errs about one press.
+/// Least errors of an unbiased estimate of one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressBound {
     /// Variances along x and y and their covariance, mm2.
     place_mm2: [f64; 3],
-    /// Deviation of its volume, as a share of it.
+    /// Standard deviation of the volume, as a share of it.
     pub volume_share: f64,
 }
 
@@ -29,9 +30,9 @@ impl PressBound {
         (self.place_mm2[0] + self.place_mm2[1]).sqrt()
     }
 
-    /// Mean distance of the estimate from the truth if it errs by a Gaussian of the bound's covariance, mm.
+    /// Mean distance of the estimate from the truth for Gaussian errors with the bound's covariance, mm.
     ///
-    /// In polar form: the mean of Rayleigh's law times the mean over the circle of the ellipse's radius.
+    /// In polar form: the mean of a Rayleigh distribution times the mean radius of the ellipse over the circle.
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
         const STEPS: usize = 64;
@@ -47,7 +48,7 @@ impl PressBound {
         (std::f64::consts::PI / 2.0).sqrt() * mean_radius
     }
 
-    /// The bound with so many times the noise.
+    /// The bound with the noise multiplied by `times`.
     #[must_use]
     pub fn with_noise(&self, times: f64) -> Self {
         Self {
@@ -59,19 +60,19 @@ impl PressBound {
 
 /// A pad in its touched state, solved.
 #[derive(Clone, Copy, Debug)]
-pub struct Touched<'a> {
-    /// What was solved.
+pub struct PressedPad<'a> {
+    /// The forward model.
     pub model: &'a ForwardModel,
     /// The solution.
     pub fields: &'a Fields,
     /// Conductivity of each triangle without the presses, S/m.
     pub background: &'a [f64],
-    /// What presses it.
+    /// The presses.
     pub presses: &'a [Press],
 }
 
-impl Touched<'_> {
-    /// How the readings change with every unknown: for one state and any noise.
+impl PressedPad<'_> {
+    /// Derivatives of the readings by every unknown; valid for any noise.
     #[must_use]
     pub fn slopes(&self, pad: &Pad) -> Slopes {
         let under = self.under(pad.touch_sign);
@@ -86,18 +87,20 @@ impl Touched<'_> {
         }
     }
 
-    /// The triangles that change with the presses, and the derivative of their conductivity for every unknown.
+    /// The triangles under the presses, with the derivatives of their conductivity by every unknown.
     fn under(&self, sign: TouchSign) -> Vec<(usize, Vec<f64>)> {
         let mesh = self.model.mesh();
         (0..mesh.triangles.len())
             .filter_map(|triangle| {
                 let points = mesh.quarter_points_mm(triangle);
-                let is_under = |point: &PointMm| self.presses.iter().any(|p| p.share(*point) > 0.0);
+                let is_under =
+                    |point: &PointMm| self.presses.iter().any(|p| p.rise_share(*point) > 0.0);
                 points.iter().any(is_under).then(|| {
                     let mut mean = vec![0.0; PRESS_UNKNOWNS * self.presses.len()];
                     for point in points {
-                        let level =
-                            self.background[triangle] * pressed(self.presses, sign, point) / 4.0;
+                        let level = self.background[triangle]
+                            * conductivity_factor(self.presses, sign, point)
+                            / 4.0;
                         for (part, press) in mean.chunks_exact_mut(PRESS_UNKNOWNS).zip(self.presses)
                         {
                             let gain = f64::from(sign.factor()) * level / press.factor(point);
@@ -113,20 +116,20 @@ impl Touched<'_> {
     }
 }
 
-/// Readings differentiated by place, radius and rise of every press.
+/// Derivatives of the readings by place, radius and rise of every press.
 #[derive(Clone, Debug)]
 pub struct Slopes {
     presses: Vec<Press>,
-    /// Channels by unknowns, V/A a unit of the unknown.
+    /// Channels by unknowns, V/A per unit of the unknown.
     derivative: Mat<f64>,
 }
 
 impl Slopes {
-    /// The bound of each press with all presses unknown, for readings with these deviations (V/A); `None` if the readings
-    /// do not tell the presses at all.
+    /// The bound of each press with all presses unknown, for readings with these standard deviations (V/A); `None` if the
+    /// readings do not determine the presses.
     ///
     /// # Panics
-    /// If there is not one deviation a channel.
+    /// If there is not one deviation for each channel.
     #[must_use]
     pub fn bounds(&self, deviations: &[f64]) -> Option<Vec<PressBound>> {
         let (channels, unknowns) = self.derivative.shape();
@@ -136,19 +139,18 @@ impl Slopes {
             self.derivative[(channel, unknown)] / deviations[channel]
         });
         let information = whitened.transpose() * &whitened;
-        let told = information.llt(Side::Lower).ok()?;
-        let covariance = told.solve(Mat::<f64>::identity(unknowns, unknowns));
+        let factor = information.llt(Side::Lower).ok()?;
+        let covariance = factor.solve(Mat::<f64>::identity(unknowns, unknowns));
         let bounds = self.presses.iter().enumerate().map(|(index, press)| {
-            let of = |a: usize, b: usize| {
-                covariance[(PRESS_UNKNOWNS * index + a, PRESS_UNKNOWNS * index + b)]
-            };
+            let own = PRESS_UNKNOWNS * index;
+            let entry = |a: usize, b: usize| covariance[(own + a, own + b)];
             let (radius, rise) = (press.radius_mm, press.rise);
-            // The volume goes with rise x radius^2.
-            let volume = of(3, 3) / (rise * rise)
-                + 4.0 * of(2, 2) / (radius * radius)
-                + 4.0 * of(2, 3) / (rise * radius);
+            // The volume is proportional to rise x radius^2.
+            let volume = entry(3, 3) / (rise * rise)
+                + 4.0 * entry(2, 2) / (radius * radius)
+                + 4.0 * entry(2, 3) / (rise * radius);
             PressBound {
-                place_mm2: [of(0, 0), of(1, 1), of(0, 1)],
+                place_mm2: [entry(0, 0), entry(1, 1), entry(0, 1)],
                 volume_share: volume.max(0.0).sqrt(),
             }
         });
@@ -158,11 +160,11 @@ impl Slopes {
     }
 }
 
-/// The bound of a press' place on the even pad, mm (root of the summed variances along x and y), for noise of an SNR (dB)
-/// in proportion to each reading.
+/// The bound of a press's place on a uniform pad, mm (root of the summed variances along x and y), for noise proportional to
+/// each reading with this SNR (dB).
 ///
 /// # Errors
-/// A pad that cannot be solved, or a place that the voltages do not tell at all.
+/// A pad that cannot be solved, or a place that the voltages do not determine.
 pub fn place_bound_mm(
     pad: &Pad,
     model: &ForwardModel,
@@ -172,7 +174,7 @@ pub fn place_bound_mm(
     let presses = [*press];
     let background = vec![pad.background_s_per_m; model.mesh().triangles.len()];
     let conductivity = model.mesh().mean_over_triangles(|point| {
-        pad.background_s_per_m * pressed(&presses, pad.touch_sign, point)
+        pad.background_s_per_m * conductivity_factor(&presses, pad.touch_sign, point)
     });
     let fields = model.solve(&conductivity)?;
     let noise = 10f64.powf(-snr_db / 20.0);
@@ -181,7 +183,7 @@ pub fn place_bound_mm(
         .iter()
         .map(|volt| volt.abs() * noise)
         .collect();
-    let touched = Touched {
+    let touched = PressedPad {
         model,
         fields: &fields,
         background: &background,
@@ -189,12 +191,10 @@ pub fn place_bound_mm(
     };
     match touched.slopes(pad).bounds(&deviations) {
         Some(bounds) => Ok(bounds[0].rms_mm()),
-        None => Err(StudyError::Refused {
-            reason: format!(
-                "the voltages do not tell a touch at {:?} mm",
-                press.centre_mm
-            ),
-        }),
+        None => Err(StudyError::refused(format!(
+            "the voltages do not determine a touch at {:?} mm",
+            press.centre_mm
+        ))),
     }
 }
 
@@ -238,8 +238,8 @@ mod tests {
         fn new(touch_sign: TouchSign) -> Self {
             let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
             let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-            let mesh = Mesh::of_pad(&pad, MeshSize::reconstruction(&pad));
-            let model = ForwardModel::new(mesh, &ContactModel::of_pad(&pad)).expect("solvable");
+            let mesh = Mesh::from_pad(&pad, MeshSize::reconstruction(&pad));
+            let model = ForwardModel::new(mesh, &ContactModel::from_pad(&pad)).expect("solvable");
             let mesh = model.mesh();
             let background = (0..mesh.triangles.len())
                 .map(|triangle| 1.0 + 0.001 * mesh.centroid_mm(triangle)[0])
@@ -252,10 +252,9 @@ mod tests {
         }
 
         fn fields(&self, presses: &[Press]) -> Fields {
-            let mut conductivity = self
-                .model
-                .mesh()
-                .mean_over_triangles(|point| pressed(presses, self.pad.touch_sign, point));
+            let mut conductivity = self.model.mesh().mean_over_triangles(|point| {
+                conductivity_factor(presses, self.pad.touch_sign, point)
+            });
             for (sigma, background) in conductivity.iter_mut().zip(&self.background) {
                 *sigma *= background;
             }
@@ -266,8 +265,8 @@ mod tests {
             self.fields(presses).voltages(&self.pad.protocol)
         }
 
-        fn with<T>(&self, presses: &[Press], then: impl FnOnce(Touched) -> T) -> T {
-            then(Touched {
+        fn with<T>(&self, presses: &[Press], then: impl FnOnce(PressedPad) -> T) -> T {
+            then(PressedPad {
                 model: &self.model,
                 fields: &self.fields(presses),
                 background: &self.background,
@@ -323,7 +322,7 @@ mod tests {
     #[test]
     fn a_second_unknown_press_costs_more_the_nearer_it_is() {
         let bench = Bench::new(TouchSign::Rise);
-        let of = |presses: &[Press]| {
+        let bound_mm = |presses: &[Press]| {
             let deviations: Vec<f64> = bench
                 .volts(presses)
                 .iter()
@@ -332,13 +331,13 @@ mod tests {
             bench
                 .with(presses, |touched| touched.slopes(&bench.pad))
                 .bounds(&deviations)
-                .expect("told")[0]
+                .expect("determined")[0]
                 .rms_mm()
         };
         let (alone, far, near) = (
-            of(&[press(30.0)]),
-            of(&[press(30.0), press(70.0)]),
-            of(&[press(30.0), press(40.0)]),
+            bound_mm(&[press(30.0)]),
+            bound_mm(&[press(30.0), press(70.0)]),
+            bound_mm(&[press(30.0), press(40.0)]),
         );
         assert!(alone < far && far < 1.5 * alone, "{alone} {far}");
         assert!(near > 2.0 * far, "{far} {near}");

@@ -1,43 +1,56 @@
-//! Figures of merit of an image: GREIT's five (Adler et al. 2009), overlap, and shape.
+//! Figures of merit of an image: GREIT's five (Adler et al. 2009), overlap, and topology.
 //!
-//! Images are judged on a fine grid that covers the whole pad, the holes between channels included: each of its values is
-//! the mean over the conductor around it (a Gaussian's weight), as a finger that bridges holes would be seen.
+//! Images are judged on a fine grid that covers the whole pad, including the holes between channels. Each value is a mean
+//! over the conductor around it with Gaussian weights, since a finger bridges holes.
 
 use crate::types::{Image, PixelGrid, PointMm};
 
 /// A value for every cell of a grid over the pad.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
-    /// Where its cells lie.
+    /// The grid.
     pub grid: PixelGrid,
-    /// One value a cell, rows from the bottom.
+    /// One value for each cell, rows from the bottom.
     pub values: Vec<f64>,
 }
 
 /// Edge of a raster's cell, mm.
 const CELL_MM: f64 = 2.0;
-/// Share of the maximum over which a cell belongs to GREIT's set q.
+/// Share of the peak from which a cell belongs to GREIT's set q.
 const QUARTER: f64 = 0.25;
-/// Share of the maximum at which shapes are cut.
+/// Share of the peak at which shapes are cut.
 const HALF: f64 = 0.5;
 
-/// How an image shows one target.
+/// GREIT's figures of merit for one target.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Merit {
     /// Amplitude response: sum of the image over sum of the truth.
     pub amplitude_response: f64,
-    /// How far the centre of set q lies from the target's, mm.
+    /// Distance of the centre of set q from the target's centre, mm.
     pub place_error_mm: f64,
     /// Resolution: root of the share of the pad that set q covers.
     pub resolution: f64,
     /// Share of set q outside a circle of its area about its centre.
     pub shape_deformation: f64,
-    /// Ringing: what goes the other way outside that circle, over what is inside.
+    /// Ringing: sum of the negative values outside that circle over the sum inside.
     pub ringing: f64,
 }
 
+impl Merit {
+    /// Each figure computed by `summary`, as a mean or median over many targets.
+    pub(super) fn summarised(summary: impl Fn(fn(&Self) -> f64) -> f64) -> Self {
+        Self {
+            amplitude_response: summary(|merit| merit.amplitude_response),
+            place_error_mm: summary(|merit| merit.place_error_mm),
+            resolution: summary(|merit| merit.resolution),
+            shape_deformation: summary(|merit| merit.shape_deformation),
+            ringing: summary(|merit| merit.ringing),
+        }
+    }
+}
+
 impl Raster {
-    /// The raster of an image of conductor pixels with shares of coverage, smoothed with a deviation in mm.
+    /// An image of conductor pixels, weighted by their coverage (0 to 1) and smoothed with a deviation in mm.
     #[must_use]
     pub fn smoothed(image: &Image, coverage: &[f32], size_mm: [f64; 2], deviation_mm: f64) -> Self {
         let grid = Self::grid(size_mm);
@@ -73,14 +86,23 @@ impl Raster {
         Self { grid, values }
     }
 
-    /// One where a test holds, zero elsewhere.
+    /// 1 where `holds`, 0 elsewhere, on a pad of this size.
     #[must_use]
-    pub fn of(size_mm: [f64; 2], holds: impl Fn(PointMm) -> bool) -> Self {
-        let grid = Self::grid(size_mm);
-        let values = (0..grid.len())
-            .map(|cell| f64::from(u8::from(holds(grid.centre_mm(cell)))))
-            .collect();
-        Self { grid, values }
+    pub fn from_mask(size_mm: [f64; 2], holds: impl Fn(PointMm) -> bool) -> Self {
+        let (grid, values) = (Self::grid(size_mm), Vec::new());
+        Self { grid, values }.mask(holds)
+    }
+
+    /// 1 where `holds`, 0 elsewhere, on the same grid.
+    #[must_use]
+    pub fn mask(&self, holds: impl Fn(PointMm) -> bool) -> Self {
+        let cells = (0..self.grid.len()).map(|cell| self.grid.centre_mm(cell));
+        Self {
+            grid: self.grid,
+            values: cells
+                .map(|point| f64::from(u8::from(holds(point))))
+                .collect(),
+        }
     }
 
     fn grid(size_mm: [f64; 2]) -> PixelGrid {
@@ -93,13 +115,13 @@ impl Raster {
         }
     }
 
-    /// The largest value; zero if none is above.
+    /// The largest value, at least zero.
     #[must_use]
     pub fn peak(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The same with every value below zero cut.
+    /// A copy with negative values set to zero.
     #[must_use]
     pub fn cut(&self) -> Self {
         Self {
@@ -108,7 +130,7 @@ impl Raster {
         }
     }
 
-    /// Which cells reach a share of the peak.
+    /// The cells that reach a share of the peak.
     fn reaching(&self, share: f64) -> Vec<bool> {
         let edge = share * self.peak();
         self.values
@@ -117,7 +139,7 @@ impl Raster {
             .collect()
     }
 
-    /// Intersection over union of the image, cut at half its peak, with a true mask of the same grid.
+    /// Intersection over union of the image, cut at half its peak, with the true mask on the same grid.
     #[must_use]
     pub fn overlap(&self, truth: &Raster) -> f64 {
         let (mut both, mut either) = (0usize, 0usize);
@@ -129,8 +151,8 @@ impl Raster {
         both as f64 / either.max(1) as f64
     }
 
-    /// Euler number of the image cut at half its peak: parts less holes. Cells join by edge and corner, holes by edge
-    /// only. Counted by 2 x 2 patterns (Gray 1971).
+    /// Euler number of the image cut at half its peak: parts minus holes. Cells join at edges and corners, holes
+    /// at edges only. Counted by 2 x 2 patterns (Gray 1971).
     #[must_use]
     pub fn euler_number(&self) -> i64 {
         let mask = self.reaching(HALF);
@@ -160,7 +182,7 @@ impl Raster {
         (single - triple - 2 * diagonal) / 4
     }
 
-    /// GREIT's figures for one target, looking only at the cells that are its own (nearer to it than to another).
+    /// GREIT's figures for one target with a given amplitude, from its `own` cells (nearer to it than to another target).
     #[must_use]
     pub fn merit(
         &self,
@@ -169,52 +191,30 @@ impl Raster {
         centre_mm: PointMm,
         own: impl Fn(PointMm) -> bool,
     ) -> Merit {
-        let cells: Vec<usize> = (0..self.grid.len())
-            .filter(|cell| own(self.grid.centre_mm(*cell)))
-            .collect();
-        let peak = cells
-            .iter()
-            .map(|cell| self.values[*cell])
-            .fold(0.0, f64::max);
-        let in_q = |cell: &usize| peak > 0.0 && self.values[*cell] >= QUARTER * peak;
+        let at = |cell: &usize| self.grid.centre_mm(*cell);
+        let value = |cell: &usize| self.values[*cell];
+        let cells: Vec<usize> = (0..self.grid.len()).filter(|cell| own(at(cell))).collect();
+        let peak = cells.iter().map(value).fold(0.0, f64::max);
+        let in_q = |cell: &usize| peak > 0.0 && value(cell) >= QUARTER * peak;
         let q: Vec<usize> = cells.iter().copied().filter(in_q).collect();
-        let (mut sum, mut centre) = (0.0, [0.0, 0.0]);
-        for cell in &q {
-            let [x, y] = self.grid.centre_mm(*cell);
-            let weight = self.values[*cell];
-            sum += weight;
-            centre = [centre[0] + weight * x, centre[1] + weight * y];
-        }
-        let centre = if sum > 0.0 {
-            centre.map(|c| c / sum)
-        } else {
-            [f64::NAN; 2]
-        };
-        let area = q.len() as f64 * CELL_MM * CELL_MM;
-        let radius = (area / std::f64::consts::PI).sqrt();
-        let within = |cell: usize| {
-            let [x, y] = self.grid.centre_mm(cell);
-            (x - centre[0]).hypot(y - centre[1]) <= radius
-        };
-        let inside: f64 = cells
-            .iter()
-            .filter(|c| within(**c))
-            .map(|c| self.values[*c])
-            .sum();
-        let against: f64 = cells
-            .iter()
-            .filter(|c| !within(**c))
-            .map(|c| (-self.values[*c]).max(0.0))
-            .sum();
-        let total: f64 = cells.iter().map(|c| self.values[*c]).sum();
-        let held: f64 = cells.iter().map(|c| truth.values[*c]).sum();
-        let pad_area = self.grid.len() as f64 * CELL_MM * CELL_MM;
+        let sum: f64 = q.iter().map(value).sum();
+        let centre = [0, 1].map(|axis| q.iter().map(|c| value(c) * at(c)[axis]).sum::<f64>() / sum);
+        let cell_mm2 = CELL_MM * CELL_MM;
+        let area_mm2 = q.len() as f64 * cell_mm2;
+        let radius_mm = (area_mm2 / std::f64::consts::PI).sqrt();
+        let distance_mm = |[x, y]: PointMm, [a, b]: PointMm| (x - a).hypot(y - b);
+        let within = |cell: &&usize| distance_mm(at(cell), centre) <= radius_mm;
+        let inside: f64 = cells.iter().filter(within).map(value).sum();
+        let outside = cells.iter().filter(|cell| !within(cell));
+        let against: f64 = outside.map(|cell| (-value(cell)).max(0.0)).sum();
+        let total: f64 = cells.iter().map(value).sum();
+        let held: f64 = cells.iter().map(|cell| truth.values[*cell]).sum();
+        let stray = q.iter().filter(|cell| !within(cell)).count();
         Merit {
             amplitude_response: total / (amplitude * held),
-            place_error_mm: (centre[0] - centre_mm[0]).hypot(centre[1] - centre_mm[1]),
-            resolution: (area / pad_area).sqrt(),
-            shape_deformation: q.iter().filter(|c| !within(**c)).count() as f64
-                / q.len().max(1) as f64,
+            place_error_mm: distance_mm(centre, centre_mm),
+            resolution: (area_mm2 / (self.grid.len() as f64 * cell_mm2)).sqrt(),
+            shape_deformation: stray as f64 / q.len().max(1) as f64,
             ringing: against / inside,
         }
     }
@@ -227,7 +227,7 @@ mod tests {
     const SIZE: [f64; 2] = [100.0, 100.0];
 
     fn ring(inner: f64, outer: f64) -> Raster {
-        Raster::of(SIZE, |[x, y]| {
+        Raster::from_mask(SIZE, |[x, y]| {
             (inner..=outer).contains(&(x - 50.0).hypot(y - 50.0))
         })
     }
@@ -236,7 +236,7 @@ mod tests {
     fn euler_numbers_count_parts_and_holes() {
         assert_eq!(ring(0.0, 20.0).euler_number(), 1);
         assert_eq!(ring(10.0, 20.0).euler_number(), 0);
-        let two = Raster::of(SIZE, |[x, y]| {
+        let two = Raster::from_mask(SIZE, |[x, y]| {
             [30.0, 70.0].iter().any(|c| (x - c).hypot(y - 50.0) < 8.0)
         });
         assert_eq!(two.euler_number(), 2);

@@ -1,4 +1,4 @@
-//! Phantoms: shapes in which the conductivity rises.
+//! Phantoms: shapes in which the conductivity is raised.
 
 use crate::pad::Pad;
 use crate::types::PointMm;
@@ -8,21 +8,21 @@ use crate::types::PointMm;
 pub enum Shape {
     /// A disc.
     Disc {
-        /// Its middle.
+        /// Its centre.
         centre_mm: PointMm,
         /// Its radius.
         radius_mm: f64,
     },
     /// A ring.
     Annulus {
-        /// Its middle.
+        /// Its centre.
         centre_mm: PointMm,
         /// Inner and outer radius.
         radii_mm: [f64; 2],
     },
     /// A straight bar with square ends.
     Bar {
-        /// The two ends of its middle line.
+        /// The two ends of its axis.
         ends_mm: [PointMm; 2],
         /// Its width.
         width_mm: f64,
@@ -30,7 +30,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Whether a point lies in it.
+    /// Whether the shape contains a point.
     #[must_use]
     pub fn contains(&self, [x, y]: PointMm) -> bool {
         match *self {
@@ -55,7 +55,7 @@ impl Shape {
         }
     }
 
-    /// Its middle, mm.
+    /// Its centre, mm.
     #[must_use]
     pub fn centre_mm(&self) -> PointMm {
         match *self {
@@ -66,7 +66,7 @@ impl Shape {
         }
     }
 
-    /// Points of its edge: if all lie on the pad, so does the shape.
+    /// Points on its boundary: if all lie on the pad, so does the shape.
     fn rim_mm(&self) -> Vec<PointMm> {
         const POINTS: usize = 72;
         let circle = |[cx, cy]: PointMm, r: f64| {
@@ -106,7 +106,7 @@ impl Shape {
     }
 }
 
-/// A named set of shapes, all at one level.
+/// A named set of shapes, all with the same conductivity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phantom {
     /// Its name in reports.
@@ -116,28 +116,40 @@ pub struct Phantom {
 }
 
 impl Phantom {
+    /// A phantom of these shapes.
+    #[must_use]
+    pub fn new(name: &'static str, shapes: Vec<Shape>) -> Self {
+        Self { name, shapes }
+    }
+
     /// Discs of one radius.
     #[must_use]
     pub fn discs(name: &'static str, centres_mm: &[PointMm], radius_mm: f64) -> Self {
-        Self {
-            name,
-            shapes: centres_mm
-                .iter()
-                .map(|centre| Shape::Disc {
-                    centre_mm: *centre,
-                    radius_mm,
-                })
-                .collect(),
-        }
+        let disc = |centre_mm: &PointMm| Shape::Disc {
+            centre_mm: *centre_mm,
+            radius_mm,
+        };
+        Self::new(name, centres_mm.iter().map(disc).collect())
     }
 
-    /// Whether a point lies in one of its shapes.
+    /// One, two and three points of the paper, on a pad of 100 x 100 mm.
+    #[must_use]
+    pub fn points(radius_mm: f64) -> [Self; 3] {
+        let three = [[30.0, 30.0], [70.0, 30.0], [50.0, 70.0]];
+        [
+            Self::discs("one point", &[[50.0, 50.0]], radius_mm),
+            Self::discs("two points", &[[30.0, 50.0], [70.0, 50.0]], radius_mm),
+            Self::discs("three points", &three, radius_mm),
+        ]
+    }
+
+    /// Whether one of its shapes contains a point.
     #[must_use]
     pub fn contains(&self, point: PointMm) -> bool {
         self.shapes.iter().any(|shape| shape.contains(point))
     }
 
-    /// Why it cannot be laid on a pad, if it cannot.
+    /// Why the phantom does not fit on a pad; `None` if it does.
     #[must_use]
     pub fn misfit(&self, pad: &Pad) -> Option<String> {
         self.shapes.iter().find_map(|shape| {

@@ -1,37 +1,38 @@
-//! A study's folder for people: `report.html` (pictures inside), `report.md`, every number as CSV, every figure as SVG
-//! and PNG.
+//! The report of a study: `report.html` (self-contained), `report.md`, every number as CSV, every figure as SVG and PNG.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::StudyError;
 use super::figure::Figure;
-use super::job::write_whole;
+use super::folder::write_whole;
 
 /// A table of texts.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// Its title; of a CSV, the file's name without ending.
+    /// Its title; for a CSV, the file's name without ending.
     pub title: String,
     /// Names of the columns.
     pub head: Vec<String>,
-    /// Rows.
+    /// Rows, each as long as `head`.
     pub rows: Vec<Vec<String>>,
 }
 
-/// All that a study tells.
+/// A report. It opens with the advice; how the numbers were made comes last.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// Its title.
     pub title: String,
-    /// The command that makes it again.
+    /// The shell command that repeats the study.
     pub command: String,
     /// Version of gelpad.
     pub version: String,
-    /// Seed.
-    pub seed: u64,
-    /// What was done and what it shows.
-    pub paragraphs: Vec<String>,
+    /// Seed of everything random; `None` if nothing is.
+    pub seed: Option<u64>,
+    /// What to do, and why: one paragraph each.
+    pub advice: Vec<String>,
+    /// Method and assumptions: one paragraph each.
+    pub method: Vec<String>,
     /// Tables of the report.
     pub tables: Vec<Table>,
     /// Tables that are written as CSV only.
@@ -41,59 +42,58 @@ pub struct Report {
 }
 
 impl Report {
-    /// Writes all files into a folder that is there.
+    /// Writes all files into an existing folder.
     ///
     /// # Errors
-    /// The disk.
+    /// A disk that is full or read-only.
     pub fn write(&self, folder: &Path) -> Result<(), StudyError> {
+        let write = |name: &str, bytes: &[u8]| write_whole(folder, name, bytes);
         for table in &self.csvs {
-            write_whole(
-                folder,
-                &format!("{}.csv", table.title),
-                table.csv()?.as_slice(),
-            )?;
+            write(&format!("{}.csv", table.title), &table.csv()?)?;
         }
         for figure in &self.figures {
-            write_whole(
-                folder,
-                &format!("{}.svg", figure.name),
-                figure.svg.as_bytes(),
-            )?;
-            write_whole(folder, &format!("{}.png", figure.name), &figure.png)?;
+            write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
+            write(&format!("{}.png", figure.name), &figure.png)?;
         }
-        write_whole(folder, "report.md", self.markdown().as_bytes())?;
-        write_whole(folder, "report.html", self.html().as_bytes())
+        write("report.md", self.markdown().as_bytes())?;
+        write("report.html", self.html().as_bytes())
     }
 
     fn made_by(&self) -> String {
-        format!("gelpad {}, seed {}", self.version, self.seed)
+        match self.seed {
+            Some(seed) => format!("gelpad {}, seed {seed}", self.version),
+            None => format!("gelpad {}", self.version),
+        }
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!(
-            "# {}\n\n```sh\n{}\n```\n\n{}\n",
-            self.title,
-            self.command,
-            self.made_by()
-        );
-        for paragraph in &self.paragraphs {
+        let mut text = format!("# {}\n", self.title);
+        for paragraph in &self.advice {
             let _ = write!(text, "\n{paragraph}\n");
         }
         for table in &self.tables {
             let _ = write!(
                 text,
-                "\n## {}\n\n| {} |\n|{}\n",
+                "\n## {}\n\n{}|{}\n",
                 table.title,
-                cells(&table.head),
+                markdown_row(&table.head),
                 " --- |".repeat(table.head.len())
             );
-            for row in &table.rows {
-                let _ = writeln!(text, "| {} |", cells(row));
-            }
+            text.extend(table.rows.iter().map(|row| markdown_row(row)));
         }
         for figure in &self.figures {
             let _ = write!(text, "\n![{}]({}.svg)\n", figure.caption, figure.name);
         }
+        text.push_str("\n## Method\n");
+        for paragraph in &self.method {
+            let _ = write!(text, "\n{paragraph}\n");
+        }
+        let _ = write!(
+            text,
+            "\n```sh\n{}\n```\n\n{}\n",
+            self.command,
+            self.made_by()
+        );
         text
     }
 
@@ -104,30 +104,18 @@ impl Report {
              table {{ border-collapse: collapse }} td, th {{ border: 1px solid #bbb; padding: .3rem .6rem; text-align: right }}\n\
              td:first-child, th:first-child {{ text-align: left }} pre {{ background: #eee; padding: .6rem }}\n\
              figure {{ margin: 1.5rem 0 }} figure svg {{ max-width: 100%; height: auto }}\n\
-             </style>\n<h1>{title}</h1>\n<pre>{command}</pre>\n<p>{made_by}</p>\n",
+             </style>\n<h1>{title}</h1>\n",
             title = escaped(&self.title),
-            command = escaped(&self.command),
-            made_by = escaped(&self.made_by()),
         );
-        for paragraph in &self.paragraphs {
-            let _ = writeln!(text, "<p>{}</p>", escaped(paragraph));
-        }
+        push_paragraphs(&mut text, &self.advice);
         for table in &self.tables {
-            let row = |cells: &[String], tag: &str| -> String {
-                cells
-                    .iter()
-                    .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)))
-                    .collect()
-            };
             let _ = write!(
                 text,
-                "<h2>{}</h2>\n<table>\n<tr>{}</tr>\n",
+                "<h2>{}</h2>\n<table>\n{}",
                 escaped(&table.title),
-                row(&table.head, "th")
+                html_row(&table.head, "th")
             );
-            for cells in &table.rows {
-                let _ = writeln!(text, "<tr>{}</tr>", row(cells, "td"));
-            }
+            text.extend(table.rows.iter().map(|row| html_row(row, "td")));
             text.push_str("</table>\n");
         }
         for figure in &self.figures {
@@ -138,32 +126,59 @@ impl Report {
                 figure.svg
             );
         }
-        text.push_str("</html>\n");
+        text.push_str("<h2>Method</h2>\n");
+        push_paragraphs(&mut text, &self.method);
+        let _ = write!(
+            text,
+            "<pre>{}</pre>\n<p>{}</p>\n</html>\n",
+            escaped(&self.command),
+            escaped(&self.made_by())
+        );
         text
     }
 }
 
 impl Table {
-    fn csv(&self) -> Result<Vec<u8>, StudyError> {
-        let failed = |error: &dyn std::fmt::Display| StudyError::Internal(error.to_string());
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer
-            .write_record(&self.head)
-            .map_err(|error| failed(&error))?;
-        for row in &self.rows {
-            writer.write_record(row).map_err(|error| failed(&error))?;
+    /// A table from its parts.
+    pub(super) fn new(
+        title: impl Into<String>,
+        head: &[&str],
+        rows: impl IntoIterator<Item = Vec<String>>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            head: head.iter().map(|&name| name.to_owned()).collect(),
+            rows: rows.into_iter().collect(),
         }
-        writer.into_inner().map_err(|error| failed(&error))
+    }
+
+    fn csv(&self) -> Result<Vec<u8>, StudyError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in std::iter::once(&self.head).chain(&self.rows) {
+            writer.write_record(row).map_err(StudyError::internal)?;
+        }
+        writer.into_inner().map_err(StudyError::internal)
     }
 }
 
-/// Cells of a markdown row; a bar in a text would end its cell.
-fn cells(texts: &[String]) -> String {
-    texts
+/// A row; a bar in a text would end its cell.
+fn markdown_row(cells: &[String]) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+    format!("| {} |\n", cells.join(" | "))
+}
+
+fn html_row(cells: &[String], tag: &str) -> String {
+    let cells: String = cells
         .iter()
-        .map(|text| text.replace('|', "\\|"))
-        .collect::<Vec<_>>()
-        .join(" | ")
+        .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)))
+        .collect();
+    format!("<tr>{cells}</tr>\n")
+}
+
+fn push_paragraphs(text: &mut String, paragraphs: &[String]) {
+    for paragraph in paragraphs {
+        let _ = writeln!(text, "<p>{}</p>", escaped(paragraph));
+    }
 }
 
 fn escaped(text: &str) -> String {

@@ -1,4 +1,4 @@
-//! A pad with one parameter swept: `lattice.width=1..5:0.5`.
+//! A sweep of one number of a pad's text: `lattice.width=1..5:0.5`.
 
 use std::str::FromStr;
 
@@ -8,13 +8,13 @@ use toml_edit::{DocumentMut, Item, value};
 use super::StudyError;
 use crate::pad::Pad;
 
-/// At most this many values: a slip of the pen must not start a year of solving.
+/// Most values of a sweep: a typing error must not start a year of solving.
 const MOST: usize = 1000;
 
-/// A parameter of a pad's text and the values that it takes.
+/// A number of a pad's text and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Vary {
-    /// Its path in the text, as `lattice.width_mm`; the unit may be left out.
+pub struct ParameterSweep {
+    /// Its path in the text, such as `lattice.width_mm`; the unit may be left out.
     pub path: String,
     /// First value.
     pub from: f64,
@@ -24,7 +24,7 @@ pub struct Vary {
     pub step: f64,
 }
 
-impl FromStr for Vary {
+impl FromStr for ParameterSweep {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -36,7 +36,7 @@ impl FromStr for Vary {
             word.parse::<f64>()
                 .ok()
                 .filter(|number| number.is_finite())
-                .ok_or(format!("`{word}` is no number: {FORM}"))
+                .ok_or(format!("`{word}` is not a number: {FORM}"))
         };
         let vary = Self {
             path: path.to_owned(),
@@ -45,26 +45,26 @@ impl FromStr for Vary {
             step: number(step)?,
         };
         if vary.step <= 0.0 || vary.to < vary.from {
-            return Err(format!("the range runs nowhere: {FORM}"));
+            return Err(format!("the range is empty: {FORM}"));
         }
         if vary.values().len() > MOST {
-            return Err(format!("more than {MOST} values: take a longer step"));
+            return Err(format!("more than {MOST} values: choose a longer step"));
         }
         Ok(vary)
     }
 }
 
-impl std::fmt::Display for Vary {
+impl std::fmt::Display for ParameterSweep {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}={}..{}:{}", self.path, self.from, self.to, self.step)
     }
 }
 
-impl Vary {
-    /// The values, first to last.
+impl ParameterSweep {
+    /// The values, from first to last.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
-        // Half a step of slack would add a value; a millionth takes rounding only.
+        // The slack of a millionth absorbs rounding without adding a value.
         let count = ((self.to - self.from) / self.step + 1e-6).floor();
         (0..=count.min(MOST as f64) as usize)
             .map(|i| self.from + i as f64 * self.step)
@@ -72,21 +72,20 @@ impl Vary {
             .collect()
     }
 
-    /// The pad of a text with the parameter set to a value.
+    /// The pad with the parameter set to a value.
     ///
     /// # Errors
-    /// No such number in the text; a pad that cannot be built, with its reason.
+    /// A text without such a number, or a pad that is invalid with it.
     pub fn pad(&self, name: &str, text: &str, number: f64) -> Result<Pad, StudyError> {
-        let refuse = |reason: String| StudyError::Refused { reason };
         let mut document: DocumentMut = text
             .parse()
-            .map_err(|error: toml_edit::TomlError| refuse(error.to_string()))?;
+            .map_err(|error: toml_edit::TomlError| StudyError::refused(error.to_string()))?;
         let (table, key) = self.path.rsplit_once('.').unwrap_or(("", &self.path));
         let mut item: &mut Item = document.as_item_mut();
         for part in table.split('.').filter(|part| !part.is_empty()) {
-            item = item
-                .get_mut(part)
-                .ok_or_else(|| refuse(format!("the pad {name} has no table `{part}` to vary")))?;
+            item = item.get_mut(part).ok_or_else(|| {
+                StudyError::refused(format!("the pad {name} has no table `{part}` to vary"))
+            })?;
         }
         let wanted = [key.to_owned(), format!("{key}_mm")];
         let place = wanted
@@ -96,7 +95,7 @@ impl Vary {
                     .is_some_and(|value| value.is_integer() || value.is_float())
             })
             .ok_or_else(|| {
-                refuse(format!(
+                StudyError::refused(format!(
                     "the pad {name} has no number `{}` to vary",
                     self.path
                 ))
@@ -106,7 +105,7 @@ impl Vary {
             false => value(number),
         };
         let named = format!("{name} ({} = {number})", self.path);
-        Pad::from_toml(&named, &document.to_string()).map_err(|faulty| refuse(faulty.to_string()))
+        super::parse_pad(&named, &document.to_string())
     }
 }
 
@@ -120,8 +119,8 @@ mod tests {
     }
 
     #[test]
-    fn a_range_has_its_values() {
-        let vary: Vary = "lattice.width=1..3:0.5".parse().expect("a range");
+    fn a_range_lists_its_values() {
+        let vary: ParameterSweep = "lattice.width=1..3:0.5".parse().expect("a range");
         assert_eq!(vary.values(), [1.0, 1.5, 2.0, 2.5, 3.0]);
         assert_eq!(vary.to_string(), "lattice.width=1..3:0.5");
         for wrong in [
@@ -131,13 +130,13 @@ mod tests {
             "w=1..2:0",
             "w=0..1e9:1",
         ] {
-            assert!(wrong.parse::<Vary>().is_err(), "{wrong}");
+            assert!(wrong.parse::<ParameterSweep>().is_err(), "{wrong}");
         }
     }
 
     #[test]
-    fn the_parameter_is_set_and_nothing_else() {
-        let vary: Vary = "lattice.width=1..3:1".parse().expect("a range");
+    fn only_the_parameter_is_changed() {
+        let vary: ParameterSweep = "lattice.width=1..3:1".parse().expect("a range");
         let pad = vary.pad("p", text(), 3.0).expect("sound");
         let Conductor::Lattice(lattice) = &pad.conductor else {
             panic!("a lattice");
@@ -147,13 +146,13 @@ mod tests {
 
     #[test]
     fn impossible_values_are_refused_with_the_reason() {
-        let vary: Vary = "lattice.width=1..20:1".parse().expect("a range");
+        let vary: ParameterSweep = "lattice.width=1..20:1".parse().expect("a range");
         let said = vary
             .pad("p", text(), 12.0)
             .expect_err("too wide")
             .to_string();
         assert!(said.contains("channels of 12 mm overlap"), "{said}");
-        let vary: Vary = "lattice.colour=1..2:1".parse().expect("a range");
+        let vary: ParameterSweep = "lattice.colour=1..2:1".parse().expect("a range");
         let said = vary
             .pad("p", text(), 1.0)
             .expect_err("no such thing")

@@ -1,14 +1,13 @@
-//! What makes a recording replay: engines and their inputs to messages, and back.
+//! Converts engines and their inputs to messages of a recording, and back.
 //!
-//! `session` knows bytes and messages, `engine` knows inputs; this part composes them. Invariant: the engine that a recording gives back,
-//! fed the inputs that it gives back, does to the bit what the recorded one did.
+//! Invariant: the engine that a recording gives, fed the inputs that it gives, does exactly what the recorded engine did.
 
+mod engine_config;
 mod input;
-mod kit;
 mod player;
-mod scribe;
+mod session_writer;
 
-pub use input::{message_of, texts_of};
-pub use kit::{Kit, KitError};
-pub use player::{Played, Player, PlayerError};
-pub use scribe::Scribe;
+pub use engine_config::{EngineConfig, EngineConfigError};
+pub use input::{message_from_input, profile_texts};
+pub use player::{PlayerError, RecordedItem, RecordingPlayer};
+pub use session_writer::SessionWriter;

@@ -1,80 +1,80 @@
-//! Contacts moved to where presses at known places have shown them to be.
+//! Corrects the places of contacts by a calibration.
 //!
-//! What a pad's model gets wrong is a smooth displacement: part of it depends on the place alone (an outline, electrodes
-//! or a lattice that differ from the drawing), part shows only in the voltages. Both are components of one Gaussian process
-//! over the presses of a calibration, so a lone contact takes the sum, several contacts the place's part each, and far from
-//! every press both fade to nothing: the model's own place stands. Force is bent so that the user's usual press
-//! is the middle of the range.
+//! A pad's model is off by a smooth displacement. One part depends on the place alone (an outline, electrodes or a lattice
+//! that differ from the drawing), the other shows only in the voltages. Both are components of one Gaussian process over the
+//! presses of a calibration. A lone contact is moved by their sum, several contacts each by the place component; far from
+//! every press both vanish. Force is raised to a power that maps the user's median press to the middle of the range.
 //!
-//! Invariant: sums run in the order of the presses and functions come from `libm`, so the same contacts are moved alike on
-//! every machine.
+//! Invariant: sums run in the order of the presses and functions come from `libm`, so the result is the same on every machine.
 
 use serde::{Deserialize, Serialize};
 
 use crate::types::{Contact, PointMm};
 
-/// Lanes of the distance's sum: a fixed order that the compiler can still vectorise.
+/// Lanes of the sum of a distance: a fixed order that the compiler can vectorise.
 const LANES: usize = 8;
-/// Most presses that are kept: a frame costs a pass over them all.
+/// Most presses of a correction; each frame takes a pass over all of them.
 pub const MOST_CORRECTION_PRESSES: usize = 400;
 
-/// What a correction is made of, as it is saved.
+/// The data of a correction, as it is saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionData {
-    /// Width and height of the pad, mm: no contact is moved beyond.
+    /// Width and height of the pad, mm; contacts stay within.
     pub size_mm: [f64; 2],
-    /// A factor a channel on the signed root of its relative change; zero for a channel that tells nothing.
+    /// For each channel, a factor on the signed root of its relative change; 0 for a channel without information.
     pub gains: Vec<f32>,
-    /// Where the model saw each press, mm.
+    /// The model's place of each press, mm.
     pub places_mm: Vec<PointMm>,
-    /// Each press' voltages, as [`signature`] gives them: presses by channels, press after press.
+    /// The [`signature`] of each press, one after the other.
     pub signatures: Vec<f32>,
-    /// Each press' weight, mm.
+    /// The weight of each press, mm.
     pub weights_mm: Vec<[f64; 2]>,
-    /// Length scale over the pad, mm, and prior variance of the place's part.
+    /// The place component; its length is in mm.
     pub place: Component,
-    /// Length scale over signatures and prior variance of the voltages' part.
+    /// The voltage component; its length is in units of signatures.
     pub voltages: Component,
-    /// Power to which force is taken.
+    /// Exponent of the force.
     pub force_power: f64,
 }
 
-/// One part of the process.
+/// A component of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Component {
-    /// How far a press tells about.
+    /// Length scale.
     pub length: f64,
-    /// Its share of the prior variance.
+    /// Share of the prior variance.
     pub variance: f64,
 }
 
-/// A correction that can be applied.
+/// A checked correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correction {
     data: CorrectionData,
     signature: Vec<f32>,
 }
 
-/// Why data is no correction.
+/// Why the data of a correction is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CorrectionError {
-    /// Lists of different lengths.
-    #[error("the correction's lists differ in length: the file is damaged; calibrate again")]
-    Lengths,
-    /// A number that cannot be.
+    /// Lists whose lengths do not match.
     #[error(
-        "the correction holds a number out of range ({0}): the file is damaged; calibrate again"
+        "the lists of the correction do not match in length: the file is damaged; calibrate again"
+    )]
+    Lengths,
+    /// A number out of range, and its field.
+    #[error(
+        "the correction contains a number out of range ({0}): the file is damaged; calibrate again"
     )]
     Number(&'static str),
 }
 
 impl Correction {
-    /// Checks data.
+    /// Checks the data.
     ///
     /// # Errors
-    /// Lists whose lengths do not fit; numbers that are not finite or out of range.
+    /// Lists whose lengths do not match; numbers that are not finite or out of range.
     pub fn new(data: CorrectionData) -> Result<Self, CorrectionError> {
         let (presses, channels) = (data.places_mm.len(), data.gains.len());
         if data.weights_mm.len() != presses
@@ -114,30 +114,30 @@ impl Correction {
         })
     }
 
-    /// Values a frame must have.
+    /// Number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.data.gains.len()
     }
 
-    /// What it is made of.
+    /// The data.
     #[must_use]
     pub fn data(&self) -> &CorrectionData {
         &self.data
     }
 
-    /// Moves the contacts of a frame whose relative changes (v - v0) / v0 are given.
+    /// Corrects the contacts of a frame with relative changes (v - v0) / v0.
     ///
     /// # Panics
-    /// If there are other channels than were learned from.
+    /// If the number of channels is another.
     pub fn apply(&mut self, changes: &[f32], contacts: &mut [Contact]) {
         assert_eq!(changes.len(), self.channels());
         if let [lone] = contacts {
             signature(changes, &self.data.gains, &mut self.signature);
-            lone.centre_mm = self.moved(lone.centre_mm, true);
+            lone.centre_mm = self.corrected_place(lone.centre_mm, true);
         } else {
             for contact in contacts.iter_mut() {
-                contact.centre_mm = self.moved(contact.centre_mm, false);
+                contact.centre_mm = self.corrected_place(contact.centre_mm, false);
             }
         }
         for contact in contacts {
@@ -145,23 +145,25 @@ impl Correction {
         }
     }
 
-    /// Where a place moves to; by the voltages' part too, if these are one press' alone.
-    fn moved(&self, place_mm: PointMm, by_voltages: bool) -> PointMm {
+    /// The corrected place; `by_voltages` adds the voltage component.
+    fn corrected_place(&self, place_mm: PointMm, by_voltages: bool) -> PointMm {
         let data = &self.data;
         let mut moved = place_mm;
         let presses = data.places_mm.iter().zip(&data.weights_mm);
-        for ((press, weight), seen) in presses.zip(data.signatures.chunks_exact(self.channels())) {
-            let mut likeness =
+        for ((press, weight), signature) in
+            presses.zip(data.signatures.chunks_exact(self.channels()))
+        {
+            let mut covariance =
                 data.place.variance * place_kernel(place_mm, *press, data.place.length);
             if by_voltages && data.voltages.variance > 0.0 {
-                likeness += data.voltages.variance
-                    * signature_kernel(&self.signature, seen, data.voltages.length);
+                covariance += data.voltages.variance
+                    * signature_kernel(&self.signature, signature, data.voltages.length);
             }
-            moved[0] += likeness * weight[0];
-            moved[1] += likeness * weight[1];
+            moved[0] += covariance * weight[0];
+            moved[1] += covariance * weight[1];
         }
         [0, 1].map(|axis| {
-            // A place that is no number (voltages beyond all bounds) is left where the model put it.
+            // Extreme voltages can give a place that is not finite: the model's place stays.
             let value = if moved[axis].is_finite() {
                 moved[axis]
             } else {
@@ -172,21 +174,21 @@ impl Correction {
     }
 }
 
-/// Relative changes as presses are compared by: signed roots, each channel by its gain.
+/// The signature of a frame: the signed root of each relative change, times the channel's gain.
 pub fn signature(changes: &[f32], gains: &[f32], out: &mut [f32]) {
     for ((out, change), gain) in out.iter_mut().zip(changes).zip(gains) {
         *out = libm::copysignf(libm::sqrtf(change.abs()), *change) * gain;
     }
 }
 
-/// How much presses at two places have in common, 0 to 1.
+/// Covariance of two places, 0 to 1.
 #[must_use]
 pub fn place_kernel(a: PointMm, b: PointMm, length_mm: f64) -> f64 {
     let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
     matern(dx * dx + dy * dy, length_mm)
 }
 
-/// How much presses with two signatures have in common, 0 to 1.
+/// Covariance of two signatures, 0 to 1.
 #[must_use]
 pub fn signature_kernel(a: &[f32], b: &[f32], length: f64) -> f64 {
     let mut lanes = [0.0_f32; LANES];
@@ -209,8 +211,9 @@ pub fn signature_kernel(a: &[f32], b: &[f32], length: f64) -> f64 {
     matern(sum, length)
 }
 
-/// Matern 5/2 of a squared distance.
-fn matern(distance2: f64, length: f64) -> f64 {
+/// The Matern 5/2 kernel of a squared distance (Rasmussen and Williams 2006, eq. 4.17): 1 at distance 0.
+#[must_use]
+pub fn matern(distance2: f64, length: f64) -> f64 {
     let s = libm::sqrt(5.0 * distance2) / length;
     (1.0 + s + s * s / 3.0) * libm::exp(-s)
 }
@@ -248,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lone_contact_moves_by_place_and_voltages_several_by_their_places() {
+    fn a_lone_contact_moves_by_both_components_several_by_place() {
         let mut correction = Correction::new(data()).expect("sound");
         let like_first = [0.01_f32; 10];
         let mut lone = [contact([50.0, 40.0])];
@@ -269,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn far_from_every_press_the_model_stands() {
+    fn far_from_every_press_nothing_moves() {
         let mut correction = Correction::new(data()).expect("sound");
         let mut lone = [contact([95.0, 75.0])];
         correction.apply(&[0.9; 10], &mut lone);
@@ -278,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn force_keeps_its_order_and_its_ends() {
+    fn force_keeps_its_order_and_ends() {
         let mut correction = Correction::new(data()).expect("sound");
         let mut contacts: Vec<Contact> = (0..=10)
             .map(|tenth| Contact {
@@ -293,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn no_contact_leaves_the_pad_whatever_the_voltages() {
+    fn no_contact_leaves_the_pad_at_any_voltage() {
         let mut correction = Correction::new(data()).expect("sound");
         for change in [f32::NAN, f32::INFINITY, -1e30, 0.01] {
             let mut lone = [contact([50.0, 79.9])];

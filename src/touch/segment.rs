@@ -1,32 +1,32 @@
-//! Contacts in an image: smooth, find the peaks, give every pixel to the peak that it climbs to.
+//! Contacts in an image: smoothing, peaks, and a watershed.
 //!
-//! A lattice has holes and its image lives in the channels only, so the image is first smoothed as a mean over
-//! the conductor near each pixel (normalised convolution): a finger over a hole becomes one hill, not four.
-//! Blobs that touch are cut at the valley between their peaks (steepest ascent, as a watershed); a peak that
-//! hardly rises over the saddle to a higher one is part of it.
+//! The image of a lattice is confined to its channels, so it is first smoothed as a mean over the conductor near each pixel
+//! (normalised convolution): a finger over a hole becomes one hill, not four. Each pixel belongs to the peak that steepest
+//! ascent leads to (watershed); a peak that hardly rises above the saddle to a higher one is merged with it.
 //!
 //! Sums run in the order of the pixels: the same image gives the same contacts, bit for bit.
 
+use crate::eit::cholesky::add_scaled;
 use crate::types::{Contact, Image, PixelGrid, PointMm};
 
-/// Standard deviation of the smoothing, mm: about a fingertip's, and half of a lattice's pitch.
+/// Standard deviation of the smoothing, mm: about the size of a fingertip, and half of a lattice's pitch.
 const SMOOTHING_MM: f64 = 3.5;
-/// A peak below this share of the strongest may be that one's ringing.
+/// A peak below this share of the strongest may be ringing.
 const LEAST_SHARE: f32 = 0.18;
-/// A peak counts if the saddle to every higher peak is below this share of it.
+/// A peak is separate if the saddle to every higher peak is below this share of it.
 const SADDLE_SHARE: f32 = 0.85;
-/// The footprint is where the smoothed image exceeds this share of its contact's peak.
+/// The footprint is where the smoothed image exceeds this share of the contact's peak.
 const FOOTPRINT_SHARE: f32 = 0.5;
-/// Volume under the image (relative rise x mm2) that counts as full force.
+/// Volume under the image of full force, relative rise x mm2.
 const FULL_FORCE_MM2: f64 = 150.0;
-/// The smoothed peak at which a contact is as sure as can be, in units of the threshold.
+/// A peak of this many times the threshold has confidence 1.
 const SURE_TIMES: f64 = 3.0;
 
 /// The smoothed peak above which there is a contact, relative rise of conductivity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold(pub f32);
 
-/// Finds contacts on one grid; holds its scratch memory.
+/// Finds contacts in images of one grid.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     grid: PixelGrid,
@@ -36,24 +36,24 @@ pub struct Segmenter {
     inverse_weight: Vec<f32>,
     smooth: Vec<f32>,
     scratch: Vec<f32>,
-    /// Index of the peak that each pixel belongs to.
+    /// Index of the peak of each pixel.
     peak_of: Vec<usize>,
     /// Pixels above the floor, highest first.
     order: Vec<usize>,
     /// Local maxima, highest first.
     peaks: Vec<Peak>,
-    /// Two peaks, the higher first, and the height at which their hills meet; highest first.
+    /// Two peaks, the higher first, and the height of the saddle between them; highest first.
     saddles: Vec<((usize, usize), f32)>,
 }
 
-/// A contact and how high the smoothed image rises in it.
+/// A contact and its peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blob {
     /// The contact.
     pub contact: Contact,
     /// Peak of the smoothed image, relative rise of conductivity.
     pub peak: f32,
-    /// Whether it is so much weaker than the strongest that it may be that one's ringing.
+    /// Whether it is so much weaker than the strongest that it may be ringing.
     pub may_be_ringing: bool,
 }
 
@@ -62,17 +62,17 @@ pub struct Blob {
 struct Peak {
     pixel: usize,
     value: f32,
-    /// The higher peak of which it is a part, if it is.
-    joined: Option<usize>,
+    /// The higher peak with which it is merged, if any.
+    merged_into: Option<usize>,
 }
 
 const NO_PEAK: usize = usize::MAX;
 
 impl Segmenter {
-    /// A segmenter for images of a grid whose pixels hold the given shares of conductor.
+    /// A segmenter for images of a grid; `coverage` is the share of conductor of each pixel.
     ///
     /// # Panics
-    /// If there is not one share a pixel.
+    /// If there is not one share per pixel.
     #[must_use]
     pub fn new(grid: PixelGrid, coverage: &[f32]) -> Self {
         assert_eq!(coverage.len(), grid.len());
@@ -91,14 +91,14 @@ impl Segmenter {
         segmenter.smooth.copy_from_slice(coverage);
         segmenter.blur();
         for (inverse, weight) in segmenter.inverse_weight.iter_mut().zip(&segmenter.smooth) {
-            // Less than a twentieth of conductor within reach is no ground for a mean.
+            // With less than 5 % conductor within reach there is no mean.
             *inverse = if *weight > 0.05 { 1.0 / weight } else { 0.0 };
         }
         segmenter
     }
 
-    /// Appends the contacts of an image whose peaks reach a threshold, strongest first, and returns the
-    /// highest value of the smoothed image.
+    /// Appends the contacts of an image whose peaks reach a threshold, strongest first. Returns the highest value of the
+    /// smoothed image.
     pub fn blobs(&mut self, image: &Image, threshold: Threshold, blobs: &mut Vec<Blob>) -> f32 {
         for ((smooth, value), coverage) in self
             .smooth
@@ -120,7 +120,7 @@ impl Segmenter {
         self.merge(threshold.0);
         for index in 0..self.peaks.len() {
             let peak = self.peaks[index];
-            if peak.joined.is_none() && peak.value >= threshold.0 {
+            if peak.merged_into.is_none() && peak.value >= threshold.0 {
                 blobs.push(Blob {
                     contact: self.measure(image, index, threshold),
                     peak: peak.value,
@@ -131,8 +131,8 @@ impl Segmenter {
         highest
     }
 
-    /// Gives every pixel above `floor` to the local maximum that steepest ascent leads to, highest pixels first. The pixel
-    /// at which two hills first meet is the saddle between them.
+    /// Assigns every pixel above `floor` to the local maximum that steepest ascent leads to, highest pixels first. The first
+    /// pixel at which two hills meet is the saddle between them.
     fn climb(&mut self, floor: f32) {
         self.order.clear();
         self.order
@@ -158,7 +158,7 @@ impl Segmenter {
                 self.peaks.push(Peak {
                     pixel: *pixel,
                     value,
-                    joined: None,
+                    merged_into: None,
                 });
                 continue;
             };
@@ -175,15 +175,15 @@ impl Segmenter {
         }
     }
 
-    /// Joins each peak, lowest first, to a higher one if the saddle between them is nearly as high as it.
+    /// Merges each peak, lowest first, with a higher one if the saddle between them is nearly as high.
     fn merge(&mut self, least: f32) {
         for index in (1..self.peaks.len()).rev() {
             let value = self.peaks[index].value;
             if value < least {
                 continue;
             }
-            // Saddles stand highest first: the first to a higher peak is the way over.
-            let way = self.saddles.iter().find_map(|((higher, lower), saddle)| {
+            // Saddles are sorted highest first, so the first to a higher peak counts.
+            let found = self.saddles.iter().find_map(|((higher, lower), saddle)| {
                 let (higher, lower) = (self.root(*higher), self.root(*lower));
                 let other = match (higher == index, lower == index) {
                     (true, false) => lower,
@@ -192,8 +192,8 @@ impl Segmenter {
                 };
                 (other < index && *saddle > SADDLE_SHARE * value).then_some(other)
             });
-            if let Some(higher) = way {
-                self.peaks[index].joined = Some(higher);
+            if let Some(higher) = found {
+                self.peaks[index].merged_into = Some(higher);
             }
         }
         for pixel in &self.order {
@@ -201,9 +201,9 @@ impl Segmenter {
         }
     }
 
-    /// The peak to which a peak belongs: itself, or a higher one.
+    /// The peak with which a peak is merged in the end: itself, or a higher one.
     fn root(&self, mut peak: usize) -> usize {
-        while let Some(higher) = self.peaks[peak].joined {
+        while let Some(higher) = self.peaks[peak].merged_into {
             peak = higher;
         }
         peak
@@ -226,8 +226,8 @@ impl Segmenter {
                 continue;
             }
             let [x, y]: PointMm = self.grid.centre_mm(pixel);
-            // Weighted by the height over the footprint's edge, a pixel enters and leaves with weight zero:
-            // the centre moves without steps.
+            // Weighted by the height above the footprint's edge, pixels enter and leave with weight zero, so the centre
+            // moves without steps.
             let weight = f64::from(smooth - edge);
             sum += weight;
             sum_x += weight * x;
@@ -239,16 +239,16 @@ impl Segmenter {
         } else {
             self.grid.centre_mm(peak.pixel)
         };
-        let surplus = f64::from(peak.value / threshold.0);
+        let confidence = f64::from(peak.value / threshold.0);
         Contact {
             centre_mm,
             area_mm2,
             force: (volume / FULL_FORCE_MM2).clamp(0.0, 1.0),
-            confidence: (surplus / SURE_TIMES).clamp(0.0, 1.0),
+            confidence: (confidence / SURE_TIMES).clamp(0.0, 1.0),
         }
     }
 
-    /// Convolves `smooth` with the kernel along x, then along y; outside the grid there is nothing.
+    /// Convolves `smooth` with the kernel along x, then along y; values outside the grid are zero.
     fn blur(&mut self) {
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         let reach = self.kernel.len() - 1;
@@ -275,12 +275,6 @@ impl Segmenter {
     }
 }
 
-fn add_scaled(target: &mut [f32], source: &[f32], factor: f32) {
-    for (sum, value) in target.iter_mut().zip(source) {
-        *sum += factor * value;
-    }
-}
-
 /// Half of a Gaussian, from its middle out to three standard deviations (in pixels).
 fn gaussian(deviation: f64) -> Vec<f32> {
     let reach = libm::ceil(3.0 * deviation) as usize;
@@ -292,7 +286,7 @@ fn gaussian(deviation: f64) -> Vec<f32> {
         .collect()
 }
 
-/// The up to eight pixels around one.
+/// The up to eight neighbours of a pixel.
 fn neighbours(grid: &PixelGrid, pixel: usize) -> impl Iterator<Item = usize> {
     let (columns, rows) = (grid.columns, grid.rows);
     let (row, column) = (pixel / columns, pixel % columns);
@@ -337,7 +331,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_hill_is_one_contact_at_its_place(x in 15.0..85.0f64, y in 15.0..85.0f64) {
+        fn one_hill_is_one_contact_at_its_place(x in 15.0..85.0f64, y in 15.0..85.0f64) {
             let contacts = found(&hills(&[([x, y], 1.0)]));
             prop_assert_eq!(contacts.len(), 1);
             let [cx, cy] = contacts[0].centre_mm;

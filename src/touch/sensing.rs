@@ -1,33 +1,55 @@
-//! What a pad's frames are read with: the matrix of its images and, where it is solved, the table of its touches; both for
-//! the weights that its channels have now.
+//! What a detector needs of a pad: the reconstruction matrix and, if the pad has a response table, the model that touches
+//! are located with. Both depend on the present weights of the channels.
 //!
-//! Made at the start, and anew when an electrode is lost or comes back: off the engine, which takes it as an input.
+//! Built at the start and again when an electrode is lost or recovers, outside the engine, which takes it as an input.
 
 use std::sync::Arc;
 
-use super::locate::Locating;
-use crate::eit::{LAMBDA, Linearised, Reconstruction, ResponseTable, SetupError};
+use super::locate::LocatorModel;
+use crate::eit::{
+    LAMBDA, Linearised, Reconstruction, ResponseTable, SetupError, SharedNoise, median,
+};
 use crate::pad::{Outline, Pad, TouchSign};
 use crate::types::Method;
 
-/// Before any frame is seen, all readings are taken to be equally noisy, relative.
+/// Relative standard deviation of every channel until frames show the noise.
 const FIRST_DEVIATION: f64 = 1e-3;
 
-/// A matrix, and what locates touches.
+/// The noise of a pad's channels, from which their weights follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelNoise {
+    /// Relative standard deviation of each channel; infinite for one to exclude.
+    pub deviations: Vec<f64>,
+    /// Noise that channels share.
+    pub shared: SharedNoise,
+}
+
+impl From<Vec<f64>> for ChannelNoise {
+    fn from(deviations: Vec<f64>) -> Self {
+        Self {
+            deviations,
+            shared: SharedNoise::default(),
+        }
+    }
+}
+
+/// A reconstruction and, optionally, a locator model, for given channel weights.
 #[derive(Clone, Debug)]
 pub struct Sensing {
-    /// Makes the images.
+    /// Reconstructs images.
     pub reconstruction: Arc<Reconstruction>,
-    /// Locates touches; without it, images do.
-    pub locating: Option<Arc<Locating>>,
-    /// Relative deviation of each channel for which both were made; infinite for one that is left out.
+    /// Locates touches in the voltages; without it, they are found in images.
+    pub locator_model: Option<Arc<LocatorModel>>,
+    /// Relative standard deviation of each channel; infinite for an excluded one.
     pub deviations: Vec<f64>,
-    /// What each change is multiplied by before an image is made of it: the median deviation over its own, 0 for a channel
-    /// that is left out. The matrix is made for changes so weighted.
+    /// Noise that channels share, as the weights take it.
+    pub shared: SharedNoise,
+    /// Factor of each change before the reconstruction, whose matrix is made for it: the median deviation over the
+    /// channel's own; 0 for an excluded channel.
     pub image_weights: Vec<f32>,
 }
 
-/// Makes a pad's [`Sensing`] for any weights.
+/// Builds the [`Sensing`] of a pad for any weights.
 #[derive(Clone, Debug)]
 pub struct SensingBuilder {
     linearised: Linearised,
@@ -35,27 +57,30 @@ pub struct SensingBuilder {
     touch_sign: TouchSign,
     outline: Outline,
     table: Option<Arc<ResponseTable>>,
+    /// Drive of each channel.
+    drives: Vec<u16>,
 }
 
 impl SensingBuilder {
-    /// A builder for a pad. Without a table, touches are found in its images.
+    /// A builder without a response table: touches are found in images.
     ///
     /// # Errors
     /// A pad that cannot be solved.
     pub fn new(pad: &Pad, method: Method) -> Result<Self, SetupError> {
         Ok(Self {
-            linearised: Linearised::of_pad(pad)?,
+            linearised: Linearised::from_pad(pad)?,
             method,
             touch_sign: pad.touch_sign,
             outline: pad.outline,
             table: None,
+            drives: pad.protocol.drives(),
         })
     }
 
-    /// Locates touches by the pad's table.
+    /// Adds the pad's response table: touches are located in the voltages.
     ///
     /// # Panics
-    /// If the table is of a pad with other channels.
+    /// If the table belongs to a pad with another number of channels.
     #[must_use]
     pub fn with_table(mut self, table: Arc<ResponseTable>) -> Self {
         let channels = self.linearised.jacobian.nrows();
@@ -64,22 +89,23 @@ impl SensingBuilder {
         self
     }
 
-    /// For a pad of which no frame has been seen.
+    /// The sensing before the first frame: all channels weigh the same.
     ///
     /// # Errors
     /// See [`SetupError`].
-    pub fn first(&self) -> Result<Sensing, SetupError> {
-        self.build(&vec![FIRST_DEVIATION; self.linearised.jacobian.nrows()])
+    pub fn build_initial(&self) -> Result<Sensing, SetupError> {
+        self.build(&vec![FIRST_DEVIATION; self.linearised.jacobian.nrows()].into())
     }
 
-    /// For channels of the given relative deviations; one that is not finite is left out.
+    /// The sensing for channels of the given noise; a deviation that is not finite excludes its channel.
     ///
     /// # Errors
     /// See [`SetupError`].
     ///
     /// # Panics
-    /// If there is not one deviation a channel.
-    pub fn build(&self, deviations: &[f64]) -> Result<Sensing, SetupError> {
+    /// If there is not one deviation per channel.
+    pub fn build(&self, noise: &ChannelNoise) -> Result<Sensing, SetupError> {
+        let deviations = noise.deviations.as_slice();
         assert_eq!(deviations.len(), self.linearised.jacobian.nrows());
         let image_weights = image_weights(deviations);
         let mut linearised = self.linearised.clone();
@@ -91,28 +117,30 @@ impl SensingBuilder {
         }
         let reconstruction =
             Reconstruction::from_linearised(&linearised, self.method, LAMBDA, self.touch_sign)?;
-        let locating = self
-            .table
-            .as_ref()
-            .map(|table| Arc::new(Locating::new(Arc::clone(table), &self.outline, deviations)));
+        let locator_model = self.table.as_ref().map(|table| {
+            let table = Arc::clone(table);
+            Arc::new(LocatorModel::new(table, &self.outline, noise, &self.drives))
+        });
         Ok(Sensing {
             reconstruction: Arc::new(reconstruction),
-            locating,
+            locator_model,
             deviations: deviations.to_vec(),
+            shared: noise.shared,
             image_weights,
         })
     }
 }
 
 impl Sensing {
-    /// Images only.
+    /// Sensing by images only, all channels weighing the same.
     #[must_use]
     pub fn by_image(reconstruction: Arc<Reconstruction>) -> Self {
         Self {
             deviations: vec![FIRST_DEVIATION; reconstruction.channels()],
+            shared: SharedNoise::default(),
             image_weights: vec![1.0; reconstruction.channels()],
             reconstruction,
-            locating: None,
+            locator_model: None,
         }
     }
 
@@ -122,22 +150,21 @@ impl Sensing {
         self.deviations.len()
     }
 
-    /// Whether a channel counts.
+    /// Whether a channel is in use.
     #[must_use]
-    pub fn counts(&self, channel: usize) -> bool {
+    pub fn uses_channel(&self, channel: usize) -> bool {
         self.deviations[channel].is_finite()
     }
 }
 
-/// One over the deviation of each channel, the median's being one; 0 for a channel that is left out.
+/// The median deviation over the deviation of each channel; 0 for an excluded channel.
 fn image_weights(deviations: &[f64]) -> Vec<f32> {
     let mut finite: Vec<f64> = deviations
         .iter()
         .copied()
         .filter(|d| d.is_finite())
         .collect();
-    finite.sort_by(f64::total_cmp);
-    let median = finite.get(finite.len() / 2).copied().unwrap_or(1.0);
+    let median = median(&mut finite).unwrap_or(1.0);
     deviations
         .iter()
         .map(|deviation| {

@@ -1,19 +1,19 @@
-//! Contacts followed through time: ids that are never used twice; down, move and up.
+//! Contacts followed through time: ids that are never reused, and down, move and up phases.
 //!
-//! A contact continues the nearest touch of the frame before, nearest pairs first, if it is not further than a
-//! hand moves between two frames. No smoothing and no delay: a contact that continues nothing is a touch that
-//! goes down in this very frame, and a touch that nothing continues goes up in it.
+//! A contact continues the nearest touch of the previous frame, nearest pairs first, if a hand can move that far between
+//! two frames. There is no smoothing and no delay: a contact that continues no touch goes down in the same frame, and a
+//! touch without contact goes up in it.
 
 use crate::types::{Contact, Nanos, Phase, Touch, TouchId};
 
-/// A touch may jump this far between two frames, mm, ...
+/// A touch moves at most this far between two frames, mm, ...
 const REACH_MM: f64 = 12.0;
-/// ... and this much further for each millisecond between them: a fast swipe covers a metre a second. Slow boards add no
-/// more than ten milliseconds' worth: else a lift here and a press there would be one touch that jumped.
+/// ... plus this much per millisecond between them: a fast swipe covers one metre per second.
 const REACH_MM_PER_MS: f64 = 1.0;
+/// Most milliseconds that count: with a slow board, a lift and a press elsewhere must not become one touch.
 const LONGEST_MS: f64 = 10.0;
 
-/// Follows contacts.
+/// Follows contacts from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Tracker {
     touches: Vec<Touch>,
@@ -30,8 +30,8 @@ impl Tracker {
         &self.touches
     }
 
-    /// Takes the contacts of a frame and appends what became of every touch: moves and ups of those that
-    /// were down, in the order in which they went down, then downs in the order of the contacts.
+    /// Takes the contacts of a frame and appends every touch with its new phase: moves and ups of touches that were down, in
+    /// the order in which they went down, then downs in the order of the contacts.
     pub fn follow(&mut self, t_ns: Nanos, contacts: &[Contact], changed: &mut Vec<Touch>) {
         let elapsed_ms = t_ns.saturating_sub(self.last_ns) as f64 * 1e-6;
         self.last_ns = t_ns;
@@ -68,7 +68,7 @@ impl Tracker {
         self.touches.extend(still_down);
     }
 
-    /// Lifts everything: the source is gone.
+    /// Lifts all touches.
     pub fn lift_all(&mut self, changed: &mut Vec<Touch>) {
         for touch in self.touches.drain(..) {
             changed.push(Touch {
@@ -78,7 +78,7 @@ impl Tracker {
         }
     }
 
-    /// Pairs of old touches and new contacts within reach, nearest first, each in one pair at most.
+    /// Pairs touches with contacts within reach, nearest first, each in at most one pair.
     fn assign(&mut self, contacts: &[Contact], reach_mm: f64) {
         self.pairs.clear();
         for (old, touch) in self.touches.iter().enumerate() {
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_pair_is_joined_first() {
+    fn the_nearest_pair_is_matched_first() {
         let mut tracker = Tracker::default();
         step(&mut tracker, 0, &[at(10.0, 10.0), at(20.0, 10.0)]);
         let changed = step(&mut tracker, 10, &[at(19.0, 10.0), at(60.0, 10.0)]);

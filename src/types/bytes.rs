@@ -1,92 +1,91 @@
-//! Numbers out of bytes, little-endian: for formats that may be damaged or hostile, so nothing is trusted and nothing is
-//! reserved that is not there.
+//! Reads little-endian numbers from bytes that may be damaged or hostile: lengths are checked before memory is allocated.
 
-/// What is left to read.
+/// A reader over a slice; every method returns `None` if too few bytes are left.
 #[derive(Clone, Copy, Debug)]
 pub struct ByteReader<'a>(&'a [u8]);
 
 impl<'a> ByteReader<'a> {
-    /// A reader of all of these.
+    /// A reader of a slice.
     #[must_use]
     pub fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }
 
-    /// What is left.
+    /// The remaining bytes.
     #[must_use]
     pub fn rest(&self) -> &'a [u8] {
         self.0
     }
 
-    /// So many bytes.
+    /// The next `count` bytes.
     pub fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.0.split_at_checked(count)?;
         self.0 = rest;
         Some(taken)
     }
 
-    /// An array of bytes.
+    /// The next `N` bytes.
     pub fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (taken, rest) = self.0.split_first_chunk::<N>()?;
         self.0 = rest;
         Some(*taken)
     }
 
-    /// One byte.
+    /// A u8.
     pub fn u8(&mut self) -> Option<u8> {
         self.array().map(u8::from_le_bytes)
     }
 
-    /// A number of two bytes.
+    /// A u16.
     pub fn u16(&mut self) -> Option<u16> {
         self.array().map(u16::from_le_bytes)
     }
 
-    /// A number of four bytes.
+    /// A u32.
     pub fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    /// A number of eight bytes.
+    /// A u64.
     pub fn u64(&mut self) -> Option<u64> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// A count of four bytes, for what takes at least a byte each: never above what is left.
+    /// A count (u32) of items of at least one byte each: never more than the remaining bytes.
     pub fn count(&mut self) -> Option<usize> {
         let count = self.u32()? as usize;
         (count <= self.0.len()).then_some(count)
     }
 
-    /// A float of four bytes.
+    /// An f32.
     pub fn f32(&mut self) -> Option<f32> {
         self.array().map(f32::from_le_bytes)
     }
 
-    /// A float of eight bytes.
+    /// An f64.
     pub fn f64(&mut self) -> Option<f64> {
         self.array().map(f64::from_le_bytes)
     }
 
-    /// So many floats of four bytes.
+    /// `count` f32.
     pub fn f32s(&mut self, count: usize) -> Option<Vec<f32>> {
         let (values, _) = self.bytes(count.checked_mul(4)?)?.as_chunks::<4>();
         Some(values.iter().map(|v| f32::from_le_bytes(*v)).collect())
     }
 
-    /// So many floats of eight bytes.
+    /// `count` f64.
     pub fn f64s(&mut self, count: usize) -> Option<Vec<f64>> {
         let (values, _) = self.bytes(count.checked_mul(8)?)?.as_chunks::<8>();
         Some(values.iter().map(|v| f64::from_le_bytes(*v)).collect())
     }
 
-    /// So many numbers of four bytes.
+    /// `count` u32.
     pub fn u32s(&mut self, count: usize) -> Option<Vec<u32>> {
         let (values, _) = self.bytes(count.checked_mul(4)?)?.as_chunks::<4>();
         Some(values.iter().map(|v| u32::from_le_bytes(*v)).collect())
     }
 
-    /// A text: its length in four bytes, and it in UTF-8.
+    /// A string: its length (u32), then UTF-8.
     pub fn text(&mut self) -> Option<&'a str> {
         let count = self.count()?;
         std::str::from_utf8(self.bytes(count)?).ok()

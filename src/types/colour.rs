@@ -1,9 +1,9 @@
-//! The colours of images: one scale for every picture of the pad.
+//! The colour scale of all images.
 
-/// A perceptually even scale from near-black over violet and orange to pale yellow, for a value 0..1, as sRGB. Its
-/// lightness rises all the way: it reads the same without colour vision.
+/// The sRGB colour of a value from 0 to 1, on a perceptually uniform scale from near-black through violet and orange to
+/// pale yellow. Lightness increases with the value, so the scale works without colour vision.
 #[must_use]
-pub fn heat(value: f32) -> [u8; 3] {
+pub fn heat_colour(value: f32) -> [u8; 3] {
     const STOPS: [[f32; 3]; 6] = [
         [10.0, 8.0, 24.0],
         [66.0, 18.0, 104.0],

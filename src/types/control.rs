@@ -1,22 +1,22 @@
-//! What physical gamepads and switches say: sources that have no image.
+//! The state of physical gamepads and switches: sources without image.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::{Axis, Button, Nanos, UnknownName};
 
-/// Everything that gamepads and switches say at one moment: a button of one is a button of all.
+/// The merged state of all gamepads and switches at one time.
 ///
-/// A plain value, and always the whole state, never a change: one that is lost is made good by the next.
+/// Always the complete state, so that a lost one does no harm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Control {
-    /// When, in the source's time.
+    /// Time of the source.
     pub t_ns: Nanos,
-    /// Whether there is a device at all; when the last one goes everything is released.
+    /// Whether any device is connected; outputs are released when the last one disconnects.
     pub present: bool,
-    /// Buttons that are down.
+    /// The buttons that are down.
     pub buttons: Buttons,
-    /// Value of each axis in the order of [`Axis::ALL`]: -1 to 1 for sticks, 0 to 1 for triggers.
+    /// The value of each axis, in the order of [`Axis::ALL`]: -1 to 1 for sticks, 0 to 1 for triggers.
     pub axes: [f32; Axis::ALL.len()],
 }
 
@@ -26,21 +26,27 @@ pub struct Buttons(u16);
 
 /// A part of a gamepad that a profile can bind: `pad:a`, `pad:left-trigger`, `stick:left`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// A button, or a switch.
+pub enum GamepadPart {
+    /// A button or a switch.
     Button(Button),
-    /// A trigger, or anything else with one axis 0 to 1.
+    /// A trigger, or another control with one axis from 0 to 1.
     Trigger(Axis),
-    /// A stick: its axes to the right and up.
+    /// A stick: its horizontal (right positive) and vertical (up positive) axis.
     Stick(Axis, Axis),
 }
 
-/// Sticks and triggers by name; the names of buttons are their own.
-const AXES: &[(&str, Part)] = &[
-    ("pad:left-trigger", Part::Trigger(Axis::LeftTrigger)),
-    ("pad:right-trigger", Part::Trigger(Axis::RightTrigger)),
-    ("stick:left", Part::Stick(Axis::LeftX, Axis::LeftY)),
-    ("stick:right", Part::Stick(Axis::RightX, Axis::RightY)),
+/// The names of sticks and triggers; buttons have their own.
+const AXES: &[(&str, GamepadPart)] = &[
+    ("pad:left-trigger", GamepadPart::Trigger(Axis::LeftTrigger)),
+    (
+        "pad:right-trigger",
+        GamepadPart::Trigger(Axis::RightTrigger),
+    ),
+    ("stick:left", GamepadPart::Stick(Axis::LeftX, Axis::LeftY)),
+    (
+        "stick:right",
+        GamepadPart::Stick(Axis::RightX, Axis::RightY),
+    ),
 ];
 
 impl Control {
@@ -50,50 +56,52 @@ impl Control {
         self.axes[axis as usize]
     }
 
-    /// How far a part is moved: to the right and up for a stick, else 0 to 1 and nothing.
+    /// The position of a part: right and up for a stick; for others 0 to 1, and 0.
     #[must_use]
-    pub fn moved(&self, part: Part) -> [f64; 2] {
+    pub fn part_position(&self, part: GamepadPart) -> [f64; 2] {
         match part {
-            Part::Button(button) => [f64::from(u8::from(self.buttons.contains(button))), 0.0],
-            Part::Trigger(axis) => [f64::from(self.axis(axis)), 0.0],
-            Part::Stick(x, y) => [x, y].map(|axis| f64::from(self.axis(axis))),
+            GamepadPart::Button(button) => {
+                [f64::from(u8::from(self.buttons.contains(button))), 0.0]
+            }
+            GamepadPart::Trigger(axis) => [f64::from(self.axis(axis)), 0.0],
+            GamepadPart::Stick(x, y) => [x, y].map(|axis| f64::from(self.axis(axis))),
         }
     }
 }
 
 impl Buttons {
-    /// The same, and a button.
+    /// The set with a button added.
     #[must_use]
     pub fn with(self, button: Button) -> Self {
         Self(self.0 | 1 << button as u16)
     }
 
-    /// The same without a button.
+    /// The set with a button removed.
     #[must_use]
     pub fn without(self, button: Button) -> Self {
         Self(self.0 & !(1 << button as u16))
     }
 
-    /// Whether a button is among them.
+    /// Whether the set contains a button.
     #[must_use]
     pub fn contains(self, button: Button) -> bool {
         self.0 & 1 << button as u16 != 0
     }
 
-    /// A bit a button, in the order of [`Button::ALL`]: for recordings.
+    /// One bit per button in the order of [`Button::ALL`], for recordings.
     #[must_use]
     pub fn bits(self) -> u16 {
         self.0
     }
 
-    /// From such bits; those of no button are left out.
+    /// The set of such bits; unknown bits are ignored.
     #[must_use]
     pub fn from_bits(bits: u16) -> Self {
         Self(bits & ((1 << Button::ALL.len()) - 1))
     }
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for GamepadPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Button(button) => write!(f, "pad:{button}"),
@@ -105,7 +113,7 @@ impl fmt::Display for Part {
     }
 }
 
-impl FromStr for Part {
+impl FromStr for GamepadPart {
     type Err = UnknownName;
 
     fn from_str(text: &str) -> Result<Self, UnknownName> {
@@ -126,17 +134,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_part_reads_back_as_itself() {
-        let buttons = Button::ALL.iter().copied().map(Part::Button);
+    fn the_name_of_every_part_parses_to_the_part() {
+        let buttons = Button::ALL.iter().copied().map(GamepadPart::Button);
         for part in buttons.chain(AXES.iter().map(|(_, part)| *part)) {
             assert_eq!(part.to_string().parse(), Ok(part));
         }
-        let unknown = "stick:lfet".parse::<Part>().expect_err("misspelt");
+        let unknown = "stick:lfet".parse::<GamepadPart>().expect_err("misspelt");
         assert_eq!(unknown.suggestion.as_deref(), Some("stick:left"));
     }
 
     #[test]
-    fn bits_keep_every_button_and_nothing_else() {
+    fn bits_contain_every_button_and_nothing_else() {
         for button in Button::ALL {
             let only = Buttons::default().with(*button);
             assert!(Buttons::from_bits(only.bits()).contains(*button));

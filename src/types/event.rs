@@ -1,10 +1,10 @@
-//! What an output device is told.
+//! Events for output devices.
 
 use std::fmt;
 
 use super::{Axis, Button, Key, MouseButton, Nanos, UnknownName, ms_from_nanos};
 
-/// Something that can be held: a key of the keyboard, a button of the gamepad or one of the mouse.
+/// Something that can be held: a key, a gamepad button or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Output {
     /// A key of the keyboard.
@@ -18,34 +18,34 @@ pub enum Output {
 /// One change of one output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// It goes down.
+    /// The output goes down.
     Press(Output),
-    /// It comes up.
+    /// The output goes up.
     Release(Output),
-    /// An axis takes a value in -1..1 (sticks) or 0..1 (triggers).
+    /// An axis takes a value, -1..1 for sticks and 0..1 for triggers.
     Axis(Axis, f32),
-    /// The mouse moves by so many pixels: right and down positive.
+    /// The mouse moves, in pixels.
     Motion {
-        /// To the right.
+        /// Right positive.
         dx: i32,
-        /// Down, as on screens.
+        /// Down positive.
         dy: i32,
     },
-    /// The wheel turns by so many notches: right and up positive.
+    /// The wheel turns, in notches.
     Wheel {
-        /// To the right.
+        /// Right positive.
         dx: i32,
-        /// Up.
+        /// Up positive.
         dy: i32,
     },
 }
 
-/// An action and the moment at which it is due, in the source's time.
+/// An action and the time at which it is due.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When it is due.
+    /// Due time, in the time of the source.
     pub t_ns: Nanos,
-    /// What is to happen.
+    /// The action.
     pub action: Action,
 }
 
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn events_print_as_the_command_line_promises() {
+    fn events_print_in_the_documented_format() {
         let at = |action| Event {
             t_ns: 12_340_000_000,
             action,
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn an_output_without_its_device_says_what_to_write() {
+    fn an_output_without_device_explains_the_format() {
         let error = "space".parse::<Output>().expect_err("no device");
         assert_eq!(
             error.to_string(),

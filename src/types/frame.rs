@@ -1,15 +1,12 @@
-//! One reading of the whole pad.
+//! One frame of voltages.
 
 use super::Nanos;
 
-/// The measured voltages of one frame.
-///
-/// `f32` from the decoder to the file: that is what boards send, and what a recording keeps.
+/// The measured voltages of one frame, as `f32` from decoder to recording: boards send no more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// When the device took the frame, in its own time.
+    /// Time stamp of the device.
     pub t_ns: Nanos,
-    /// One voltage a channel, in the pad's measurement order. The unit is the instrument's: only
-    /// relative differences are used.
+    /// One voltage per channel, in the pad's measurement order, in any unit: only relative changes are used.
     pub volts: Vec<f32>,
 }

@@ -1,8 +1,8 @@
-//! A picture of the pad: conductivity change on a regular grid of square pixels.
+//! Images: conductivity change on a regular grid of square pixels.
 
 use super::PointMm;
 
-/// Where the pixels of an image lie on the pad. Row 0 is the bottom row (y up).
+/// The pixels of an image on the pad. Row 0 is the bottom row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGrid {
     /// Bottom-left corner of pixel (0, 0), mm.
@@ -16,7 +16,7 @@ pub struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// Number of pixels of the grid, conductor or not.
+    /// Number of pixels, with or without conductor.
     #[must_use]
     pub fn len(&self) -> usize {
         self.columns * self.rows
@@ -28,7 +28,7 @@ impl PixelGrid {
         self.len() == 0
     }
 
-    /// The pixel that holds a point, if the point lies on the grid.
+    /// The pixel that contains a point, if the point lies on the grid.
     #[must_use]
     pub fn index_at(&self, [x, y]: PointMm) -> Option<usize> {
         let column = libm::floor((x - self.origin_mm[0]) / self.pixel_mm);
@@ -49,12 +49,12 @@ impl PixelGrid {
     }
 }
 
-/// Relative conductivity change over the pad, cut at zero.
+/// Relative conductivity change over the pad; negative values are cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// Where the pixels lie.
+    /// The pixels.
     pub grid: PixelGrid,
-    /// One value a pixel, row by row from the bottom; zero where the pad has no conductor.
+    /// One value per pixel, row by row from the bottom; zero without conductor.
     pub values: Vec<f32>,
 }
 

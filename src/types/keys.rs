@@ -1,21 +1,21 @@
 //! Names of keys: the same words in profiles, traces and recordings, on every operating system and every backend.
 //!
-//! A key is known by its Linux evdev code (`input-event-codes.h`), which names a place on the
-//! keyboard and not a symbol: X11 keycodes are that code plus 8, and no keymap is ever rewritten.
+//! A key is identified by its Linux evdev code (`input-event-codes.h`), which is a position on the keyboard, not a symbol:
+//! X11 keycodes are that code plus 8, and keymaps stay unchanged.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::UnknownName;
 
-/// A key, by place.
+/// A key by its position on the keyboard.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key(u16);
 
 /// X11 keycodes are evdev codes plus this, and have eight bits.
 const X11_OFFSET: u16 = 8;
 
-/// Name and evdev code of every key that has a name. The first name of a code is the one printed.
+/// Names and evdev codes. The first name of a code is the one that is printed.
 #[rustfmt::skip]
 const KEYS: &[(&str, u16)] = &[
     ("escape", 1),
@@ -33,15 +33,15 @@ const KEYS: &[(&str, u16)] = &[
     ("keypad-7", 71), ("keypad-8", 72), ("keypad-9", 73), ("keypad-minus", 74),
     ("keypad-4", 75), ("keypad-5", 76), ("keypad-6", 77), ("keypad-plus", 78),
     ("keypad-1", 79), ("keypad-2", 80), ("keypad-3", 81), ("keypad-0", 82), ("keypad-period", 83),
-    // Between left shift and z on keyboards of Europe.
+    // Between left shift and z on European keyboards.
     ("intl-backslash", 86), ("f11", 87), ("f12", 88),
-    // Keyboards of Japan.
+    // Japanese keyboards.
     ("intl-ro", 89), ("katakana", 90), ("hiragana", 91), ("convert", 92), ("kana-mode", 93), ("non-convert", 94),
     ("keypad-enter", 96), ("right-ctrl", 97), ("keypad-divide", 98), ("print-screen", 99),
     ("right-alt", 100), ("home", 102), ("up", 103), ("page-up", 104), ("left", 105), ("right", 106),
     ("end", 107), ("down", 108), ("page-down", 109), ("insert", 110), ("delete", 111),
     ("mute", 113), ("volume-down", 114), ("volume-up", 115), ("keypad-equal", 117), ("pause", 119), ("keypad-comma", 121),
-    // Keyboards of Korea, and of Japan again.
+    // Korean and Japanese keyboards.
     ("hangul", 122), ("hanja", 123), ("intl-yen", 124),
     ("left-meta", 125), ("right-meta", 126), ("menu", 127),
     ("undo", 131), ("copy", 133), ("open", 134), ("paste", 135), ("find", 136), ("cut", 137), ("help", 138),
@@ -54,7 +54,7 @@ const KEYS: &[(&str, u16)] = &[
 ];
 
 impl Key {
-    /// Every key that has a name, in the order of their codes.
+    /// All keys in the order of their codes.
     pub fn all() -> impl Iterator<Item = Self> {
         let mut before = 0;
         KEYS.iter()
@@ -69,13 +69,13 @@ impl Key {
         self.0
     }
 
-    /// Whether it changes what other keys do: shift, ctrl, alt, meta.
+    /// Whether the key is a modifier: shift, ctrl, alt or meta.
     #[must_use]
     pub fn is_modifier(self) -> bool {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
-    /// The keycode of X11: the evdev code plus 8.
+    /// The X11 keycode: the evdev code plus 8.
     #[must_use]
     pub fn x11_keycode(self) -> u8 {
         u8::try_from(self.0 + X11_OFFSET).unwrap_or(u8::MAX)
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_reads_back_as_itself() {
+    fn every_name_parses_to_its_key() {
         for (name, code) in KEYS {
             let key: Key = name.parse().expect("a listed key");
             assert_eq!(key.evdev_code(), *code);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn every_key_is_listed_once_and_has_a_keycode_of_x11() {
+    fn every_key_is_listed_once_and_has_an_x11_keycode() {
         let all: Vec<Key> = Key::all().collect();
         assert!(
             all.is_sorted() && all.len() == KEYS.len() - 1,
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_misspelt_name_is_met_with_the_nearest_one() {
+    fn a_misspelt_name_suggests_the_nearest_one() {
         let suggestion = |text: &str| text.parse::<Key>().expect_err("misspelt").suggestion;
         assert_eq!(suggestion("spcae"), Some("space".to_owned()));
         assert_eq!(suggestion("left-shfit"), Some("left-shift".to_owned()));

@@ -1,30 +1,30 @@
-//! How an image is made: a word in pads, profiles and on the command line.
+//! Reconstruction methods, as named in pads, profiles and on the command line.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::Deserialize;
 
-/// How an image is made from relative voltage changes.
+/// A method that reconstructs an image from relative voltage changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// One step, prior: identity.
+    /// One step with the identity as prior.
     Tikhonov,
-    /// One step, prior: the inverse root of each pixel's sensitivity, which evens out depth.
+    /// One step with the inverse root of each pixel's sensitivity as prior, which compensates for depth.
     #[default]
     Noser,
-    /// One step, prior: neighbouring pixels change alike.
+    /// One step with a prior of similar neighbouring pixels.
     Smooth,
-    /// Least squares with few pixels changed: the sum of their absolute values is the penalty.
+    /// Least squares with the sum of absolute values as penalty: few pixels change.
     L1,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: &[Self] = &[Self::Tikhonov, Self::Noser, Self::Smooth, Self::L1];
 
-    /// The word.
+    /// The name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -1,14 +1,13 @@
-//! What the stages hand to each other: frames, states of gamepads, images, contacts, touches, events, and the
-//! names of keys and buttons.
+//! The types that the stages exchange: frames, gamepad states, images, contacts, touches, events, and the names of keys and
+//! buttons.
 //!
-//! Every stage of the way of a frame is a plain function between two of these types, so this module
-//! imports nothing of ours and everything else imports it.
+//! This module imports no other module of the crate.
 
 mod bytes;
 mod colour;
 mod control;
+mod diagnostic;
 mod event;
-mod fault;
 mod frame;
 mod image;
 mod keys;
@@ -17,10 +16,10 @@ mod names;
 mod touch;
 
 pub use bytes::ByteReader;
-pub use colour::heat;
-pub use control::{Buttons, Control, Part};
+pub use colour::heat_colour;
+pub use control::{Buttons, Control, GamepadPart};
+pub use diagnostic::{Diagnostic, SourceErrors};
 pub use event::{Action, Event, Output};
-pub use fault::{Fault, Faulty};
 pub use frame::Frame;
 pub use image::{Image, PixelGrid};
 pub use keys::Key;
@@ -29,22 +28,22 @@ pub(crate) use names::nearest;
 pub use names::{Axis, Button, MouseButton, UnknownName};
 pub use touch::{Contact, Phase, Touch, TouchId};
 
-/// A point on the pad in millimetres: origin at the bottom-left, x to the right, y up.
+/// A point on the pad, mm: origin at the bottom-left, x to the right, y up.
 pub type PointMm = [f64; 2];
 
-/// Nanoseconds of the source's own time: the device's stamps, never a clock's.
+/// Nanoseconds in the time of the source: time stamps of the device, not of a clock.
 pub type Nanos = u64;
 
 /// Nanoseconds in a millisecond.
 pub const NANOS_PER_MS: Nanos = 1_000_000;
 
-/// A span of milliseconds as nanoseconds, rounded to the nearest.
+/// Converts milliseconds to nanoseconds, rounded to the nearest.
 #[must_use]
 pub fn nanos_from_ms(ms: f64) -> Nanos {
     libm::round(ms * NANOS_PER_MS as f64) as Nanos
 }
 
-/// Nanoseconds as milliseconds, for people and for text formats.
+/// Converts nanoseconds to milliseconds, for display and text formats.
 #[must_use]
 pub fn ms_from_nanos(t: Nanos) -> f64 {
     t as f64 / NANOS_PER_MS as f64

@@ -1,10 +1,10 @@
-//! Names of buttons and axes: the same words in profiles, traces and recordings, on every
-//! operating system. Keys: see `keys.rs`.
+//! Names of buttons and axes, the same in profiles, traces and recordings on every operating system. For keys see
+//! `keys.rs`.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Declares an enum whose variants have one printed name each.
+/// Declares an enum with one name per variant.
 macro_rules! named {
     ($(#[$doc:meta])* $type:ident, $kind:literal, { $($(#[$vdoc:meta])* $variant:ident = $name:literal),+ $(,)? }) => {
         $(#[$doc])*
@@ -12,7 +12,7 @@ macro_rules! named {
         pub enum $type { $($(#[$vdoc])* $variant),+ }
 
         impl $type {
-            /// All of them, in the order of their declaration.
+            /// All variants in the order of their declaration.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
             /// The name in profiles and traces.
@@ -43,7 +43,7 @@ macro_rules! named {
 }
 
 named!(
-    /// A button of a gamepad, by the names of the Xbox 360 pad.
+    /// A gamepad button, named as on the Xbox 360 controller.
     Button, "gamepad button", {
         /// South.
         A = "a",
@@ -61,7 +61,7 @@ named!(
         Select = "select",
         /// Start.
         Start = "start",
-        /// The button in the middle.
+        /// The middle button.
         Guide = "guide",
         /// Left stick pressed.
         LeftStick = "left-stick",
@@ -99,25 +99,25 @@ named!(
 named!(
     /// A button of the mouse.
     MouseButton, "mouse button", {
-        /// The main one.
+        /// Left, the main button.
         Left = "left",
-        /// The one for menus.
+        /// Right, for menus.
         Right = "right",
         /// The wheel pressed.
         Middle = "middle",
-        /// The thumb's one that goes back.
+        /// Thumb button: back.
         Back = "back",
-        /// The thumb's one that goes on.
+        /// Thumb button: forward.
         Forward = "forward",
     }
 );
 
-/// A name that names nothing.
+/// An unknown name of a key, button or axis.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct UnknownName {
     message: String,
-    /// The known name that looks most like it.
+    /// The most similar known name.
     pub suggestion: Option<String>,
 }
 
@@ -139,8 +139,8 @@ impl UnknownName {
     }
 }
 
-/// The known word that takes the fewest edits (swapped neighbours are one), capitals aside, if these are fewer than half of
-/// the letters.
+/// The known name with the fewest edits (swapping two neighbours is one), ignoring case, if these are fewer than half of the
+/// letters.
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let lower = text.to_lowercase();
     known
@@ -155,14 +155,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_reads_back_as_itself() {
+    fn every_name_parses_to_its_button() {
         for button in Button::ALL {
             assert_eq!(button.name().parse(), Ok(*button));
         }
     }
 
     #[test]
-    fn a_misspelt_name_is_met_with_the_nearest_one() {
+    fn a_misspelt_name_suggests_the_nearest_one() {
         let suggestion = |text: &str| text.parse::<Button>().expect_err("misspelt").suggestion;
         assert_eq!(suggestion("letf"), Some("left".to_owned()));
         assert_eq!(suggestion("south"), None);

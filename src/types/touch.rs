@@ -9,36 +9,36 @@ pub struct Contact {
     pub centre_mm: PointMm,
     /// Footprint, mm2.
     pub area_mm2: f64,
-    /// How hard, 0 to 1.
+    /// Force, 0 to 1.
     pub force: f64,
-    /// How sure we are that it is one, 0 to 1.
+    /// Confidence that it is a contact, 0 to 1.
     pub confidence: f64,
 }
 
-/// Names one touch for as long as the program runs; never used twice.
+/// Identifies a touch; never reused while the program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TouchId(pub u64);
 
-/// Where a touch is in its life.
+/// The phase of a touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// First frame.
     Down,
-    /// Seen before and still there.
+    /// Down since an earlier frame.
     Move,
-    /// No longer there: `contact` is where it was last.
+    /// Lifted; `contact` is the last one.
     Up,
 }
 
 /// A contact followed through time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Its name.
+    /// Its id.
     pub id: TouchId,
-    /// Where it is in its life.
+    /// Its phase.
     pub phase: Phase,
-    /// When it was first seen.
+    /// Time of its first frame.
     pub since_ns: Nanos,
-    /// Where it is, as measured in this frame (neither smoothed nor delayed).
+    /// Its contact in this frame, neither smoothed nor delayed.
     pub contact: Contact,
 }

@@ -1,11 +1,11 @@
-//! Reads what `log.lua` wrote, and measures presses, jumps and walks in it.
+//! Reads the log of `log.lua`, and measures presses, jumps and walks in it.
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// What the game saw in one frame, and where its figure was then.
+/// The buttons that the game saw in one frame, and the place of its figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Wall clock, Unix time.
+    /// Wall clock time, Unix.
     pub time_ms: f64,
     pub a: bool,
     pub left: bool,
@@ -15,26 +15,25 @@ pub struct Frame {
     pub y_px: u8,
 }
 
-/// Every frame of the game in its order, none left out.
+/// All frames of the game in their order.
 #[derive(Debug)]
 pub struct Log {
     frames: Vec<Frame>,
 }
 
-/// One stretch of frames through which a button was held, and what came of it up
-/// to the next such stretch.
+/// A stretch of frames with a button held, up to the next such stretch.
 #[derive(Clone, Copy, Debug)]
 pub struct Press {
     pub frames: usize,
     pub height_px: u8,
-    /// To the right, less than zero to the left.
+    /// Positive to the right.
     pub way_px: i16,
-    /// The longest time from one frame to the next, from before the press to behind it: a busy machine stalls games.
+    /// Longest time between two frames, from before the press until after it: a busy machine stalls games.
     pub gap_ms: f64,
 }
 
 impl Log {
-    /// The log may still be growing: a last line without its end is left alone.
+    /// Parses a log that may still grow: an incomplete last line is ignored.
     pub fn parse(text: &str) -> Result<Self> {
         let mut lines = text
             .split_inclusive('\n')
@@ -61,7 +60,7 @@ impl Log {
         self
     }
 
-    /// How fast the emulator ran, by the wall clock, over the whole log.
+    /// Frame rate of the emulator by the wall clock, over the whole log.
     pub fn rate_hz(&self) -> Result<f64> {
         let intervals = u32::try_from(self.frames.len().saturating_sub(1))?;
         let (Some(first), Some(last)) = (self.frames.first(), self.frames.last()) else {
@@ -72,10 +71,9 @@ impl Log {
         Ok(f64::from(intervals) * 1000.0 / passed_ms)
     }
 
-    /// All presses of a button that is not held as the log begins.
+    /// All presses of a button that is not held when the log starts.
     pub fn presses(&self, held: impl Fn(&Frame) -> bool) -> Vec<Press> {
-        // Each stretch begins with the frame before the press, in which the
-        // figure still stands where it stood.
+        // Each stretch starts with the frame before the press, in which the figure has not moved yet.
         let fresh: Vec<usize> = self
             .frames
             .windows(2)

@@ -1,4 +1,4 @@
-//! Programs that end with the test, whatever becomes of it.
+//! Child processes that end with the test, however it ends.
 
 #![allow(
     clippy::disallowed_methods,
@@ -14,13 +14,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// How often a thing that is waited for is looked at.
+/// How often a condition is checked.
 const POLL: Duration = Duration::from_millis(20);
-/// What is shown of a program's messages.
+/// Number of lines of a program's messages that are shown.
 const SAID_LINES: usize = 20;
 
-/// A running program. Dropping it kills it (SIGKILL: fceux heeds nothing less)
-/// and reaps it. What it says goes to a file, `NAME.said` in the test's folder.
+/// A running program. Dropping it kills it with SIGKILL (fceux ignores other signals) and reaps it. Its
+/// messages go to the file `NAME.said` in the test's folder.
 #[derive(Debug)]
 pub struct Process {
     name: &'static str,
@@ -30,13 +30,12 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command`; both its outputs go to the file of what it says.
+    /// Starts `command` with both outputs to the file of messages.
     pub fn start(name: &'static str, command: &mut Command, folder: &Path) -> Result<Self> {
         Self::spawn(name, command, folder, None)
     }
 
-    /// The same for a program that answers on its standard output: that goes to
-    /// `answer`.
+    /// The same for a program that answers on its standard output, which goes to `answer`.
     pub fn start_answering(
         name: &'static str,
         command: &mut Command,
@@ -72,13 +71,13 @@ impl Process {
         })
     }
 
-    /// Lets the program end by itself for so long when it is dropped.
+    /// When dropped, waits for this long until the program ends before it is killed.
     pub fn with_grace(mut self, grace: Duration) -> Self {
         self.grace = grace;
         self
     }
 
-    /// Waits for `look` to find something, as long as the program runs.
+    /// Waits until `look` finds something, as long as the program runs.
     pub fn wait_for<T>(
         &mut self,
         what: &str,
@@ -102,7 +101,7 @@ impl Process {
         }
     }
 
-    /// Waits for the program to end, and insists that it ended well.
+    /// Waits until the program ends, and fails unless it was successful.
     pub fn succeed(mut self, patience: Duration) -> Result<()> {
         match self.end_within(patience)? {
             Some(status) if status.success() => Ok(()),
@@ -124,7 +123,7 @@ impl Process {
 }
 
 impl fmt::Display for Process {
-    /// The last lines that the program said.
+    /// The last lines of the program's messages.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let said = fs::read(&self.said).unwrap_or_default();
         let said = String::from_utf8_lossy(&said);
@@ -139,8 +138,7 @@ impl fmt::Display for Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Nothing useful can be done about an error here: the program is gone,
-        // or cannot be reached.
+        // An error here means that the program is gone or out of reach.
         let ended = self.end_within(self.grace);
         if !matches!(ended, Ok(Some(_))) {
             let _ = self.child.kill();

@@ -9,7 +9,7 @@ pub struct Place {
     pub y_mm: u32,
 }
 
-/// Touches of fingers that stay in place; `to_string` gives the script's text.
+/// Touches that stay in place; `to_string` gives the script's text.
 #[derive(Debug, Default)]
 pub struct Script {
     touches: Vec<Touch>,
@@ -23,7 +23,7 @@ struct Touch {
 }
 
 impl Script {
-    /// Adds a finger that comes down at `start_ms` and stays for `length_ms`.
+    /// Adds a finger that is down from `start_ms` for `length_ms`.
     pub fn press(&mut self, place: Place, start_ms: u32, length_ms: u32) {
         let end_ms = start_ms + length_ms;
         self.touches.push(Touch {
@@ -41,7 +41,7 @@ impl Script {
 }
 
 impl fmt::Display for Script {
-    /// Events stand in the order of time, also where fingers overlap.
+    /// Events are in the order of time, also for fingers that overlap.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut events = Vec::new();
         for (id, touch) in self.touches.iter().enumerate() {

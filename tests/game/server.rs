@@ -10,14 +10,12 @@ use anyhow::{Context, Result};
 
 use crate::process::Process;
 
-/// For each step of the start: a busy machine may need long, and a step that hangs shall still be told apart.
+/// Longest wait for each step of the start, for a busy machine.
 pub const PATIENCE: Duration = Duration::from_mins(1);
-/// The X server ends by itself with its last client, and then leaves no socket
-/// and no lock file behind.
+/// The X server ends with its last client, and then removes its socket and lock file.
 const SERVER_GRACE: Duration = Duration::from_secs(2);
 
-/// Starts an X server on a display that it chooses itself, and so on none that
-/// anybody else uses.
+/// Starts an X server on a free display that it selects itself.
 pub fn start_server(xvfb: &Path, folder: &Path) -> Result<(Process, OsString)> {
     let answer = folder.join("display");
     let mut command = Command::new(xvfb);

@@ -1,4 +1,4 @@
-//! The stage: an X server of its own, and on it the emulator with the game.
+//! The stage: its own X server, and on it the emulator with the game.
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -22,23 +22,24 @@ const GAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/jump.s");
 const LINKER_CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/nrom.cfg");
 const LOG_SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game/log.lua");
 
-/// The game goes on after gelpad: the last jump comes down.
-const ENCORE: Duration = Duration::from_secs(1);
-/// The window solves its pad's touches when it is new to the machine.
+/// The game continues after gelpad until the last jump has ended.
+const JUMP_END_WAIT: Duration = Duration::from_secs(1);
+/// Time for the window to start: on a new machine it solves the pad's response table first.
 #[cfg(feature = "gui")]
 const WINDOW_STARTS: Duration = Duration::from_secs(6);
-/// In the window of 1280 x 800 points: the button that sends to the game, and the one that opens the pad's own window.
+/// In the window of 1280 x 800 points: the button that sends keys to the game, and the one that opens the
+/// pad's own window.
 #[cfg(feature = "gui")]
 const SEND: (&str, &str) = ("853", "33");
 #[cfg(feature = "gui")]
 const PAD_WINDOW: (&str, &str) = ("1150", "145");
-/// On the screen: the jump of the pad's own window, which opens at (40, 40).
+/// On the screen: the jump region of the pad's own window, which opens at (40, 40).
 #[cfg(feature = "gui")]
 const PAD_JUMP: (&str, &str) = ("282", "208");
-/// Frames the game has run for before anybody plays: it draws itself in three.
+/// Number of frames before play starts: the game draws itself in three.
 const WARM_UP_FRAMES: usize = 60;
 
-/// Fields are dropped in this order: the emulator, the server, the folder.
+/// Fields are dropped in this order: emulator, server, folder.
 #[derive(Debug)]
 pub struct Stage {
     emulator: Process,
@@ -49,7 +50,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Returns when the game runs and has the keyboard.
+    /// Returns when the game runs and has the keyboard focus.
     pub fn start(tools: &Tools) -> Result<Self> {
         let folder = tempfile::tempdir().context("cannot create a folder for the test")?;
         let game = assemble(tools, folder.path())?;
@@ -68,7 +69,7 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Lets gelpad play the script; the log tells what the game saw meanwhile.
+    /// Lets gelpad play the script; returns the log of that time.
     pub fn play(&mut self, profile: &str, script: &Script) -> Result<Log> {
         let file = self.folder.path().join("touches.txt");
         fs::write(&file, script.to_string()).context("cannot write the touch script")?;
@@ -86,12 +87,12 @@ impl Stage {
         )?;
         gelpad.succeed(Duration::from_millis(script.end_ms().into()) + PATIENCE)?;
 
-        thread::sleep(ENCORE);
+        thread::sleep(JUMP_END_WAIT);
         Ok(read_log(&self.log)?.skip(seen))
     }
 
-    /// Presses the jump of the window's small pad with the mouse while the emulator has the keyboard; the log tells what the
-    /// game saw meanwhile.
+    /// Presses the jump region of the window's small pad with the mouse while the emulator has the keyboard
+    /// focus; returns the log of that time.
     #[cfg(feature = "gui")]
     pub fn play_in_window(&mut self, tools: &Tools, presses_ms: &[u32]) -> Result<Log> {
         let mut gelpad = Process::start(
@@ -108,20 +109,20 @@ impl Stage {
         thread::sleep(WINDOW_STARTS);
         for (x, y) in [SEND, PAD_WINDOW] {
             self.xdotool(tools, &["mousemove", x, y, "click", "1"])?;
-            thread::sleep(ENCORE);
+            thread::sleep(JUMP_END_WAIT);
         }
         self.xdotool(tools, &[&search[..], &["^gelpad pad$"]].concat())?;
         self.focus(tools)?;
-        thread::sleep(ENCORE);
+        thread::sleep(JUMP_END_WAIT);
         let seen = read_log(&self.log)?.frames().len();
         self.xdotool(tools, &["mousemove", PAD_JUMP.0, PAD_JUMP.1])?;
         for press_ms in presses_ms {
             self.xdotool(tools, &["mousedown", "1"])?;
             thread::sleep(Duration::from_millis((*press_ms).into()));
             self.xdotool(tools, &["mouseup", "1"])?;
-            thread::sleep(ENCORE);
+            thread::sleep(JUMP_END_WAIT);
         }
-        thread::sleep(ENCORE);
+        thread::sleep(JUMP_END_WAIT);
         gelpad.wait_for("the end of the presses", PATIENCE, || Ok(Some(())))?;
         Ok(read_log(&self.log)?.skip(seen))
     }
@@ -132,8 +133,8 @@ impl Stage {
         Process::start("xdotool", xdotool.args(words), self.folder.path())?.succeed(PATIENCE)
     }
 
-    /// The last lines that the emulator said.
-    pub fn said(&self) -> String {
+    /// The last lines of the emulator's messages.
+    pub fn emulator_messages(&self) -> String {
         self.emulator.to_string()
     }
 
@@ -144,7 +145,7 @@ impl Stage {
         })
     }
 
-    /// Without a window manager no window has the keyboard until it is given it.
+    /// Without a window manager no window gets the keyboard focus automatically.
     fn focus(&self, tools: &Tools) -> Result<()> {
         let mut xdotool = command(&tools.xdotool, self.folder.path(), &self.display);
         xdotool.args(["search", "--sync", "--onlyvisible", "--class", "fceux"]);
@@ -155,7 +156,7 @@ impl Stage {
     }
 }
 
-/// The binary under test, or a stand-in for it while this test is worked on.
+/// The binary under test; `GELPAD_BIN` replaces it.
 fn gelpad() -> OsString {
     env::var_os("GELPAD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_gelpad").into())
 }
@@ -192,7 +193,7 @@ fn start_emulator(
     Process::start("fceux", &mut fceux, folder)
 }
 
-/// A command that sees the stage's display, and nobody's settings.
+/// A command on the stage's display, without user settings.
 fn command(program: impl AsRef<OsStr>, home: &Path, display: &OsStr) -> Command {
     let mut command = Command::new(program);
     command
@@ -206,7 +207,7 @@ fn command(program: impl AsRef<OsStr>, home: &Path, display: &OsStr) -> Command 
     command
 }
 
-/// Empty as long as there is no log.
+/// Empty while there is no log.
 fn read_log(file: &Path) -> Result<Log> {
     let text = match fs::read_to_string(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),

@@ -1,11 +1,11 @@
-//! The programs of others that the game test runs.
+//! The external programs that the game test runs.
 
 use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-/// Where the programs are; all of them, or there is no test.
+/// Paths of the programs; the test needs all of them.
 #[derive(Clone, Debug)]
 pub struct Tools {
     pub ca65: PathBuf,
@@ -16,7 +16,7 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// The error names every program that is missing, to be installed at once.
+    /// The error names all missing programs.
     pub fn find() -> Result<Self> {
         let mut missing = Vec::new();
         let mut find = |name: &'static str| {
@@ -40,12 +40,12 @@ impl Tools {
     }
 }
 
-/// Whether a missing program is a failure: so on the machine that must run all.
+/// Whether a missing program is a failure, as on the machine that must run everything.
 pub fn all_required() -> bool {
     env::var_os("GELPAD_TEST_ALL").is_some_and(|value| value == "1")
 }
 
-/// Looks through PATH, and where Debian puts games: root's PATH leaves that out.
+/// Searches PATH and Debian's folder of games, which root's PATH lacks.
 pub fn program(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH").unwrap_or_default();
     env::split_paths(&path)

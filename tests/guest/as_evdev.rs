@@ -1,4 +1,4 @@
-//! The pad, read as the kernel shows it.
+//! The pad as the kernel shows it.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ pub fn open() -> Result<Device> {
         .with_context(|| format!("the kernel shows no {NAME}"))
 }
 
-/// The same, once it is there.
+/// Waits until the pad exists.
 #[cfg(feature = "gilrs")]
 pub fn wait_for_pad() -> Result<Device> {
     for _ in 0..600 {
@@ -49,9 +49,9 @@ pub fn read() -> Result<()> {
     drop(pad);
     ensure!(
         report(&mut device).is_err(),
-        "the pad is gone with whoever made it"
+        "the pad is removed with the process that created it"
     );
-    println!("{} events, each a report of its own", cases().len());
+    println!("{} events, each in a separate report", cases().len());
     Ok(())
 }
 
@@ -90,7 +90,7 @@ fn identity(device: &Device) -> Result<()> {
 
 /// Two buttons and an axis that change together are one report.
 fn one_report_a_state(pad: &mut Uinput, device: &mut Device) -> Result<()> {
-    use gelpad::output::Device as _;
+    use gelpad::output::OutputDevice as _;
 
     let state = [
         Action::Press(Output::Button(Button::A)),
@@ -109,7 +109,7 @@ fn one_report_a_state(pad: &mut Uinput, device: &mut Device) -> Result<()> {
     Ok(())
 }
 
-/// What comes up to the next `SYN_REPORT`, without it.
+/// The events up to the next `SYN_REPORT`, without it.
 pub fn report(device: &mut Device) -> Result<Vec<(u16, u16, i32)>> {
     let mut report = Vec::new();
     loop {

@@ -1,4 +1,4 @@
-//! The pad, read by gilrs: what many games in Rust stand on.
+//! The pad as read by gilrs, which many games in Rust use.
 
 use std::time::Duration;
 
@@ -9,9 +9,9 @@ use gilrs::{EventType, Gilrs};
 
 use crate::pad::{cases, send};
 
-/// Longest wait for one event: the guest is slow, and a missing one must not hang.
+/// Longest wait for one event: the guest is slow, and a missing event must not hang the test.
 const WAIT: Duration = Duration::from_millis(100);
-/// So many times.
+/// Number of waits.
 const PATIENCE: usize = 300;
 
 pub fn read() -> Result<()> {
@@ -42,9 +42,9 @@ pub fn read() -> Result<()> {
     Ok(())
 }
 
-/// Waits for an event of a kind; others that come before it must be of no button.
+/// Waits for an event; no button may be pressed before it.
 fn wait(gilrs: &mut Gilrs, is_it: impl Fn(&EventType) -> bool) -> Result<()> {
-    // It wakes without an event when other devices come and go.
+    // gilrs wakes up without an event when other devices come and go.
     for _ in 0..PATIENCE {
         let Some(event) = gilrs.next_event_blocking(Some(WAIT)) else {
             continue;
@@ -68,7 +68,7 @@ fn is(event: &EventType, action: Action) -> bool {
         (Action::Axis(axis, value), EventType::AxisChanged(seen, at, _)) => {
             Some(*seen) == stick(axis) && (at - value).abs() < 1e-3
         }
-        // A trigger that is pulled or let go of all the way is a button, and says no value beside.
+        // A trigger that is fully pulled or released is reported as a button only.
         (Action::Axis(axis, value), EventType::ButtonPressed(seen, _)) => {
             Some(*seen) == trigger(axis) && value == 1.0
         }

@@ -1,4 +1,4 @@
-//! The pad, read by SDL2: what most games stand on. The reader is C (`sdl.c`).
+//! The pad as read by SDL2, which most games use. The reader is written in C (`sdl.c`).
 
 use std::io::{BufRead as _, BufReader, Lines};
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use crate::host::Guest;
 use crate::pad::{cases, send};
 
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/guest/sdl.c");
-/// The library as games find it; its headers are not needed.
+/// The library as games load it; its headers are not needed.
 const LIBRARY: &str = "libSDL2-2.0.so.0";
 
 pub fn needs() -> Result<(), String> {
@@ -39,12 +39,12 @@ pub fn build() -> Result<()> {
     Ok(())
 }
 
-/// In the guest: does things with the pad, and compares what the reader says.
+/// In the guest: acts on the pad and compares the reader's output.
 pub fn read() -> Result<()> {
     let mut pad = Uinput::create()?;
     let mut reader = Reader::start()?;
     let name = reader.line()?;
-    // Which of the two depends on the list of pads that the library came with.
+    // Which of the two depends on the library's list of pads.
     ensure!(
         ["Xbox 360 Controller", "X360 Controller"].contains(&name.as_str()),
         "SDL2 takes the pad for a {name}"
@@ -97,7 +97,7 @@ impl Reader {
 
 impl Drop for Reader {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,7 +1,7 @@
-//! fceux plays the game of `tests/game` by gelpad's pad, and by nothing else.
+//! fceux plays the game of `tests/game` with gelpad's pad, and with nothing else.
 //!
-//! A switch box that this test makes plays gelpad, gelpad plays its pad, and that the game: the test lets go of a
-//! switch when it has seen the game take it for so many frames, however fast the guest is.
+//! The test's switch box controls gelpad, whose pad controls the game. The test releases a switch when it has
+//! seen the game take it for enough frames, however slow the guest is.
 
 #![cfg_attr(
     not(feature = "gilrs"),
@@ -18,15 +18,15 @@ use anyhow::{Context as _, Result, ensure};
 use crate::host::{Guest, needs_gilrs};
 use crate::tools::Tools;
 
-/// Short and long presses in turn, frames of the game.
+/// Lengths of alternately short and long presses, frames of the game.
 const SHORT_FRAMES: usize = 3;
 const LONG_FRAMES: usize = 60;
 const PRESSES: usize = 6;
-/// The highest jump is over, frames.
+/// Frames until the highest jump has ended.
 const REST_FRAMES: usize = 60;
-/// Frames after which the game has drawn itself and its rate is known.
+/// Frames until the game has drawn itself and its rate is known.
 const WARM_UP_FRAMES: usize = 90;
-/// A guest on a busy machine takes long to start an emulator.
+/// A guest on a busy machine needs long to start an emulator.
 const PATIENCE: Duration = Duration::from_secs(150);
 
 pub fn needs() -> Result<(), String> {
@@ -38,7 +38,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("guest-game")
 }
 
-/// Outside: makes the game, and has the guest play it.
+/// On the host: builds the game and runs the guest.
 pub fn play() -> Result<()> {
     let tools = Tools::find()?;
     let folder = folder();
@@ -66,7 +66,7 @@ pub fn play() -> Result<()> {
     .inside("game")
 }
 
-/// The pad's touches are solved once, here: the guest is slow.
+/// Solves the pad's tables on the host, because the guest is slow.
 fn warm_up(folder: &Path) -> Result<()> {
     let script = folder.join("nothing.txt");
     fs::write(&script, "t:50 down 1 50 50\nt:100 up 1\nt:110 end\n")?;
@@ -94,8 +94,8 @@ mod of_gilrs {
     use crate::process::Process;
     use crate::source::{Gelpad, SwitchBox};
 
-    /// The one gamepad that is plugged in plays, as in any game. fceux looks at it between two paintings of its window, and on
-    /// the guest's one slow processor half a second would pass between them: so the window is small, and comes first.
+    /// The only gamepad plays. fceux reads it between two drawings of its window, which on the guest's one
+    /// slow processor may be half a second apart: so the window is small and has priority.
     const SETTINGS: &str = "\
 SDL.Input.0 = GamePad.0
 SDL.Input.GamePad.0.DeviceType = Joystick
@@ -133,7 +133,7 @@ output = "pad:right"
         fs::write(home.join(".fceux/fceux.cfg"), SETTINGS)?;
         let (_server, display) = server(&tools, &home)?;
         let mut switches = SwitchBox::plug_in()?;
-        // With the switches alone the game sees nothing: they are no gamepad.
+        // Without gelpad the game sees nothing of the switches: they are not a gamepad.
         let mut game = Game::start(&tools, &home, &display, "without.csv")?;
         game.run_for(WARM_UP_FRAMES)?;
         for (switch, is_down) in [(JUMP, true), (JUMP, false), (RIGHT, true), (RIGHT, false)] {
@@ -151,7 +151,7 @@ output = "pad:right"
 
         let mut gelpad = Gelpad::start(PROFILE, &["--output", "gamepad"])?;
         gelpad.says("gamepad: ")?;
-        // It plays as soon as a press comes through.
+        // gelpad plays as soon as a press arrives.
         switches.set(JUMP, true)?;
         let mut pad = as_evdev::wait_for_pad()?;
         while as_evdev::report(&mut pad)? != [(1, 0x130, 1)] {}
@@ -235,17 +235,18 @@ output = "pad:right"
         }
 
         fn log(&self) -> Result<Log> {
-            // It is there as soon as the game is.
+            // The log exists once the game runs.
             Log::parse(&fs::read_to_string(&self.log).unwrap_or_default())
         }
 
-        /// Waits until the game has gone on for so many frames.
+        /// Waits until the game has run for this many frames.
         fn run_for(&mut self, frames: usize) -> Result<()> {
             let until = self.log()?.frames().len() + frames;
             self.wait_for(|log| log.frames().len() >= until)
         }
 
-        /// Holds a switch until the game has taken it for so many frames, then lets the jump come down.
+        /// Holds a switch until the game has seen it for this many frames, then waits until the jump has
+        /// ended.
         fn hold(
             &mut self,
             switches: &mut SwitchBox,

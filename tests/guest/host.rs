@@ -1,4 +1,4 @@
-//! The guest, from outside.
+//! The guest, as seen from the host.
 
 use std::process::Command;
 use std::sync::OnceLock;
@@ -8,18 +8,18 @@ use libtest_mimic::{Failed, Trial};
 
 use crate::tools::all_required;
 
-/// Nothing is missing then: the default build has no gilrs.
+/// This is not a missing program: the default build has no gilrs.
 const WITHOUT_GILRS: &str = "built without the feature gilrs";
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
 
-/// How a guest is to be.
+/// Settings of a guest.
 #[derive(Clone, Copy, Debug)]
 pub struct Guest {
-    /// udev runs in it.
+    /// Whether udev runs in it.
     pub udev: bool,
     /// A module that is not loaded.
     pub without: Option<&'static str>,
-    /// It is given up after so long.
+    /// Time limit, s.
     pub timeout_s: u32,
 }
 
@@ -34,7 +34,7 @@ impl Default for Guest {
 }
 
 impl Guest {
-    /// What keeps a guest from running here, if anything does: asked once.
+    /// Why no guest can run here, if so; checked once.
     pub fn needs() -> Result<(), String> {
         static NEEDS: OnceLock<Result<(), String>> = OnceLock::new();
         NEEDS
@@ -52,7 +52,7 @@ impl Guest {
             .clone()
     }
 
-    /// Runs a part of this program in it; it must go well.
+    /// Runs a part of this program in the guest; fails unless it was successful.
     #[allow(dead_code)]
     pub fn inside(self, part: &str) -> Result<()> {
         let own = std::env::current_exe().context("which program is this?")?;
@@ -64,13 +64,13 @@ impl Guest {
         Ok(())
     }
 
-    /// Runs a command in it.
+    /// Runs a command in the guest.
     pub fn run(self, command: &[&str]) -> Result<Said> {
         let mut run = Command::new(SCRIPT);
         if self.udev {
             run.arg("--udev");
         } else {
-            // Without it gilrs looks for devices by itself.
+            // Without udev gilrs searches the devices itself.
             run.env("GILRS_DISABLE_UDEV", "1");
         }
         if let Some(module) = self.without {
@@ -81,7 +81,7 @@ impl Guest {
     }
 }
 
-/// What a program said, and its exit code.
+/// Exit code and output of a program.
 #[derive(Clone, Debug)]
 pub struct Said {
     pub code: i32,
@@ -104,7 +104,7 @@ impl Said {
     }
 }
 
-/// What the trials about gilrs need.
+/// Requirements of the trials with gilrs.
 #[allow(dead_code)]
 pub fn needs_gilrs() -> Result<(), String> {
     if cfg!(feature = "gilrs") {
@@ -114,7 +114,7 @@ pub fn needs_gilrs() -> Result<(), String> {
     }
 }
 
-/// A trial, or an ignored one where something for it is missing.
+/// A trial, or an ignored one if something for it is missing.
 pub fn trial(
     name: &str,
     needs: Result<(), String>,

@@ -1,23 +1,23 @@
-//! gelpad's pad as tests drive it, and what every reader must see of it.
+//! Actions on gelpad's pad, and what every reader must see of them.
 
 use anyhow::Result;
-use gelpad::output::{Device as _, Uinput};
+use gelpad::output::{OutputDevice as _, Uinput};
 use gelpad::types::{Action, Axis, Button, Event, Output};
 
-/// One thing done with the pad.
+/// One action on the pad.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub action: Action,
     /// Type, code and value of the kernel's event, as the driver of the real pad sends it.
     pub kernel: (u16, u16, i32),
-    /// As SDL2 calls it, and its value there.
+    /// Its name and value in SDL2.
     pub sdl: (&'static str, i32),
 }
 
 const KEY: u16 = 1;
 const ABS: u16 = 3;
 
-/// Every button, the hat and both ends of every axis; each is let go of again.
+/// Every button, the hat and both ends of every axis, each followed by its release.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (button, code, sdl) in [
@@ -91,7 +91,7 @@ fn held(button: Button, (kind, code, value): (u16, u16, i32), sdl: &'static str)
     })
 }
 
-/// Sends one thing as a whole state.
+/// Sends one action and flushes it.
 pub fn send(pad: &mut Uinput, action: Action) -> Result<()> {
     pad.send(&Event { t_ns: 0, action })?;
     Ok(pad.flush()?)

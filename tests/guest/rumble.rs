@@ -1,15 +1,15 @@
-//! A game shakes the pad: what it uploads is taken, and shown.
+//! Rumble of a game: its effects are accepted and reported.
 
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use evdev::{FFEffectData, FFEffectKind, FFReplay, FFTrigger};
-use gelpad::output::Device as _;
+use gelpad::output::OutputDevice as _;
 use gelpad::output::uinput::{PAD_NAME, Uinput};
 
 /// The guest is slow.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// An effect that ends by itself, ms.
+/// Length of the effect with a limited length, ms.
 const LENGTH_MS: u16 = 300;
 
 #[allow(

@@ -1,4 +1,4 @@
-//! A gamepad as gelpad's source: one that this test makes drives the gelpad binary, whose trace is read.
+//! A gamepad as gelpad's source: the test's gamepad drives the gelpad binary, whose trace is read.
 
 use std::io::{BufRead as _, BufReader, Lines};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -17,10 +17,10 @@ use crate::as_evdev;
 /// Well within and well beyond the profile's 200 ms of bounce keys.
 const BOUNCE: Duration = Duration::from_millis(60);
 const REST: Duration = Duration::from_millis(500);
-/// Longer than gelpad takes to tell a button from none.
+/// Longer than gelpad needs to distinguish a press from none.
 const HELD: Duration = Duration::from_millis(100);
 
-/// Where the guest keeps the profile that is played.
+/// Path of the profile in the guest.
 const PLAYED: &str = "/tmp/played.toml";
 
 const PROFILE: &str = r#"
@@ -48,12 +48,12 @@ from = "pad:up"
 output = "key:up"
 "#;
 
-/// A pad that somebody holds in the hand, as the kernel sees it: of another maker's kind.
+/// A gamepad of another maker, as the kernel sees it.
 struct Pad(VirtualDevice);
 
 impl Pad {
     fn plug_in(vendor: u16, product: u16) -> Result<Self> {
-        // In the order of the kernel's driver, and none more: libraries count buttons and axes.
+        // In the order of the kernel's driver, and no others: libraries count buttons and axes.
         let keys = [A, B, X, Y, 0x136, 0x137, 0x13a, 0x13b, 0x13c, 0x13d, 0x13e];
         let keys = AttributeSet::from_iter(keys.map(KeyCode));
         let stick = AbsInfo::new(0, -32768, 32767, 16, 128, 0);
@@ -92,12 +92,12 @@ impl Pad {
     }
 }
 
-/// A box with switches, as assistive ones show themselves: buttons without a gamepad's layout.
+/// An assistive switch box: buttons without a gamepad's layout.
 pub struct SwitchBox(VirtualDevice);
 
 impl SwitchBox {
     pub fn plug_in() -> Result<Self> {
-        // BTN_0 and on. Two axes that mean nothing: without them gilrs takes nothing for a gamepad.
+        // BTN_0 and following. Two unused axes: without them gilrs does not accept the device as a gamepad.
         let keys = AttributeSet::from_iter((FIRST_SWITCH..FIRST_SWITCH + 4).map(KeyCode));
         let axis = AbsInfo::new(0, 0, 255, 0, 0, 0);
         let mut made = VirtualDevice::builder()?
@@ -118,7 +118,7 @@ impl SwitchBox {
     }
 }
 
-/// gelpad, playing.
+/// A running gelpad.
 pub struct Gelpad {
     child: Child,
     trace: Lines<BufReader<ChildStdout>>,
@@ -126,7 +126,7 @@ pub struct Gelpad {
 }
 
 impl Gelpad {
-    /// Plays a profile by whatever gamepad there is.
+    /// Plays a profile with any gamepad.
     pub fn start(profile: &str, arguments: &[&str]) -> Result<Self> {
         std::fs::write(PLAYED, profile)?;
         let mut child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
@@ -146,7 +146,7 @@ impl Gelpad {
         })
     }
 
-    /// Waits for a message that holds some words.
+    /// Waits for a message that contains these words.
     pub fn says(&mut self, words: &str) -> Result<()> {
         for line in self.said.by_ref() {
             let line = line?;
@@ -199,7 +199,7 @@ pub fn play() -> Result<()> {
     sleep(HELD);
     pad.key(A, false)?;
     gelpad.sends(&["release key:f"])?;
-    // The hand bounces: nothing must come of it.
+    // A bounce: it must have no effect.
     sleep(BOUNCE);
     pad.key(A, true)?;
     sleep(HELD);
@@ -220,29 +220,29 @@ pub fn play() -> Result<()> {
     pad.axis(17, 0)?;
     gelpad.sends(&["release key:up"])?;
 
-    // Unplugged with a button held and another one toggled: both come up.
+    // Unplugged with a button held and another toggled: both are released.
     pad.key(X, true)?;
     pad.key(X, false)?;
     pad.key(A, true)?;
     gelpad.sends(&["press key:g", "press key:f"])?;
     drop(pad);
     gelpad.sends(&["release key:f", "release key:g"])?;
-    gelpad.says("is gone")?;
+    gelpad.says("gamepad disconnected")?;
     let rest = gelpad.end()?;
-    ensure!(rest.is_empty(), "what was not asked for: {rest:?}");
+    ensure!(rest.is_empty(), "unexpected events: {rest:?}");
     println!("played, and unplugged");
     Ok(())
 }
 
-/// Unplugged and plugged in again, it plays on.
+/// After being unplugged and plugged in again, the gamepad plays.
 pub fn replug() -> Result<()> {
     let pad = Pad::plug_in(0x045e, 0x028e)?;
     let mut gelpad = Gelpad::start(PROFILE, &["--output", "trace"])?;
     gelpad.says("gamepad: ")?;
-    // gilrs lists what is there, and a moment later begins to watch what goes.
+    // gilrs lists the devices, and only a moment later watches for their removal.
     sleep(REST);
     drop(pad);
-    gelpad.says("is gone")?;
+    gelpad.says("gamepad disconnected")?;
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
     gelpad.says("gamepad: ")?;
     pad.key(A, true)?;
@@ -250,12 +250,12 @@ pub fn replug() -> Result<()> {
     pad.key(A, false)?;
     gelpad.sends(&["release key:f"])?;
     let rest = gelpad.end()?;
-    ensure!(rest.is_empty(), "what was not asked for: {rest:?}");
+    ensure!(rest.is_empty(), "unexpected events: {rest:?}");
     println!("unplugged, plugged in again");
     Ok(())
 }
 
-/// A gamepad plays gelpad's own pad, which looks just like it: what that does must not come back in.
+/// A gamepad plays gelpad's own pad, which looks like it: the events of that pad must not come back in.
 pub fn play_beside_own() -> Result<()> {
     let mut pad = Pad::plug_in(0x045e, 0x028e)?;
     let mut gelpad = Gelpad::start(PROFILE, &["--output", "gamepad"])?;
@@ -266,9 +266,9 @@ pub fn play_beside_own() -> Result<()> {
     ensure!(as_evdev::report(&mut own)? == [(1, 33, 1)], "f goes down");
     pad.key(A, false)?;
     ensure!(as_evdev::report(&mut own)? == [(1, 33, 0)], "f comes up");
-    // While gelpad's own pad is there, the one in the hand is unplugged: none is left that would play.
+    // The gamepad is unplugged while gelpad's own pad remains: no gamepad plays any more.
     drop(pad);
-    gelpad.says("is gone")?;
+    gelpad.says("gamepad disconnected")?;
     gelpad.end()?;
     Ok(())
 }

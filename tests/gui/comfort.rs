@@ -1,72 +1,72 @@
-//! The view for comfort, and what it keeps.
+//! The comfort view and its saved preferences.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
-use gelpad::gui::comfort::look::Look;
+use gelpad::gui::comfort::preferences::Preferences;
 
 use crate::{Stage, WIDE};
 
 fn stage() -> Stage {
-    Stage::of(Tab::Feedback, WIDE)
+    Stage::with_view(Tab::Comfort, WIDE)
 }
 
-fn kept(stage: &Stage) -> Look {
-    let file = stage.desk.folder.path().join("window.toml");
-    Look::read(&std::fs::read_to_string(file).expect("kept"))
+fn saved(stage: &Stage) -> Preferences {
+    let file = stage.services.folder.path().join("window.toml");
+    Preferences::read(&std::fs::read_to_string(file).expect("saved"))
 }
 
 #[test]
-fn the_theme_is_chosen_and_kept() {
+fn the_theme_is_chosen_and_saved() {
     let mut stage = stage();
     stage.click(Role::RadioButton, "Light");
     assert!(!stage.window.ctx.global_style().visuals.dark_mode);
-    assert_eq!(kept(&stage).theme, egui::ThemePreference::Light);
+    assert_eq!(saved(&stage).theme, egui::ThemePreference::Light);
     stage.click(Role::RadioButton, "Dark");
     assert!(stage.window.ctx.global_style().visuals.dark_mode);
 }
 
 #[test]
-fn text_is_made_larger_and_kept() {
+fn the_text_size_is_chosen_and_saved() {
     let mut stage = stage();
     stage
         .window
-        .get_by_role_and_label(Role::Slider, "Size of text")
+        .get_by_role_and_label(Role::Slider, "Text size")
         .set_value_accesskit(150.0);
     stage.steps(4);
     assert!((stage.window.ctx.zoom_factor() - 1.5).abs() < 1e-3);
-    assert!((kept(&stage).text - 1.5).abs() < 1e-3);
+    assert!((saved(&stage).text_scale - 1.5).abs() < 1e-3);
 }
 
 #[test]
-fn each_kind_of_feedback_is_switched_and_kept() {
+fn each_kind_of_feedback_is_switched_and_saved() {
     let mut stage = stage();
     for label in [
-        "The window's edge lights up with every accepted press",
-        "The terminal's bell rings",
-        "Paused, another profile and a lost source are written large",
+        "Flash the window edge on every accepted press",
+        "Ring the terminal bell",
+        "Show pause, profile change and disconnection in large letters",
     ] {
         stage.click(Role::CheckBox, label);
     }
-    let look = kept(&stage);
-    assert!(look.flash && look.bell && !look.words);
+    let preferences = saved(&stage);
+    assert!(preferences.flash && preferences.bell && !preferences.large_alerts);
 }
 
 #[test]
-fn a_second_window_looks_as_the_first_was_left() {
+fn the_next_window_loads_the_preferences() {
     let mut stage = stage();
     stage.click(Role::RadioButton, "Light");
-    let desk = std::sync::Arc::clone(&stage.desk);
-    let again = Stage::on(desk, Tab::Play, WIDE);
+    let services = std::sync::Arc::clone(&stage.services);
+    let again = Stage::with_services(services, Tab::Play, WIDE);
     assert!(!again.window.ctx.global_style().visuals.dark_mode);
 }
 
 #[test]
-fn what_holds_now_is_told() {
+fn the_times_of_the_profile_are_shown() {
     let mut stage = stage();
-    assert!(stage.tells("a touch counts after: off"));
+    assert!(stage.shows("Slow keys: off"));
     let mut profile = (*stage.app().playing.view.profile).clone();
     profile.settings.slow_keys_ns = 250_000_000;
-    stage.see(|view| view.profile = std::sync::Arc::new(profile));
-    assert!(stage.tells("a touch counts after: 250 ms"));
+    stage.update_view(|view| view.profile = std::sync::Arc::new(profile));
+    assert!(stage.shows("Slow keys: 250 ms"));
 }

@@ -1,33 +1,52 @@
-//! The view to edit in: what it writes, and what it leaves alone.
+//! The editor: which lines of the file it changes, and how it loads files.
 
 use std::path::PathBuf;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
-use gelpad::gui::edit::Learning;
+use gelpad::gui::edit::BindStep;
 use gelpad::gui::still::touch;
 use gelpad::profile::shipped_profile;
 
 use crate::{Stage, WIDE};
 
-/// The editor on a file of one's own.
+/// The editor with a user's file open.
 fn stage() -> (Stage, PathBuf) {
-    let mut stage = Stage::of(Tab::Edit, WIDE);
-    let path = stage.desk.own_profile("super-mario");
-    stage.app().playing.choice.profile = path.display().to_string();
-    stage.steps(3);
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    let path = stage.services.copy_profile("super-mario");
+    stage.app().playing.request.profile = path.display().to_string();
+    wait_until(&mut stage, |stage| stage.app().edit.text().is_some());
     (stage, path)
 }
 
-/// Lines of the file that differ from the shipped text: line number, old, new.
+/// Repaints until something is so: files are read on another thread.
+fn wait_until(stage: &mut Stage, mut is_so: impl FnMut(&mut Stage) -> bool) {
+    for _ in 0..1000 {
+        stage.steps(1);
+        if is_so(stage) {
+            stage.steps(2);
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    panic!("not within 5 s: {:?}", stage.window);
+}
+
+/// Whether the edited text contains a line.
+fn contains(stage: &mut Stage, line: &str) -> bool {
+    let text = stage.app().edit.text();
+    text.is_some_and(|text| text.contains(line))
+}
+
+/// Lines of the file that differ from the shipped text: number, old, new.
 fn diff(path: &PathBuf) -> Vec<(usize, String, String)> {
     let before = shipped_profile("super-mario").expect("shipped").toml;
     let after = std::fs::read_to_string(path).expect("a file");
     assert_eq!(
         before.lines().count(),
         after.lines().count(),
-        "no line comes or goes"
+        "the number of lines stays"
     );
     before
         .lines()
@@ -38,7 +57,7 @@ fn diff(path: &PathBuf) -> Vec<(usize, String, String)> {
         .collect()
 }
 
-/// A place on the pad's picture, in shares from the bottom-left.
+/// A point of the pad's picture, as fractions from the bottom left.
 fn at(stage: &Stage, x: f32, y: f32) -> egui::Pos2 {
     let rect = stage.canvas().rect();
     egui::pos2(
@@ -62,7 +81,7 @@ fn drag(stage: &mut Stage, from: (f32, f32), to: (f32, f32)) {
     stage.steps(3);
 }
 
-/// One line differs, so.
+/// Exactly this line differs.
 fn assert_one_line(path: &PathBuf, old: &str, new: &str) {
     let diff = diff(path);
     let [(_, was, is)] = diff.as_slice() else {
@@ -72,9 +91,9 @@ fn assert_one_line(path: &PathBuf, old: &str, new: &str) {
 }
 
 #[test]
-fn moving_a_region_changes_the_file_at_that_value_alone() {
+fn moving_a_region_changes_only_its_position_in_the_file() {
     let (mut stage, path) = stage();
-    // `jump` is at x = 0.62, y = 0.20, 0.38 wide, 0.64 high: to the left by a tenth.
+    // `jump` is at x = 0.62, y = 0.20 and 0.38 wide, 0.64 high: moved left by 0.1.
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     stage.button("Save");
     let diff = diff(&path);
@@ -91,7 +110,7 @@ fn moving_a_region_changes_the_file_at_that_value_alone() {
 }
 
 #[test]
-fn dragging_an_edge_changes_the_width_alone() {
+fn dragging_the_right_edge_changes_only_the_width() {
     let (mut stage, path) = stage();
     // The right edge of `left`: x = 0.02, w = 0.22.
     drag(&mut stage, (0.238, 0.57), (0.198, 0.57));
@@ -105,15 +124,15 @@ fn dragging_an_edge_changes_the_width_alone() {
 }
 
 #[test]
-fn nothing_is_written_before_it_is_saved() {
+fn changes_are_not_written_before_saving() {
     let (mut stage, path) = stage();
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
-    assert!(stage.tells("not saved"));
+    assert!(stage.shows("not saved"));
     assert!(diff(&path).is_empty());
 }
 
 #[test]
-fn a_drag_is_undone_and_done_again_in_one_step_each() {
+fn a_drag_is_one_step_of_undo_and_redo() {
     let (mut stage, _) = stage();
     let text = |stage: &mut Stage| stage.app().edit.text().expect("a text");
     let before = text(&mut stage);
@@ -127,7 +146,7 @@ fn a_drag_is_undone_and_done_again_in_one_step_each() {
 }
 
 #[test]
-fn undo_and_save_have_keys() {
+fn undo_and_save_have_keyboard_shortcuts() {
     let (mut stage, path) = stage();
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     let command = egui::Modifiers::COMMAND;
@@ -142,36 +161,40 @@ fn undo_and_save_have_keys() {
 
 #[test]
 fn a_shipped_profile_is_saved_as_a_copy_that_is_played() {
-    let mut stage = Stage::of(Tab::Edit, WIDE);
-    assert!(stage.tells("saving makes a copy"));
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    assert!(stage.shows("saving makes your own copy"));
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     stage.button("Save my copy");
-    let path = stage.desk.folder.path().join("profiles/super-mario.toml");
+    let path = stage
+        .services
+        .folder
+        .path()
+        .join("profiles/super-mario.toml");
     assert_eq!(diff(&path).len(), 1);
-    let played = stage.desk.last().expect("a start").profile;
+    let played = stage.services.last_request().expect("a start").profile;
     assert_eq!(played, path.display().to_string());
 }
 
 #[test]
-fn press_here_then_the_key_binds_it() {
+fn a_press_and_a_key_bind_a_region() {
     let (mut stage, path) = stage();
-    stage.button("Bind: press here, then the key");
-    assert_eq!(stage.app().edit.learning, Learning::Region);
-    stage.see(|view| view.touches = vec![touch(1, [80.0, 50.0], 0.5)]);
+    stage.button("Bind: press the pad, then a key");
+    assert_eq!(stage.app().edit.bind_step, BindStep::Region);
+    stage.update_view(|view| view.touches = vec![touch(1, [80.0, 50.0], 0.5)]);
     assert!(
-        stage.tells("now press the key for `jump`"),
+        stage.shows("now press the key for `jump`"),
         "{:?}",
         stage.window
     );
-    stage.see(|view| view.touches.clear());
+    stage.update_view(|view| view.touches.clear());
     stage.key(egui::Key::Space);
-    assert_eq!(stage.app().edit.learning, Learning::No);
+    assert_eq!(stage.app().edit.bind_step, BindStep::No);
     stage.button("Save");
     assert_one_line(&path, "output = \"$a\"", "output = \"key:space\"");
 }
 
 #[test]
-fn a_threshold_is_set_by_its_slider_and_its_comment_stays() {
+fn a_slider_sets_a_timing_and_keeps_its_comment() {
     let (mut stage, path) = stage();
     stage
         .window
@@ -183,23 +206,23 @@ fn a_threshold_is_set_by_its_slider_and_its_comment_stays() {
 }
 
 #[test]
-fn a_threshold_that_was_not_there_is_added_and_holds() {
+fn a_slider_adds_a_missing_timing() {
     let (mut stage, path) = stage();
     stage
         .window
-        .get_by_role_and_label(Role::Slider, "Re-press ignored for")
+        .get_by_role_and_label(Role::Slider, "Bounce keys")
         .set_value_accesskit(120.0);
     stage.steps(3);
     stage.button("Save");
     let text = std::fs::read_to_string(&path).expect("a file");
-    let profile = gelpad::profile::Profile::from_toml("p", &text).expect("sound");
+    let profile = gelpad::profile::Profile::from_toml("p", &text).expect("valid");
     assert_eq!(profile.settings.bounce_keys_ns, 120_000_000);
 }
 
 #[test]
-fn what_is_wrong_with_an_output_is_told_at_its_field() {
+fn an_invalid_output_is_reported_at_its_field() {
     let (mut stage, path) = stage();
-    stage.app().edit.choose("jump");
+    stage.app().edit.select_region("jump");
     stage.steps(2);
     stage
         .window
@@ -213,23 +236,23 @@ fn what_is_wrong_with_an_output_is_told_at_its_field() {
         .window
         .event(egui::Event::Text("key:spcae".to_owned()));
     stage.steps(3);
-    assert!(stage.tells("did you mean `space`?"), "{:?}", stage.window);
+    assert!(stage.shows("did you mean `space`?"), "{:?}", stage.window);
     assert!(diff(&path).is_empty());
 }
 
 #[test]
-fn a_new_region_is_added_and_chosen() {
+fn a_new_region_is_added_and_selected() {
     let (mut stage, _) = stage();
     stage.button("+ New");
-    assert_eq!(stage.app().edit.chosen.as_deref(), Some("region-1"));
+    assert_eq!(stage.app().edit.selected.as_deref(), Some("region-1"));
     let text = stage.app().edit.text().expect("a text");
     assert!(text.contains("name = \"region-1\""));
 }
 
 #[test]
-fn numbers_move_a_region_without_a_mouse() {
+fn number_fields_move_a_region() {
     let (mut stage, path) = stage();
-    stage.app().edit.choose("jump");
+    stage.app().edit.select_region("jump");
     stage.steps(2);
     stage
         .window
@@ -245,35 +268,46 @@ fn numbers_move_a_region_without_a_mouse() {
 }
 
 #[test]
-fn what_is_saved_elsewhere_comes_in() {
+fn changes_by_another_program_are_loaded() {
     let (mut stage, path) = stage();
     let text = std::fs::read_to_string(&path).expect("a file");
     std::fs::write(&path, text.replace("x = 0.62", "x = 0.60")).expect("written");
-    // The file is looked at twice a second, by the window's time.
-    stage.steps(60);
-    let text = stage.app().edit.text().expect("a text");
-    assert!(text.contains("x = 0.60"));
+    wait_until(&mut stage, |stage| contains(stage, "x = 0.60"));
     assert!(!stage.app().edit.is_unsaved());
 }
 
 #[test]
-fn changes_on_both_sides_are_told_and_none_is_lost() {
+fn conflicting_changes_are_reported_and_kept() {
     let (mut stage, path) = stage();
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     let text = std::fs::read_to_string(&path).expect("a file");
     std::fs::write(&path, text.replace("min_gap_ms = 34", "min_gap_ms = 50")).expect("written");
-    stage.steps(60);
-    assert!(stage.tells("changed elsewhere"));
+    wait_until(&mut stage, |stage| {
+        stage.shows("changed by another program")
+    });
     assert!(stage.app().edit.is_unsaved());
 }
 
 #[test]
-fn a_mistake_in_the_file_is_told_with_its_line() {
+fn a_mistake_in_the_file_is_reported_with_its_line() {
     let (mut stage, path) = stage();
     let text = std::fs::read_to_string(&path).expect("a file");
     std::fs::write(&path, text.replace("min_hold_ms = 34", "min_hold_ms = -1")).expect("written");
-    stage.steps(60);
+    wait_until(&mut stage, |stage| contains(stage, "min_hold_ms = -1"));
     let line = text.lines().position(|line| line == "min_hold_ms = 34");
-    let told = format!("line {}", line.expect("a line") + 1);
-    assert!(stage.tells(&told), "{told}: {:?}", stage.window);
+    let number = format!("line {}", line.expect("a line") + 1);
+    assert!(stage.shows(&number), "{number}: {:?}", stage.window);
+}
+
+/// A named pipe that nobody writes to blocks its reader, as a hung network share does.
+#[test]
+fn a_file_that_hangs_does_not_freeze_the_window() {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    let path = stage.services.folder.path().join("hung.toml");
+    let made = std::process::Command::new("mkfifo").arg(&path).status();
+    assert!(made.expect("mkfifo").success());
+    stage.app().playing.request.profile = path.display().to_string();
+    stage.steps(30);
+    assert!(stage.shows("Opening"), "{:?}", stage.window);
+    assert!(stage.app().edit.text().is_none());
 }

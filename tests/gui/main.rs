@@ -1,12 +1,12 @@
-//! The window by its labels: every view's controls are found as a screen reader finds them, and exercised. Nothing is drawn on
-//! a screen here; pictures are compared by `scripts/see-window.sh`.
+//! The window without a display: controls are found by role and label, as a screen reader finds them, and used.
+//! `scripts/see-window.sh` takes pictures of the window.
 #![cfg(feature = "gui")]
 
 mod comfort;
-mod desk;
 mod edit;
 mod play;
 mod record;
+mod services;
 mod set_up;
 mod signals;
 mod views;
@@ -18,56 +18,53 @@ use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, Node};
 use gelpad::gui::{App, Tab};
 
-use crate::desk::TestDesk;
+use crate::services::TestServices;
 
 pub const WIDE: [f32; 2] = [1280.0, 800.0];
 pub const SMALL: [f32; 2] = [800.0, 500.0];
 
-/// The window on a stage.
+/// The window under test with its services.
 pub struct Stage {
     pub window: Harness<'static, App>,
-    pub desk: Arc<TestDesk>,
+    pub services: Arc<TestServices>,
 }
 
 impl Stage {
-    /// The window of a size, showing a view.
-    pub fn of(tab: Tab, size: [f32; 2]) -> Self {
-        Self::on(Arc::new(TestDesk::new()), tab, size)
+    /// A window of `size` that shows `tab`.
+    pub fn with_view(tab: Tab, size: [f32; 2]) -> Self {
+        Self::with_services(Arc::new(TestServices::new()), tab, size)
     }
 
-    /// The same with a desk that has been laid out.
-    pub fn on(desk: Arc<TestDesk>, tab: Tab, size: [f32; 2]) -> Self {
-        let mut app = App::new(Arc::clone(&desk) as Arc<dyn gelpad::gui::desk::Desk>);
+    /// The same with prepared services.
+    pub fn with_services(services: Arc<TestServices>, tab: Tab, size: [f32; 2]) -> Self {
+        let mut app =
+            App::new(Arc::clone(&services) as Arc<dyn gelpad::app::services::AppServices>);
         app.tab = tab;
         let mut window = Harness::builder()
             .with_size(size)
-            .with_context_setup(gelpad::gui::theme::fonts)
+            .with_context_setup(gelpad::gui::theme::install_fonts)
             .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
         window.run_steps(3);
-        Self { window, desk }
+        Self { window, services }
     }
 
     pub fn app(&mut self) -> &mut App {
         self.window.state_mut()
     }
 
-    /// Changes what the game shows, as a newer view would.
-    pub fn see(&mut self, change: impl FnOnce(&mut gelpad::runtime::View)) {
-        let playing = &mut self.app().playing;
-        change(&mut playing.view);
-        playing.view.frames += 1;
-        playing.view.t_ns += 10_000_000;
-        playing.take_view();
-        self.steps(2);
+    /// Changes the view of the game, as the next frame would, and repaints.
+    pub fn update_view(&mut self, change: impl FnOnce(&mut gelpad::runtime::View)) {
+        self.update_view_once(change);
+        self.steps(1);
     }
 
-    /// The same without more than one painting.
-    pub fn quick(&mut self, change: impl FnOnce(&mut gelpad::runtime::View)) {
+    /// The same with a single repaint.
+    pub fn update_view_once(&mut self, change: impl FnOnce(&mut gelpad::runtime::View)) {
         let playing = &mut self.app().playing;
         change(&mut playing.view);
         playing.view.frames += 1;
         playing.view.t_ns += 10_000_000;
-        playing.take_view();
+        playing.record_view();
         self.steps(1);
     }
 
@@ -75,27 +72,27 @@ impl Stage {
         self.window.run_steps(steps);
     }
 
-    /// Whether something has this label.
-    pub fn has(&self, label: &str) -> bool {
+    /// Whether there is exactly this label.
+    pub fn has_label(&self, label: &str) -> bool {
         self.window.query_all_by_label(label).next().is_some()
     }
 
-    /// Whether something's label holds these words.
-    pub fn tells(&self, words: &str) -> bool {
+    /// Whether a label contains this text.
+    pub fn shows(&self, text: &str) -> bool {
         self.window
-            .query_all_by_label_contains(words)
+            .query_all_by_label_contains(text)
             .next()
             .is_some()
     }
 
-    /// Clicks what has a role and a label.
+    /// Clicks the control of a role and a label.
     pub fn click(&mut self, role: Role, label: &str) {
         self.window.get_by_role_and_label(role, label).click();
-        self.settle();
+        self.wait_for_start();
     }
 
-    /// Goes on until a game that was asked for has started, or not.
-    pub fn settle(&mut self) {
+    /// Repaints until the requested game has started or failed, 2 s at most.
+    pub fn wait_for_start(&mut self) {
         self.steps(3);
         for _ in 0..400 {
             if !self.app().is_starting() {
@@ -110,18 +107,18 @@ impl Stage {
         self.click(Role::Button, label);
     }
 
-    /// What has a label that begins so.
+    /// The pad.
     pub fn canvas(&self) -> Node<'_> {
         self.window.get_by_role(Role::Canvas)
     }
 
-    /// Presses a key for a moment.
+    /// Presses and releases a key.
     pub fn key(&mut self, key: egui::Key) {
         self.window.key_press(key);
         self.steps(2);
     }
 
-    /// Goes on with Tab until what is focused has this label; false if it never does.
+    /// Presses Tab until the control of this label has the focus; returns whether it was reached.
     pub fn tab_to(&mut self, label: &str) -> bool {
         for _ in 0..120 {
             self.key(egui::Key::Tab);
@@ -135,4 +132,34 @@ impl Stage {
         }
         false
     }
+}
+
+/// Test threads are not the main thread, where winit opens windows only: it panics before it needs a display.
+#[test]
+fn a_window_that_does_not_open_restores_the_panic_hook() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let count = Arc::new(AtomicUsize::new(0));
+    let (counter, thread) = (Arc::clone(&count), std::thread::current().id());
+    let previous = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if std::thread::current().id() == thread {
+            counter.fetch_add(1, Ordering::Relaxed);
+        } else {
+            previous(info);
+        }
+    }));
+    let opened = gelpad::gui::open(gelpad::gui::WindowOptions {
+        services: Arc::new(TestServices::new()),
+        request: gelpad::app::services::PlayRequest::default(),
+        tab: Tab::Play,
+        interrupted: Box::new(|| false),
+    });
+    assert!(opened.is_err());
+    assert_eq!(count.load(Ordering::Relaxed), 0, "the failure is silent");
+    let _ = std::panic::catch_unwind(|| panic!("counted"));
+    assert_eq!(
+        count.load(Ordering::Relaxed),
+        1,
+        "panics are reported again"
+    );
 }

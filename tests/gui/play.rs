@@ -1,23 +1,23 @@
-//! The view to play in.
+//! The play view.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
+use gelpad::app::services::{OutputChoice, SourceChoice};
 use gelpad::gui::Tab;
-use gelpad::gui::desk::{From, To};
 use gelpad::gui::still::touch;
-use gelpad::runtime::Command;
+use gelpad::runtime::PlayCommand;
 use gelpad::types::{Action, Event};
 
-use crate::desk::NO_START;
+use crate::services::NO_START;
 use crate::{SMALL, Stage, WIDE};
 
 fn stage() -> Stage {
-    Stage::of(Tab::Play, WIDE)
+    Stage::with_view(Tab::Play, WIDE)
 }
 
 fn press(stage: &mut Stage, key: &str) {
     let output = key.parse().expect("an output");
-    stage.see(|view| {
+    stage.update_view(|view| {
         view.held = vec![output];
         view.events.push_back(Event {
             t_ns: view.t_ns,
@@ -28,77 +28,84 @@ fn press(stage: &mut Stage, key: &str) {
 }
 
 #[test]
-fn a_try_out_says_so_and_its_button_sends_to_the_game() {
+fn a_trial_is_announced_and_its_button_sends_to_the_game() {
     let mut stage = stage();
-    assert!(stage.tells("nothing leaves this window"));
+    assert!(stage.shows("Trial: no keys are sent"));
     stage.button("Send to my game");
-    assert_eq!(stage.desk.last().map(|choice| choice.to), Some(To::Auto));
+    assert_eq!(
+        stage.services.last_request().map(|request| request.output),
+        Some(OutputChoice::Auto)
+    );
 }
 
 #[test]
-fn a_start_that_fails_says_why_and_is_tried_again() {
+fn a_failed_start_says_why_and_can_be_retried() {
     let mut stage = stage();
     stage.button("Send to my game");
     stage.steps(40);
     std::thread::sleep(std::time::Duration::from_millis(50));
     stage.steps(3);
-    assert!(stage.tells(NO_START), "{:?}", stage.window);
+    assert!(stage.shows(NO_START), "{:?}", stage.window);
     stage.button("Try again");
     std::thread::sleep(std::time::Duration::from_millis(50));
-    let started = stage.desk.started.lock().expect("no panic").len();
+    let started = stage.services.started.lock().expect("no panic").len();
     assert_eq!(started, 2);
 }
 
 #[test]
-fn pause_and_zero_are_asked_of_the_game() {
+fn pause_and_zero_are_sent_to_the_game() {
     let mut stage = stage();
     stage.button("⏸ Pause");
     stage.button("Zero");
-    let asked = &stage.app().playing.asked;
+    let asked = &stage.app().playing.unsent_commands;
     assert!(
-        matches!(asked[..], [Command::Pause, Command::Rezero]),
+        matches!(asked[..], [PlayCommand::Pause, PlayCommand::Rezero]),
         "{asked:?}"
     );
 }
 
 #[test]
-fn a_pause_is_told_and_ended_by_its_button() {
+fn a_pause_is_announced_and_ended_by_its_button() {
     let mut stage = stage();
-    stage.see(|view| view.paused = true);
-    assert!(stage.tells("Paused: everything is up"));
-    stage.button("Go on");
-    assert!(matches!(stage.app().playing.asked[..], [Command::Pause]));
+    stage.update_view(|view| view.paused = true);
+    assert!(stage.shows("Paused: all keys are released"));
+    stage.button("Resume");
+    assert!(matches!(
+        stage.app().playing.unsent_commands[..],
+        [PlayCommand::Pause]
+    ));
 }
 
 #[test]
-fn another_profile_is_chosen_by_its_name() {
+fn a_profile_is_chosen_by_name() {
     let mut stage = stage();
     stage.click(Role::ComboBox, "Profile");
-    // It may lie beneath the list's edge: a screen reader clicks it there too.
+    // It may be below the visible part of the list; accessibility clicks work there too.
     stage.window.get_by_label("racing").click_accesskit();
-    stage.settle();
-    let last = stage.desk.last().expect("a start");
+    stage.wait_for_start();
+    let last = stage.services.last_request().expect("a start");
     assert_eq!(last.profile, "racing");
-    assert_eq!(last.to, To::Nothing, "the rest stays");
+    assert_eq!(last.output, OutputChoice::Nothing, "nothing else changes");
 }
 
 #[test]
 fn a_port_is_chosen_as_source() {
-    let desk = crate::desk::TestDesk::new();
-    desk.ports
+    let services = crate::services::TestServices::new();
+    services
+        .ports
         .lock()
         .expect("no panic")
         .push("/dev/ttyACM7".to_owned());
-    let mut stage = Stage::on(std::sync::Arc::new(desk), Tab::Play, WIDE);
-    stage.click(Role::ComboBox, "From");
+    let mut stage = Stage::with_services(std::sync::Arc::new(services), Tab::Play, WIDE);
+    stage.click(Role::ComboBox, "Source");
     stage.window.get_by_label("/dev/ttyACM7").click();
-    stage.settle();
-    let last = stage.desk.last().expect("a start");
-    assert_eq!(last.from, From::Serial("/dev/ttyACM7".to_owned()));
+    stage.wait_for_start();
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.source, SourceChoice::Serial("/dev/ttyACM7".to_owned()));
 }
 
 #[test]
-fn the_mouse_presses_the_pad_where_it_is_and_lifts() {
+fn the_mouse_presses_the_pad_and_lifts() {
     let mut stage = stage();
     let rect = stage.canvas().rect();
     let at = rect.left_bottom() + egui::vec2(rect.width() * 0.8, -rect.height() * 0.3);
@@ -108,15 +115,15 @@ fn the_mouse_presses_the_pad_where_it_is_and_lifts() {
     let [finger] = fingers.as_slice() else {
         panic!("{fingers:?}");
     };
-    let [x, y] = finger.centre_mm;
+    let [x, y] = finger.press.centre_mm;
     assert!((x - 80.0).abs() < 0.6 && (y - 30.0).abs() < 0.6, "{x} {y}");
     stage.window.drop_at(at);
     stage.steps(2);
-    assert!(!stage.app().playing.fingers.any());
+    assert!(!stage.app().playing.fingers.any_down());
 }
 
 #[test]
-fn a_slide_takes_the_finger_along_and_stays_on_the_pad() {
+fn a_dragged_finger_stays_on_the_pad() {
     let mut stage = stage();
     let rect = stage.canvas().rect();
     stage.window.drag_at(rect.center());
@@ -124,17 +131,17 @@ fn a_slide_takes_the_finger_along_and_stays_on_the_pad() {
         .window
         .hover_at(rect.right_top() + egui::vec2(90.0, -90.0));
     stage.steps(2);
-    let [x, y] = stage.app().playing.fingers.for_pad()[0].centre_mm;
+    let [x, y] = stage.app().playing.fingers.for_pad()[0].press.centre_mm;
     assert_eq!((x, y), (100.0, 100.0));
 }
 
 #[test]
-fn the_wheel_presses_harder() {
+fn the_wheel_changes_the_force() {
     let mut stage = stage();
     let rect = stage.canvas().rect();
     stage.window.drag_at(rect.center());
     stage.steps(2);
-    let before = stage.app().playing.fingers.for_pad()[0].rise;
+    let before = stage.app().playing.fingers.for_pad()[0].press.rise;
     stage.window.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Line,
         delta: egui::vec2(0.0, 2.0),
@@ -143,7 +150,7 @@ fn the_wheel_presses_harder() {
         modifiers: egui::Modifiers::NONE,
     });
     stage.steps(2);
-    let after = stage.app().playing.fingers.for_pad()[0].rise;
+    let after = stage.app().playing.fingers.for_pad()[0].press.rise;
     assert!((after - before - 0.32).abs() < 1e-9, "{before} {after}");
 }
 
@@ -158,11 +165,11 @@ fn space_pins_a_finger_and_escape_lifts_all() {
     stage.steps(2);
     assert_eq!(stage.app().playing.fingers.pinned_mm().count(), 1);
     stage.key(egui::Key::Escape);
-    assert!(!stage.app().playing.fingers.any());
+    assert!(!stage.app().playing.fingers.any_down());
 }
 
 #[test]
-fn two_fingers_of_a_touch_screen_are_two_on_the_pad() {
+fn a_touch_screen_presses_with_two_fingers() {
     let mut stage = stage();
     let rect = stage.canvas().rect();
     for (id, share) in [(1, 0.25), (2, 0.75)] {
@@ -186,50 +193,54 @@ fn digits_press_regions_while_the_pad_has_the_focus() {
     stage.steps(2);
     let finger = stage.app().playing.fingers.for_pad()[0];
     // Region 5 of super-mario is `jump`; its middle is at 81, 52 mm.
-    let [x, y] = finger.centre_mm;
+    let [x, y] = finger.press.centre_mm;
     assert!(
         (x - 81.0).abs() < 0.01 && (y - 52.0).abs() < 0.01,
         "{x} {y}"
     );
     stage.window.key_up(egui::Key::Num5);
     stage.steps(2);
-    assert!(!stage.app().playing.fingers.any());
+    assert!(!stage.app().playing.fingers.any_down());
 }
 
 #[test]
-fn touches_and_what_is_held_are_told_to_those_who_do_not_see() {
+fn screen_readers_get_touches_and_held_keys() {
     let mut stage = stage();
     press(&mut stage, "key:f");
-    stage.see(|view| view.touches = vec![touch(1, [80.0, 50.0], 0.6)]);
-    assert!(stage.has("Pad: 1 touch, holding F"), "{:?}", stage.window);
-    assert!(stage.has("key:f, held"));
-    assert!(stage.has("key:d, up"));
+    stage.update_view(|view| view.touches = vec![touch(1, [80.0, 50.0], 0.6)]);
+    assert!(
+        stage.has_label("Pad: 1 touch, holding F"),
+        "{:?}",
+        stage.window
+    );
+    assert!(stage.has_label("key:f, held"));
+    assert!(stage.has_label("key:d, up"));
 }
 
 #[test]
 fn a_lost_electrode_is_named_and_its_button_shows_the_signals() {
     let mut stage = stage();
-    stage.see(|view| view.lost_electrodes = vec![4]);
-    assert!(stage.tells("Electrode 5 is loose"));
+    stage.update_view(|view| view.lost_electrodes = vec![4]);
+    assert!(stage.shows("Electrode 5 is loose"));
     stage.button("Show signals");
     assert_eq!(stage.app().tab, Tab::Signals);
 }
 
 #[test]
-fn a_slow_board_says_what_it_may_miss() {
+fn a_slow_board_announces_the_shortest_press() {
     let mut stage = stage();
-    stage.see(|view| view.frames_per_s = 10.0);
-    assert!(stage.tells("a press under 200 ms may be missed"));
+    stage.update_view(|view| view.frames_per_s = 10.0);
+    assert!(stage.shows("presses shorter than 200 ms may be missed"));
 }
 
 #[test]
-fn a_notice_goes_when_it_has_been_read() {
+fn a_notice_is_dismissed_by_its_button() {
     let mut stage = stage();
-    stage.app().playing.notice = Some("the profile is odd".to_owned());
+    stage.app().playing.notice = Some("a warning".to_owned());
     stage.steps(2);
-    assert!(stage.tells("the profile is odd"));
-    stage.button("All right");
-    assert!(!stage.tells("the profile is odd"));
+    assert!(stage.shows("a warning"));
+    stage.button("OK");
+    assert!(!stage.shows("a warning"));
 }
 
 #[test]
@@ -244,17 +255,17 @@ fn the_force_of_the_next_press_is_set_by_its_slider() {
 }
 
 #[test]
-fn the_pad_is_pressed_in_the_smallest_window_too() {
-    let mut stage = Stage::of(Tab::Play, SMALL);
+fn the_pad_can_be_pressed_in_a_small_window() {
+    let mut stage = Stage::with_view(Tab::Play, SMALL);
     let rect = stage.canvas().rect();
     assert!(rect.width() > 200.0, "{rect:?}");
     stage.window.drag_at(rect.center());
     stage.steps(2);
-    assert!(stage.app().playing.fingers.any());
+    assert!(stage.app().playing.fingers.any_down());
 }
 
 #[test]
-fn the_pad_window_opens_beside() {
+fn the_pad_window_opens() {
     let mut stage = stage();
     stage.button("🗖 Pad window");
     assert!(stage.app().pad_window.open);

@@ -1,17 +1,17 @@
-//! The wizard from port to play.
+//! The setup wizard.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
+use gelpad::app::services::{OutputChoice, SourceChoice};
 use gelpad::gui::Tab;
-use gelpad::gui::desk::{From, To};
 use gelpad::gui::setup::Step;
 use gelpad::gui::still::touch;
-use gelpad::runtime::Command;
+use gelpad::runtime::PlayCommand;
 
 use crate::{Stage, WIDE};
 
 fn stage() -> Stage {
-    Stage::of(Tab::SetUp, WIDE)
+    Stage::with_view(Tab::SetUp, WIDE)
 }
 
 fn at(step: Step) -> Stage {
@@ -22,12 +22,12 @@ fn at(step: Step) -> Stage {
 }
 
 #[test]
-fn the_keyboard_alone_walks_through_all_of_it_and_plays() {
+fn the_keyboard_alone_reaches_the_end() {
     let mut stage = stage();
     for (nth, step) in Step::ALL.into_iter().enumerate() {
         assert_eq!(stage.app().set_up.step, step);
         let last = nth + 1 == Step::ALL.len();
-        // The rail has a `Play` too: the wizard's is a button.
+        // The navigation has a `Play` tab too: the wizard's is a button.
         let found = (0..150).any(|_| {
             stage.key(egui::Key::Tab);
             let label = if last { "Play" } else { "Next ▶" };
@@ -36,80 +36,86 @@ fn the_keyboard_alone_walks_through_all_of_it_and_plays() {
                 .query_by_role_and_label(Role::Button, label)
                 .is_some_and(|node| node.is_focused())
         });
-        assert!(found, "{step:?}: no way on by keyboard");
+        assert!(found, "{step:?}: the keyboard does not reach the next step");
         stage.key(egui::Key::Enter);
     }
     assert_eq!(stage.app().tab, Tab::Play);
 }
 
 #[test]
-fn back_and_next_turn_its_pages() {
+fn back_and_next_change_the_step() {
     let mut stage = stage();
     stage.button("Next ▶");
-    assert_eq!(stage.app().set_up.step, Step::WayRound);
+    assert_eq!(stage.app().set_up.step, Step::Orientation);
     stage.button("◀ Back");
     assert_eq!(stage.app().set_up.step, Step::Board);
 }
 
 #[test]
-fn each_step_is_gone_to_by_its_name() {
+fn each_step_is_opened_by_its_tab() {
     let mut stage = stage();
     for (nth, step) in Step::ALL.into_iter().enumerate().skip(1) {
-        stage.button(&format!("{} {}", nth + 1, step.name()));
+        stage.button(&format!("{} {}", nth + 1, step.title()));
         assert_eq!(stage.app().set_up.step, step);
     }
 }
 
 #[test]
-fn without_a_port_it_says_what_to_look_at_and_finds_one_that_is_plugged_in() {
+fn a_search_finds_a_port_that_is_plugged_in() {
     let mut stage = stage();
-    assert!(stage.tells("No serial port is there"));
+    assert!(stage.shows("No serial port found"));
     stage
-        .desk
+        .services
         .ports
         .lock()
         .expect("no panic")
         .push("/dev/ttyUSB3".to_owned());
-    stage.button("⟲ Look again");
+    stage.button("⟲ Search again");
     stage.click(Role::RadioButton, "/dev/ttyUSB3");
-    let last = stage.desk.last().expect("a start");
-    assert_eq!(last.from, From::Serial("/dev/ttyUSB3".to_owned()));
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.source, SourceChoice::Serial("/dev/ttyUSB3".to_owned()));
 }
 
 #[test]
-fn another_pad_is_chosen() {
+fn another_pad_can_be_chosen() {
     let mut stage = stage();
     stage.click(Role::ComboBox, "Pad");
     stage.window.get_by_label("round-tank").click();
-    stage.settle();
-    assert_eq!(stage.desk.last().expect("a start").pad, "round-tank");
+    stage.wait_for_start();
+    assert_eq!(
+        stage.services.last_request().expect("a start").pad,
+        "round-tank"
+    );
 }
 
 #[test]
-fn the_board_s_figures_are_told() {
+fn the_quality_of_the_readings_is_shown() {
     let mut stage = stage();
-    stage.see(|view| {
+    stage.update_view(|view| {
         view.frames_per_s = 98.0;
         view.signals.volts = vec![1.0; 208];
         view.signals.noise = vec![1e-3; 208];
     });
     for words in ["98 frames/s", "208", "60 dB"] {
-        assert!(stage.tells(words), "{words}");
+        assert!(stage.shows(words), "{words}");
     }
 }
 
 #[test]
-fn zero_is_asked_for_and_a_hand_on_the_pad_is_told() {
+fn zero_warns_while_the_pad_is_touched() {
     let mut stage = at(Step::Zero);
-    assert!(stage.tells("nothing touches it"));
-    stage.button("Zero now");
-    assert!(matches!(stage.app().playing.asked[..], [Command::Rezero]));
-    stage.see(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
-    assert!(stage.tells("is the pad free?"));
+    assert!(stage.shows("no touches"));
+    stage.button("Set to zero");
+    assert!(matches!(
+        stage.app().playing.unsent_commands[..],
+        [PlayCommand::Rezero]
+    ));
+    stage.update_view(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
+    assert!(stage.shows("is the pad free?"));
 }
 
 #[test]
-fn presses_at_the_shown_places_become_a_calibration_that_is_used() {
+fn guided_presses_become_a_calibration() {
     let mut stage = at(Step::Calibrate);
     stage
         .window
@@ -118,34 +124,34 @@ fn presses_at_the_shown_places_become_a_calibration_that_is_used() {
     stage.steps(2);
     stage.button("Begin");
     for press in 0..12 {
-        assert!(stage.tells(&format!("{press} of 12")), "press {press}");
+        assert!(stage.shows(&format!("{press} of 12")), "press {press}");
         for _ in 0..10 {
-            stage.see(|view| {
+            stage.update_view(|view| {
                 view.touches = vec![touch(press, [50.0, 50.0], 0.5)];
                 view.signals.changes = vec![0.01; 208];
             });
         }
-        stage.see(|view| view.touches.clear());
+        stage.update_view(|view| view.touches.clear());
     }
-    assert_eq!(*stage.desk.calibrated.lock().expect("no panic"), 12);
-    assert!(stage.tells("now by 1.0 mm"));
+    assert_eq!(*stage.services.calibrated.lock().expect("no panic"), 12);
+    assert!(stage.shows("now by 1.0 mm"));
     stage.button("Use it");
-    let last = stage.desk.last().expect("a start");
+    let last = stage.services.last_request().expect("a start");
     assert!(last.calibration.is_some());
 }
 
 #[test]
-fn a_press_that_is_too_short_is_asked_for_again() {
+fn a_short_press_has_to_be_repeated() {
     let mut stage = at(Step::Calibrate);
     stage.button("Begin");
-    stage.see(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
-    stage.see(|view| view.touches.clear());
-    assert!(stage.tells("press a little longer"));
-    assert!(stage.tells("0 of 25"));
+    stage.update_view(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
+    stage.update_view(|view| view.touches.clear());
+    assert!(stage.shows("press a little longer"));
+    assert!(stage.shows("0 of 25"));
 }
 
 #[test]
-fn presses_that_are_asked_for_become_settings_of_this_person() {
+fn guided_presses_become_personal_settings() {
     let mut stage = at(Step::Recommend);
     stage
         .window
@@ -154,23 +160,23 @@ fn presses_that_are_asked_for_become_settings_of_this_person() {
     stage.steps(1);
     stage.window.event(egui::Event::Text("anna".to_owned()));
     stage.steps(2);
-    stage.button("Begin");
+    stage.button("Start");
     let mut id = 0;
     for _ in 0..40 {
-        if !stage.tells(" of ") {
+        if !stage.shows(" of ") {
             break;
         }
         let profile = stage.app().playing.view.profile.clone();
         let words = |name: &str| {
-            stage.tells(&format!("tap {name},")) || stage.tells(&format!("press {name} and"))
+            stage.shows(&format!("tap {name},")) || stage.shows(&format!("press {name} and"))
         };
-        let twice = |name: &str| stage.tells(&format!("tap {name} twice"));
+        let twice = |name: &str| stage.shows(&format!("tap {name} twice"));
         let asked = profile
             .regions
             .iter()
             .find(|r| words(&r.name) || twice(&r.name));
         let Some(region) = asked else { break };
-        let long = stage.tells("hold it a second");
+        let long = stage.shows("hold it a second");
         let times = if twice(&region.name) { 2 } else { 1 };
         let place = region
             .placed([100.0, 100.0], &profile.settings.area)
@@ -178,61 +184,64 @@ fn presses_that_are_asked_for_become_settings_of_this_person() {
         for _ in 0..times {
             id += 1;
             for _ in 0..(if long { 100 } else { 10 }) {
-                stage.quick(|view| view.touches = vec![touch(id, place, 0.5)]);
+                stage.update_view_once(|view| view.touches = vec![touch(id, place, 0.5)]);
             }
             for _ in 0..12 {
-                stage.quick(|view| view.touches.clear());
+                stage.update_view_once(|view| view.touches.clear());
             }
         }
         for _ in 0..205 {
-            stage.quick(|_| {});
+            stage.update_view_once(|_| {});
         }
         stage.steps(2);
     }
     for _ in 0..1200 {
-        if stage.tells("right presses") {
+        if stage.shows("correct presses") {
             break;
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
         stage.steps(1);
     }
-    assert!(stage.tells("right presses"), "{:?}", stage.window);
+    assert!(stage.shows("correct presses"), "{:?}", stage.window);
     stage.button("Save and use");
-    let path = stage.desk.folder.path().join("users/anna.toml");
+    let path = stage.services.folder.path().join("users/anna.toml");
     assert!(path.exists());
-    let user = stage.desk.last().expect("a start").user;
+    let user = stage.services.last_request().expect("a start").user;
     assert_eq!(user, Some(path.display().to_string()));
 }
 
 #[test]
-fn a_profile_is_chosen() {
+fn a_profile_can_be_chosen() {
     let mut stage = at(Step::Profile);
     stage.click(Role::RadioButton, "falling-blocks");
     assert_eq!(
-        stage.desk.last().expect("a start").profile,
+        stage.services.last_request().expect("a start").profile,
         "falling-blocks"
     );
 }
 
 #[test]
-fn the_output_is_switched_on_and_checked_key_by_key() {
+fn the_output_check_shows_received_keys() {
     let mut stage = at(Step::Check);
     stage.button("Send to this desktop");
-    assert_eq!(stage.desk.last().expect("a start").to, To::Auto);
-    stage.app().playing.choice.to = To::Auto;
+    assert_eq!(
+        stage.services.last_request().expect("a start").output,
+        OutputChoice::Auto
+    );
+    stage.app().playing.request.output = OutputChoice::Auto;
     stage.steps(2);
-    stage.button("Check: press the pad");
+    stage.button("Start the check");
     stage.key(egui::Key::F);
-    assert!(stage.tells("the system saw F"), "{:?}", stage.window);
-    assert!(!stage.tells("the system saw D"));
-    // A key that is looked at does nothing else here.
+    assert!(stage.shows("received F"), "{:?}", stage.window);
+    assert!(!stage.shows("received D"));
+    // A received key does not act on the window.
     stage.key(egui::Key::F1);
     assert_eq!(stage.app().tab, Tab::SetUp);
 }
 
 #[test]
-fn which_way_round_solves_the_pad_first() {
-    let mut stage = at(Step::WayRound);
+fn orientation_starts_by_solving_the_pad() {
+    let mut stage = at(Step::Orientation);
     stage.button("Begin");
-    assert!(stage.tells("solving the pad"));
+    assert!(stage.shows("solving the pad"));
 }

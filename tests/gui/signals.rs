@@ -1,15 +1,15 @@
-//! The view of the signals.
+//! The signals view.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
-use gelpad::gui::signals::Kind;
+use gelpad::gui::signals::Quantity;
 
 use crate::{Stage, WIDE};
 
 fn measured() -> Stage {
-    let mut stage = Stage::of(Tab::Signals, WIDE);
-    stage.see(|view| {
+    let mut stage = Stage::with_view(Tab::Signals, WIDE);
+    stage.update_view(|view| {
         view.signals.volts = vec![1.0; 208];
         view.signals.reference = vec![1.0; 208];
         view.signals.changes = vec![0.01; 208];
@@ -22,48 +22,48 @@ fn measured() -> Stage {
 }
 
 #[test]
-fn before_anything_is_measured_it_says_so() {
-    let stage = Stage::of(Tab::Signals, WIDE);
-    assert!(stage.tells("Nothing has been measured yet"));
+fn without_measurements_the_view_says_so() {
+    let stage = Stage::with_view(Tab::Signals, WIDE);
+    assert!(stage.shows("Nothing has been measured yet"));
 }
 
 #[test]
-fn each_figure_is_chosen_by_its_name_and_explained() {
+fn each_quantity_is_chosen_by_name_and_explained() {
     let mut stage = measured();
-    for (name, kind, words) in [
-        ("Changes", Kind::Changes, "what touches explain"),
-        ("Noise", Kind::Noise, "signal-to-noise"),
-        ("Reciprocity", Kind::Reciprocity, "swapped"),
-        ("Drift", Kind::Drift, "since the start"),
-        ("Residual", Kind::Residual, "do not explain"),
-        ("Voltages", Kind::Voltages, "untouched pad"),
+    for (name, quantity, text) in [
+        ("Changes", Quantity::Changes, "explained by the touches"),
+        ("Noise", Quantity::Noise, "Signal-to-noise"),
+        ("Reciprocity", Quantity::Reciprocity, "swapped"),
+        ("Drift", Quantity::Drift, "since the start"),
+        ("Residual", Quantity::Residual, "do not explain"),
+        ("Voltages", Quantity::Voltages, "untouched pad"),
     ] {
         stage.click(Role::Button, name);
-        assert_eq!(stage.app().signals.kind, kind);
-        assert!(stage.tells(words), "{name}");
+        assert_eq!(stage.app().signals.quantity, quantity);
+        assert!(stage.shows(text), "{name}");
     }
 }
 
 #[test]
-fn the_health_of_the_readings_is_told_in_figures() {
+fn the_signal_quality_is_shown() {
     let stage = measured();
     for words in ["60 dB", "60 %", "208"] {
-        assert!(stage.tells(words), "{words}: {:?}", stage.window);
+        assert!(stage.shows(words), "{words}: {:?}", stage.window);
     }
 }
 
 #[test]
-fn bad_channels_and_lost_electrodes_are_named() {
+fn poor_channels_and_lost_electrodes_are_listed() {
     let mut stage = measured();
-    stage.see(|view| view.lost_electrodes = vec![2, 6]);
-    assert!(stage.has("17, 40"));
-    assert!(stage.has("3, 7"));
+    stage.update_view(|view| view.lost_electrodes = vec![2, 6]);
+    assert!(stage.has_label("17, 40"));
+    assert!(stage.has_label("3, 7"));
 }
 
 #[test]
-fn drift_is_counted_from_the_first_reading() {
+fn drift_is_relative_to_the_first_reference() {
     let mut stage = measured();
-    stage.see(|view| view.signals.reference[5] = 1.02);
-    assert!(stage.tells("2.00 %"), "{:?}", stage.window);
-    let _ = stage.window.get_by_label("drift, at most");
+    stage.update_view(|view| view.signals.reference[5] = 1.02);
+    assert!(stage.shows("2.00 %"), "{:?}", stage.window);
+    let _ = stage.window.get_by_label("largest drift");
 }

@@ -1,4 +1,4 @@
-//! What holds for every view: it is found, it has names for screen readers, and nothing that happens to a game makes it panic.
+//! Tests of every view: reachable, labelled for screen readers, no panic whatever happens to the game.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
@@ -13,38 +13,38 @@ macro_rules! every_view {
             use super::*;
 
             #[test]
-            fn is_found_in_the_rail_by_its_word_and_shows_itself() {
-                let mut stage = Stage::of(Tab::Play, WIDE);
+            fn opens_from_the_rail() {
+                let mut stage = Stage::with_view(Tab::Play, WIDE);
                 if $tab == Tab::Play {
                     stage.app().tab = Tab::Signals;
                 }
                 stage.click(Role::Tab, $tab.name());
                 assert_eq!(stage.app().tab, $tab);
-                assert!(stage.tells($has), "{:?}", stage.window);
+                assert!(stage.shows($has), "{:?}", stage.window);
             }
 
             #[test]
-            fn has_a_name_for_everything_that_takes_input() {
+            fn labels_every_control() {
                 for size in [WIDE, SMALL] {
-                    let stage = Stage::of($tab, size);
+                    let stage = Stage::with_view($tab, size);
                     stage.window.check_accessibility();
                 }
             }
 
             #[test]
-            fn outlives_an_empty_pad_a_broken_profile_and_a_board_that_is_gone() {
+            fn survives_odd_views_broken_profiles_and_a_disconnected_board() {
                 for size in [WIDE, SMALL, [640.0, 400.0]] {
                     survive($tab, size);
                 }
             }
 
             #[test]
-            fn is_painted_in_both_themes_and_with_text_twice_as_large() {
-                let mut stage = Stage::of($tab, SMALL);
-                stage.app().comfort.look.theme = egui::ThemePreference::Light;
+            fn is_drawn_in_the_light_theme_and_at_double_size() {
+                let mut stage = Stage::with_view($tab, SMALL);
+                stage.app().comfort.preferences.theme = egui::ThemePreference::Light;
                 stage.steps(2);
                 assert!(!stage.window.ctx.global_style().visuals.dark_mode);
-                stage.app().comfort.look.text = 2.0;
+                stage.app().comfort.preferences.text_scale = 2.0;
                 stage.steps(4);
                 assert!((stage.window.ctx.zoom_factor() - 2.0).abs() < 1e-3);
             }
@@ -53,19 +53,19 @@ macro_rules! every_view {
 }
 
 every_view! {
-    play: Tab::Play, "A try-out";
+    play: Tab::Play, "Trial";
     practice: Tab::Practice, "Practice level";
-    edit: Tab::Edit, "Bind: press here";
-    set_up: Tab::SetUp, "Which way round";
+    edit: Tab::Edit, "Bind: press the pad";
+    set_up: Tab::SetUp, "Orientation";
     record: Tab::Record, "No recording is open";
     signals: Tab::Signals, "Voltages";
-    comfort: Tab::Feedback, "Size of text";
+    comfort: Tab::Comfort, "Text size";
 }
 
 fn survive(tab: Tab, size: [f32; 2]) {
-    let mut stage = Stage::of(tab, size);
-    // Nothing was measured, then a frame of everything that can be odd.
-    stage.see(|view| {
+    let mut stage = Stage::with_view(tab, size);
+    // A frame of extreme and invalid values.
+    stage.update_view(|view| {
         view.touches = (0..5)
             .map(|i| touch(i, [20.0 * i as f64, 99.9], 2.0))
             .collect();
@@ -78,29 +78,29 @@ fn survive(tab: Tab, size: [f32; 2]) {
         view.signals.reference = vec![0.0; 208];
         view.signals.noise = vec![f32::INFINITY; 208];
     });
-    // Readings of another number than the pad has.
-    stage.see(|view| view.signals.volts = vec![1.0; 3]);
+    // Fewer channels than the pad has.
+    stage.update_view(|view| view.signals.volts = vec![1.0; 3]);
     // A profile without regions.
     let mut empty = (*still::profile()).clone();
     empty.regions.clear();
     empty.bindings.clear();
     empty.outputs.clear();
-    stage.see(|view| view.profile = std::sync::Arc::new(empty));
-    // A text that is broken on disk.
-    let path = stage.desk.folder.path().join("broken.toml");
+    stage.update_view(|view| view.profile = std::sync::Arc::new(empty));
+    // A broken profile on disk.
+    let path = stage.services.folder.path().join("broken.toml");
     std::fs::write(&path, "schema = 1\nname = [[[").expect("written");
-    stage.app().playing.choice.profile = path.display().to_string();
+    stage.app().playing.request.profile = path.display().to_string();
     stage.steps(3);
     std::fs::write(&path, "schema = 1\nname = \"x\"\nbogus = 3\n").expect("written");
     stage.steps(3);
-    // A round pad, and one that is gone.
+    // A round pad, disconnected.
     let round = gelpad::pad::shipped_pad("round-tank").expect("shipped");
     let round = gelpad::pad::Pad::from_toml("round", round.toml).expect("sound");
-    let view = still::view_of(&round, still::profile());
+    let view = still::view_of_pad(&round, still::profile());
     stage.app().playing.pad = round;
     stage.app().playing.view = view;
-    stage.see(|_| {});
-    stage.app().playing.ended = Some("/dev/ttyACM0: the board is gone".to_owned());
+    stage.update_view(|_| {});
+    stage.app().playing.ended = Some("Pad disconnected: waiting for /dev/ttyACM0".to_owned());
     stage.app().failed = Some("nothing works".to_owned());
     stage.steps(3);
     let _ = stage.window.get_by_role_and_label(Role::Tab, tab.name());
@@ -108,10 +108,10 @@ fn survive(tab: Tab, size: [f32; 2]) {
 
 #[test]
 fn the_function_keys_show_the_views() {
-    let mut stage = Stage::of(Tab::Play, WIDE);
+    let mut stage = Stage::with_view(Tab::Play, WIDE);
     for (key, tab) in [
         (egui::Key::F3, Tab::Edit),
-        (egui::Key::F7, Tab::Feedback),
+        (egui::Key::F7, Tab::Comfort),
         (egui::Key::F1, Tab::Play),
     ] {
         stage.key(key);
@@ -121,7 +121,7 @@ fn the_function_keys_show_the_views() {
 
 #[test]
 fn tab_and_enter_reach_another_view() {
-    let mut stage = Stage::of(Tab::Play, WIDE);
+    let mut stage = Stage::with_view(Tab::Play, WIDE);
     assert!(stage.tab_to("Signals"));
     stage.key(egui::Key::Enter);
     assert_eq!(stage.app().tab, Tab::Signals);

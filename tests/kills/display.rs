@@ -1,4 +1,4 @@
-//! What an X server says of its keys.
+//! The keys of an X server.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 use x11rb::{CURRENT_TIME, NONE};
 
-/// A client that looks.
+/// A client that reads the keys.
 pub struct Display {
     connection: RustConnection,
     pub name: String,
@@ -30,7 +30,7 @@ impl Display {
         Ok((0..=u8::MAX).filter(is_down).collect())
     }
 
-    /// Presses or lets go of a key as another keyboard would.
+    /// Presses or releases a key as another keyboard would.
     pub fn press(&self, code: u8, is_down: bool) -> Result<()> {
         let kind = if is_down {
             KEY_PRESS_EVENT
@@ -43,7 +43,7 @@ impl Display {
         Ok(sent.check()?)
     }
 
-    /// Waits until keys are down or, with `false`, until none is; how long that took.
+    /// Waits until keys are down (`any`) or all are up; returns how long that took.
     pub fn wait(&self, any: bool, patience: Duration) -> Result<Duration> {
         let start = Instant::now();
         loop {
@@ -59,7 +59,7 @@ impl Display {
         }
     }
 
-    /// What every keycode means, byte for byte.
+    /// The keymap and the modifiers, byte for byte.
     pub fn keymap(&self) -> Result<Vec<u32>> {
         use x11rb::connection::Connection as _;
 

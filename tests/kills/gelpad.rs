@@ -1,4 +1,4 @@
-//! A gelpad that plays into a display, to be killed.
+//! A gelpad process that plays into a display, to be killed.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -18,12 +18,12 @@ pub struct Gelpad {
 }
 
 impl Gelpad {
-    /// Plays a script with super-mario's keys, or those of a profile.
+    /// Plays a script with a profile into the display's keyboard.
     pub fn play(folder: &Path, display: &str, script: &str, profile: &str) -> Result<Self> {
         Self::play_by("keyboard", folder, display, script, profile)
     }
 
-    /// The same by another output.
+    /// The same with another output.
     pub fn play_by(
         output: &str,
         folder: &Path,
@@ -66,7 +66,7 @@ impl Gelpad {
 
 impl Drop for Gelpad {
     fn drop(&mut self) {
-        // It may be gone already.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -77,7 +77,7 @@ pub fn one_hold() -> String {
     "t:200 down 1 80 50\nt:600000 end\n".to_owned()
 }
 
-/// Two fingers that press short and long, here and there, for a minute.
+/// Two fingers with short and long presses at different places, for a minute.
 pub fn presses(random: &mut Random) -> String {
     let mut events = Vec::new();
     for (finger, places) in [&PLACES[..2], &PLACES[2..]].iter().enumerate() {
@@ -99,7 +99,7 @@ pub fn presses(random: &mut Random) -> String {
     script
 }
 
-/// Numbers that look random and are the same in each run (an LCG of Knuth's).
+/// A pseudo-random sequence that is the same in each run (Knuth's LCG).
 pub struct Random(pub u64);
 
 impl Random {
@@ -112,7 +112,7 @@ impl Random {
     }
 }
 
-/// Watchers of gelpads on a display, by their process id.
+/// Process ids of the watchers on a display.
 pub fn watchers(display: &str) -> Vec<i32> {
     let wanted = format!("DISPLAY={display}");
     let entries = fs::read_dir("/proc").into_iter().flatten().flatten();

@@ -1,4 +1,5 @@
-//! Kills on a real kernel, whose devices are released by itself: in a virtual machine (`scripts/run-in-guest.sh`).
+//! Kills on a real kernel, which releases its devices itself: in a virtual machine
+//! (`scripts/run-in-guest.sh`).
 
 use std::path::Path;
 use std::process::Command;
@@ -8,15 +9,15 @@ use anyhow::{Context, Result, bail, ensure};
 use rustix::process::Signal;
 
 use crate::gelpad::{Gelpad, Random, presses};
-use crate::{PATIENCE, RELEASED, told};
+use crate::{PATIENCE, RELEASED, summary};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
-/// Kills without `GELPAD_GUEST_KILLS`; the guest is slow.
+/// Number of kills without `GELPAD_GUEST_KILLS`; the guest is slow.
 const SAMPLE: usize = 2;
-/// The guest's own limit, s: a start takes it some seconds.
+/// Time limit per kill in the guest, s: a start takes it some seconds.
 const LIMIT_S: usize = 60;
 
-/// What keeps a guest from running here, if anything does.
+/// Why no guest can run here, if so.
 pub fn missing() -> Option<String> {
     let output = Command::new(SCRIPT).arg("--prepare").output();
     match output {
@@ -54,7 +55,7 @@ fn count() -> usize {
     kills.and_then(|text| text.parse().ok()).unwrap_or(SAMPLE)
 }
 
-/// Kills with keys held on the kernel's keyboard: how long until that is gone with all that was down.
+/// Kills gelpad while keys are held on the kernel's keyboard; measures how long until the device is gone.
 pub fn inside() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let mut times = Vec::new();
@@ -62,7 +63,7 @@ pub fn inside() -> Result<()> {
         times
             .push(kill_once(folder.path(), round as u64).with_context(|| format!("kill {round}"))?);
     }
-    println!("in the guest: {}", told(&mut times));
+    println!("in the guest: {}", summary(&mut times));
     Ok(())
 }
 
@@ -79,7 +80,7 @@ fn kill_once(folder: &Path, seed: u64) -> Result<Duration> {
     wait(is_down)?;
     gelpad.signal(Signal::KILL)?;
     let start = Instant::now();
-    // A device that is gone holds nothing; until then its keys are asked for.
+    // A device that is gone holds nothing; until then its keys are read.
     while keyboard
         .get_key_state()
         .is_ok_and(|keys| keys.iter().next().is_some())

@@ -1,4 +1,4 @@
-//! Threads of gelpad that panic or hang, with gelpad's own parts put together here.
+//! Threads that panic or hang, in a gelpad that is built from its parts here.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -6,18 +6,20 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
 use gelpad::engine::Engine;
-use gelpad::output::{Device, OutputError, Watched, X11};
+use gelpad::output::{OutputDevice, OutputError, WatchedDevice, X11};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use gelpad::runtime::{self, Running};
-use gelpad::source::{Noise, Pace, Reading, Script, SimulatedSource, Source, SourceError};
+use gelpad::runtime::{self, RunningGame};
+use gelpad::source::{
+    Noise, Script, SimulatedSource, Source, SourceError, SourcePace, SourceReading,
+};
 use gelpad::touch::SensingBuilder;
 use gelpad::types::{Event, Method, Output};
 
 use crate::gelpad::one_hold;
 use crate::{PATIENCE, RELEASED, STOPPED, Stage};
 
-/// Frames until something happens: the key has been down for long by then.
+/// Number of frames until the fault: the key is down by then.
 const FRAMES: usize = 60;
 
 /// A source that panics in the middle of a press.
@@ -27,37 +29,37 @@ struct Panicking {
 }
 
 impl Source for Panicking {
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         assert!(self.left > 0, "a bug in the source");
         self.left -= 1;
         self.source.read()
     }
 
-    fn pace(&self) -> Pace {
+    fn pace(&self) -> SourcePace {
         self.source.pace()
     }
 }
 
-/// What a device does at one of its idle moments.
+/// A fault of a device in its idle call.
 enum Fault {
     Panics,
     Hangs(Duration),
 }
 
-/// A display that fails once a key is down.
-struct Faulty {
-    device: Watched<X11>,
+/// A display with a fault once a key is down.
+struct FaultyDisplay {
+    device: WatchedDevice<X11>,
     fault: Option<Fault>,
     idle_since_press: Option<usize>,
 }
 
-impl Device for Faulty {
+impl OutputDevice for FaultyDisplay {
     fn name(&self) -> &str {
         self.device.name()
     }
 
-    fn takes(&self, output: Output) -> bool {
-        self.device.takes(output)
+    fn supports(&self, output: Output) -> bool {
+        self.device.supports(output)
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
@@ -84,9 +86,9 @@ impl Device for Faulty {
     }
 }
 
-fn display(stage: &Stage) -> Result<Watched<X11>> {
+fn display(stage: &Stage) -> Result<WatchedDevice<X11>> {
     let x11 = X11::connect_to(&stage.display.name)?;
-    Ok(Watched::new(
+    Ok(WatchedDevice::new(
         x11,
         PathBuf::from(env!("CARGO_BIN_EXE_gelpad")),
     ))
@@ -100,11 +102,11 @@ fn source() -> Result<(Pad, SimulatedSource)> {
     Ok((pad, source))
 }
 
-fn start(pad: &Pad, source: Box<dyn Source>, device: Box<dyn Device>) -> Result<Running> {
+fn start(pad: &Pad, source: Box<dyn Source>, device: Box<dyn OutputDevice>) -> Result<RunningGame> {
     let shipped = shipped_profile(DEFAULT_PROFILE).context("the profile")?;
     let profile = Profile::from_toml(DEFAULT_PROFILE, shipped.toml)?;
     let builder = SensingBuilder::new(pad, Method::default())?;
-    let engine = Engine::new(pad, Arc::new(builder.first()?), Arc::new(profile));
+    let engine = Engine::new(pad, Arc::new(builder.build_initial()?), Arc::new(profile));
     Ok(runtime::start(engine, builder, source, device)?)
 }
 
@@ -124,7 +126,7 @@ pub fn panic_of_the_source(stage: &Stage) -> Result<()> {
 
 pub fn panic_of_the_output(stage: &Stage) -> Result<()> {
     let (pad, source) = source()?;
-    let device = Faulty {
+    let device = FaultyDisplay {
         device: display(stage)?,
         fault: Some(Fault::Panics),
         idle_since_press: None,
@@ -137,10 +139,10 @@ pub fn panic_of_the_output(stage: &Stage) -> Result<()> {
     Ok(())
 }
 
-/// The beats come from the output's thread: one that hangs is as good as stopped, whatever the others do.
+/// The beats come from the output's thread: if it hangs, the watcher releases the keys.
 pub fn an_output_that_hangs(stage: &Stage) -> Result<()> {
     let (pad, source) = source()?;
-    let device = Faulty {
+    let device = FaultyDisplay {
         device: display(stage)?,
         fault: Some(Fault::Hangs(STOPPED + STOPPED)),
         idle_since_press: None,

@@ -1,6 +1,6 @@
-//! The frames of an independent simulator (tests/data/lattice-presses), and gelpad's pad to read them with.
+//! The frames of an independent simulator (tests/data/lattice-presses) and the pad to read them with.
 
-// Each test uses a part of it.
+// Each test uses a part of this module.
 #![allow(dead_code)]
 
 use std::fs;
@@ -16,13 +16,15 @@ use serde::Deserialize;
 /// The pad of the frames.
 pub fn pad() -> Pad {
     let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
-    Pad::from_toml(shipped.name, shipped.toml).expect("sound")
+    Pad::from_toml(shipped.name, shipped.toml).expect("valid")
 }
 
-/// What reads the pad's frames; its table of responses is solved once and kept beside the build.
+/// The pad's sensing builder; its response table is solved once and cached.
 pub fn builder() -> &'static SensingBuilder {
     static BUILDER: OnceLock<SensingBuilder> = OnceLock::new();
-    BUILDER.get_or_init(|| cache::sensing(&pad(), Method::Tikhonov, |_, _| ()).expect("solvable"))
+    BUILDER.get_or_init(|| {
+        cache::sensing_builder(&pad(), Method::Tikhonov, |_, _| ()).expect("solvable")
+    })
 }
 
 pub fn data(name: &str) -> PathBuf {
@@ -77,6 +79,6 @@ fn lines<T: for<'a> Deserialize<'a>>(name: &str) -> Vec<T> {
     fs::read_to_string(data(name))
         .expect("the truth")
         .lines()
-        .map(|line| serde_json::from_str(line).expect("a truth a line"))
+        .map(|line| serde_json::from_str(line).expect("one truth per line"))
         .collect()
 }

@@ -1,9 +1,9 @@
 //! Simulated people, at the level of the contacts that a pad would find 100 times a second, followed by the real tracker.
 //!
-//! Every person draws habits once from the distributions below, and each press from the habits. docs/calibration.md tells
-//! the same distributions: keep both alike.
+//! The habits of a person are drawn once from the distributions below, and each press from the habits. docs/calibration.md
+//! lists the same distributions; keep them in step.
 
-use gelpad::calibrate::recommend::{Asked, Length, Trial};
+use gelpad::calibrate::recommend::{PressLength, PressRequest, PressTrial};
 use gelpad::touch::Tracker;
 use gelpad::types::{Contact, NANOS_PER_MS, PointMm};
 use rand_chacha::ChaCha8Rng;
@@ -12,16 +12,16 @@ use rand_distr::{Distribution, LogNormal, Normal, StandardUniform, Uniform};
 
 /// 100 frames a second.
 const FRAME_MS: f64 = 10.0;
-/// Places are measured with this deviation, mm.
+/// Standard deviation of measured places, mm.
 const MEASURED_MM: f64 = 0.3;
-/// Regions of `super-mario` that are asked for: name, middle in mm on the paper's pad, share.
+/// Requested regions of `super-mario`: name, centre on the paper's pad in mm, share.
 const REGIONS: [(&str, PointMm, f64); 4] = [
     ("jump", [81.0, 52.0], 0.6),
     ("right", [37.0, 57.0], 0.15),
     ("left", [13.0, 57.0], 0.15),
     ("run", [75.0, 9.0], 0.1),
 ];
-/// Shares of short presses and of long ones; the rest is two short ones.
+/// Shares of short and of long presses; the rest are double presses.
 const LENGTHS: [f64; 2] = [0.40, 0.35];
 
 /// A kind of people.
@@ -34,7 +34,7 @@ pub enum Kind {
 
 pub const KINDS: [Kind; 3] = [Kind::Steady, Kind::Slow, Kind::Tremor];
 
-/// A time that varies from press to press: its median, ms, and the deviation of its logarithm.
+/// A time that varies from press to press: median, ms, and standard deviation of the logarithm.
 #[derive(Clone, Copy, Debug)]
 struct Time(f64, f64);
 
@@ -46,7 +46,7 @@ pub struct Person {
     long: Time,
     /// Between two presses.
     gap: Time,
-    /// Deviation from the middle of a region, a coordinate.
+    /// Standard deviation of each coordinate from the centre of a region.
     aim_mm: f64,
     /// Shares of presses before which the hand brushes the pad, and its length and distance.
     brush: f64,
@@ -61,7 +61,7 @@ pub struct Person {
     force: f64,
 }
 
-/// A stretch of time in which the pad is touched, ms, and where.
+/// An interval in which the pad is touched, ms, and the place.
 struct Stretch {
     from_ms: f64,
     to_ms: f64,
@@ -115,7 +115,7 @@ impl Person {
                 }
             }
             Kind::Tremor => {
-                // A trembling hand may be as quick as a steady one or as slow as a slow one.
+                // A trembling hand may be as fast as a steady one or as slow as a slow one.
                 let short_ms = 70.0 * (between(0.0, 1.0) * f64::ln(700.0 / 70.0)).exp();
                 let long_ms = (short_ms * between(2.2, 3.0)).max(between(350.0, 600.0));
                 let tremor_hz = between(4.0, 8.0);
@@ -130,7 +130,7 @@ impl Person {
                     brush_mm: [15.0, 40.0],
                     cut: between(0.3, 0.8),
                     cuts: 3,
-                    // The finger is off the pad for a quarter to six tenths of a swing: 31 to 150 ms.
+                    // The finger is off the pad for 0.25 to 0.6 of a tremor period: 31 to 150 ms.
                     cut_ms: [0.25 * period_ms, 0.6 * period_ms],
                     tremor_hz,
                     tremor_mm: between(2.0, 8.0),
@@ -143,8 +143,8 @@ impl Person {
         person
     }
 
-    /// What the pad sees while the person does so many things that are asked for, and how long that takes, minutes.
-    pub fn session(&mut self, count: usize) -> (Vec<Trial>, f64) {
+    /// The trials of `count` requests, and their duration, minutes.
+    pub fn session(&mut self, count: usize) -> (Vec<PressTrial>, f64) {
         let mut minutes = 0.0;
         let trials = (0..count)
             .map(|_| {
@@ -156,7 +156,7 @@ impl Person {
         (trials, minutes)
     }
 
-    fn trial(&mut self) -> (Trial, f64) {
+    fn trial(&mut self) -> (PressTrial, f64) {
         let pick: f64 = self.share();
         let mut sum = 0.0;
         let (region, middle, _) = REGIONS
@@ -168,16 +168,16 @@ impl Person {
             .unwrap_or(REGIONS[0]);
         let pick = self.share();
         let length = if pick < LENGTHS[0] {
-            Length::Short
+            PressLength::Short
         } else if pick < LENGTHS[0] + LENGTHS[1] {
-            Length::Long
+            PressLength::Long
         } else {
-            Length::Twice
+            PressLength::Twice
         };
         let stretches = self.stretches(middle, length);
         let end_ms = stretches.last().map_or(0.0, |stretch| stretch.to_ms);
-        let trial = Trial {
-            asked: Some(Asked {
+        let trial = PressTrial {
+            request: Some(PressRequest {
                 region: region.to_owned(),
                 length,
             }),
@@ -187,7 +187,7 @@ impl Person {
     }
 
     /// When and where the pad is touched.
-    fn stretches(&mut self, middle: PointMm, length: Length) -> Vec<Stretch> {
+    fn stretches(&mut self, middle: PointMm, length: PressLength) -> Vec<Stretch> {
         let mut stretches = Vec::new();
         let mut t_ms = 500.0;
         let normal = Normal::new(0.0, self.aim_mm).expect("a deviation");
@@ -210,9 +210,9 @@ impl Person {
             t_ms = to_ms + between(&mut self.random, 50.0, 300.0);
         }
         let presses = match length {
-            Length::Short => vec![self.short],
-            Length::Long => vec![self.long],
-            Length::Twice => vec![self.short; 2],
+            PressLength::Short => vec![self.short],
+            PressLength::Long => vec![self.long],
+            PressLength::Twice => vec![self.short; 2],
         };
         for (index, time) in presses.into_iter().enumerate() {
             if index > 0 {
@@ -223,7 +223,7 @@ impl Person {
         stretches
     }
 
-    /// One press, cut where the finger leaves the pad for a moment: early on, within, or as a last touch behind it.
+    /// One press, interrupted where the finger leaves the pad for a moment: before, within, or after the actual press.
     fn press(
         &mut self,
         stretches: &mut Vec<Stretch>,
@@ -239,7 +239,7 @@ impl Person {
                 let gap_ms = between(&mut self.random, least, most);
                 let end_ms = pieces.last().expect("a piece").1;
                 match (self.share() * 3.0) as usize {
-                    // It lands twice: what was the press comes after a first short contact.
+                    // It lands twice: the press follows a first short contact.
                     0 => {
                         let first_ms = between(&mut self.random, 20.0, 80.0);
                         let shift_ms = first_ms + gap_ms;
@@ -267,7 +267,7 @@ impl Person {
                             pieces.insert(longest + 1, (cut + gap_ms, to));
                         }
                     }
-                    // It comes back once more when the press is over.
+                    // It returns once more after the press.
                     _ => {
                         let from = end_ms + gap_ms;
                         pieces.push((from, from + between(&mut self.random, 20.0, 100.0)));
@@ -284,7 +284,7 @@ impl Person {
         end_ms
     }
 
-    /// The touches that the tracker makes of it.
+    /// The touches from the tracker.
     fn followed(
         &mut self,
         stretches: &[Stretch],

@@ -1,4 +1,4 @@
-//! Recordings as others read them: CSV, evemu, a movie that fceux plays, MCAP by its own package for Python.
+//! Exports read by other programs: CSV, evemu, a movie in fceux, MCAP by its Python package.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -15,7 +15,7 @@ use crate::tools::Tools;
 use crate::{gelpad_ends, printed, said};
 
 const GAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/game");
-/// A busy machine may need long.
+/// Timeout for a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
 
 pub fn texts() -> Result<()> {
@@ -61,12 +61,12 @@ pub fn texts() -> Result<()> {
         presses > 0 && presses == events.matches("press key:f").count(),
         "{evemu}"
     );
-    let told = said(&gelpad_ends(
+    let text = said(&gelpad_ends(
         path,
         &["export", "s.csv", "--format", "csv", "-o", "t.csv"],
         1,
     )?);
-    ensure!(told.contains("this is no recording"), "{told}");
+    ensure!(text.contains("not a recording"), "{text}");
     Ok(())
 }
 
@@ -80,7 +80,7 @@ pub fn python() -> Result<()> {
         .arg(path.join("s.mcap"))
         .output()?;
     ensure!(output.status.success(), "{}", said(&output));
-    let told = printed(&output);
+    let text = printed(&output);
     let events = printed(&gelpad_ends(
         path,
         &["replay", "s.mcap", "--print", "events"],
@@ -88,10 +88,10 @@ pub fn python() -> Result<()> {
     )?);
     let line = format!("/event {}", events.lines().count());
     ensure!(
-        told.lines().any(|told| told == line),
-        "no `{line}` in\n{told}"
+        text.lines().any(|text| text == line),
+        "no `{line}` in\n{text}"
     );
-    ensure!(told.lines().any(|told| told == "frames 300"), "{told}");
+    ensure!(text.lines().any(|text| text == "frames 300"), "{text}");
     Ok(())
 }
 
@@ -99,7 +99,7 @@ pub fn no_fceux() -> Option<String> {
     Tools::find().err().map(|missing| missing.to_string())
 }
 
-/// The buttons that the game sees are those of the export, in every frame.
+/// In every frame the game polls the exported buttons.
 pub fn movie() -> Result<()> {
     let tools = Tools::find()?;
     let folder = tempfile::tempdir()?;
@@ -168,7 +168,7 @@ fn rows(path: &Path) -> Result<Vec<String>> {
         .collect())
 }
 
-/// The buttons as the game saw them in each frame that it has run, counted from 1, in the movie's letters.
+/// The buttons that the game polled in each frame, counted from 1, in the letters of the movie.
 fn seen(log: &Path) -> Result<BTreeMap<usize, String>> {
     let text = fs::read_to_string(log).unwrap_or_default();
     let mut lines = text

@@ -1,4 +1,4 @@
-//! Kills, full disks and damage: what was flushed is saved, and what is lost is said.
+//! Kills, full disks and damage: what was flushed is saved, and losses are reported.
 
 use std::fs::{self, OpenOptions};
 use std::io::{Seek as _, SeekFrom, Write as _};
@@ -14,7 +14,7 @@ use crate::{gelpad_ends, printed, said};
 
 /// Kills in a run of all tests; `GELPAD_KILLS=100` for the figure.
 const KILLS: u64 = 3;
-/// A set-up is longer than this: matrix and table.
+/// The setup is longer than this: matrix and table.
 const SET_UP_BYTES: u64 = 10_000_000;
 
 /// A script that presses until it is killed.
@@ -51,7 +51,7 @@ pub fn killed() -> Result<()> {
     Ok(())
 }
 
-/// Kills a session at some moment; how many frames were saved, and whether the file ended within one.
+/// Kills a session at some moment; returns the number of saved frames, and whether the file ended within one.
 fn kill_once(folder: &Path, kill: u64) -> Result<(u64, bool)> {
     let path = folder.join("k.mcap");
     let _ = fs::remove_file(&path);
@@ -76,7 +76,7 @@ fn kill_once(folder: &Path, kill: u64) -> Result<(u64, bool)> {
         if length > SET_UP_BYTES && flushed(&path)?.0 >= wanted {
             break;
         }
-        ensure!(child.try_wait()?.is_none(), "it ended by itself");
+        ensure!(child.try_wait()?.is_none(), "it ended early");
         thread::sleep(Duration::from_micros(2000 + 137 * kill));
     }
     child.kill()?;
@@ -117,8 +117,8 @@ fn kill_once(folder: &Path, kill: u64) -> Result<(u64, bool)> {
     Ok((frames, is_cut))
 }
 
-/// Frames that a live recording holds, and the length of its whole records: found by the records' heads alone (a code, eight bytes of
-/// length), without gelpad's reader.
+/// Frames of a live recording, and the length of its complete records, from the heads of the records (op code, eight bytes of
+/// length) without gelpad's reader.
 fn flushed(path: &Path) -> Result<(u64, u64)> {
     const MESSAGE: u8 = 5;
     let bytes = fs::read(path)?;
@@ -138,7 +138,7 @@ fn flushed(path: &Path) -> Result<(u64, u64)> {
 pub fn full_disk() -> Result<()> {
     let folder = tempfile::tempdir()?;
     endless(folder.path())?;
-    // What a file may grow to stands in for a disk: the set-up fits, and some fifty frames.
+    // A limit of the file size stands for a full disk: the setup and about fifty frames fit.
     straight(&folder.path().join("s.mcap"), 10, false)?;
     let blocks = fs::metadata(folder.path().join("s.mcap"))?.len() / 1024 + 60;
     fs::write(
@@ -153,19 +153,19 @@ pub fn full_disk() -> Result<()> {
         .args(["-c", &play])
         .current_dir(folder.path())
         .output()?;
-    let told = said(&output);
+    let text = said(&output);
     ensure!(
         output.status.code() == Some(3),
-        "{:?}\n{told}",
+        "{:?}\n{text}",
         output.status
     );
     ensure!(
-        told.contains("the recording ends here, play goes on"),
-        "{told}"
+        text.contains("the recording ends here, play goes on"),
+        "{text}"
     );
     ensure!(
-        told.contains("251 frames, 1 press"),
-        "it played to its end\n{told}"
+        text.contains("251 frames, 1 press"),
+        "it played to its end\n{text}"
     );
     let saved = gelpad_ends(
         folder.path(),
@@ -191,29 +191,29 @@ pub fn damaged() -> Result<()> {
     straight(&path, 400, false)?;
     let length = fs::metadata(&path)?.len();
     let mut file = OpenOptions::new().write(true).open(&path)?;
-    // Some hundred frames before the end, over a record's head and more.
+    // About a hundred frames before the end, across the head of a record.
     file.seek(SeekFrom::Start(length - 150_000))?;
     file.write_all(&[0xA5; 3000])?;
     drop(file);
-    let told = said(&gelpad_ends(folder.path(), &["replay", "s.mcap"], 1)?);
-    ensure!(told.contains("gelpad recover"), "{told}");
-    let told = said(&gelpad_ends(
+    let text = said(&gelpad_ends(folder.path(), &["replay", "s.mcap"], 1)?);
+    ensure!(text.contains("gelpad recover"), "{text}");
+    let text = said(&gelpad_ends(
         folder.path(),
         &["recover", "s.mcap", "-o", "saved.mcap"],
         3,
     )?);
-    let frames: u64 = told
+    let frames: u64 = text
         .split("saved.mcap: ")
         .nth(1)
         .and_then(|rest| rest.split(' ').next())
         .context("how many")?
         .parse()?;
     ensure!(
-        (390..400).contains(&frames) && told.contains("lost: "),
-        "{told}"
+        (390..400).contains(&frames) && text.contains("lost: "),
+        "{text}"
     );
-    // What follows the hole may differ: that is said, and data is lost.
-    let told = said(&gelpad_ends(folder.path(), &["replay", "saved.mcap"], 3)?);
-    ensure!(told.contains("missing in the recording"), "{told}");
+    // What follows the damage may differ: this is reported as lost data.
+    let text = said(&gelpad_ends(folder.path(), &["replay", "saved.mcap"], 3)?);
+    ensure!(text.contains("missing in the recording"), "{text}");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Files that were made to do harm: refused with little memory, and soon.
+//! Malicious files: refused quickly and in little memory.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,14 +12,14 @@ use gelpad::session::{Reader, TOPICS};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
-use crate::{kit_setup, said};
+use crate::{config_setup, said};
 
-/// What a process that reads a forged file may have, kB of addresses: gelpad, its table, and little more.
+/// Address space of a process that reads a forged file, kB: gelpad, its table, and little more.
 const MOST_MEMORY_KB: u64 = 600_000;
-/// And how long it may take, s of processor time.
+/// Processor time of such a process, s.
 const MOST_SECONDS: u64 = 20;
 
-/// An MCAP file that begins as a recording does.
+/// The beginning of a valid recording.
 fn begun() -> Result<Writer<Cursor<Vec<u8>>>> {
     let options = WriteOptions::new()
         .profile("gelpad")
@@ -30,7 +30,7 @@ fn begun() -> Result<Writer<Cursor<Vec<u8>>>> {
         name: "gelpad".to_owned(),
         metadata: BTreeMap::from([("version".to_owned(), "1".to_owned())]),
     })?;
-    let setup = kit_setup();
+    let setup = config_setup();
     let profile = serde_json::to_vec(&setup.profile)?;
     let parts: [(&str, &[u8]); 4] = [
         ("pad.toml", setup.pad.as_bytes()),
@@ -62,7 +62,7 @@ fn say(file: &mut Writer<Cursor<Vec<u8>>>, topic: &str, payload: &[u8]) -> Resul
         .position(|known| *known == topic)
         .expect("known");
     let header = MessageHeader {
-        // Channels count from 1.
+        // Channels are numbered from 1.
         channel_id: channel as u16 + 1,
         sequence: 0,
         log_time: 0,
@@ -76,7 +76,7 @@ fn finished(mut file: Writer<Cursor<Vec<u8>>>) -> Result<Vec<u8>> {
     Ok(file.into_inner().into_inner())
 }
 
-/// Bytes of an honest beginning, and then a record of this code that claims such a length and has such a body.
+/// A valid beginning, then a record with this op code, claimed length and body.
 fn claiming(code: u8, length: u64, body: &[u8]) -> Result<Vec<u8>> {
     let mut file = begun()?;
     say(&mut file, "/tick", br#"{"t_ns":0}"#)?;
@@ -88,7 +88,7 @@ fn claiming(code: u8, length: u64, body: &[u8]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The body of a chunk that claims so many bytes.
+/// The body of a chunk that claims these sizes.
 fn chunk(claimed: u64, packed: &[u8]) -> Vec<u8> {
     let mut body = chunk_head(claimed, "zstd", packed.len() as u64);
     body.extend_from_slice(packed);
@@ -166,9 +166,9 @@ pub fn refused() -> Result<()> {
     Ok(())
 }
 
-/// Within memory and time, and with a word about it; recover too ends.
+/// The file is refused with an error, within the limits; `recover` ends, too.
 fn refuses(path: &Path) -> Result<()> {
-    // Another part of the program may yet refuse what the reader takes; the whole must.
+    // The reader may accept what another part of the program refuses.
     let run = |what: &str| -> Result<_> {
         let limits = format!(
             "ulimit -v {MOST_MEMORY_KB} -t {MOST_SECONDS}; exec '{}' {what}",
@@ -188,7 +188,7 @@ fn refuses(path: &Path) -> Result<()> {
         output.status,
         said(&output)
     );
-    // The library's reader ends as well.
+    // The library's reader ends, too.
     if let Ok((mut reader, _)) = Reader::open(Cursor::new(fs::read(path)?)) {
         while let Ok(Some(_)) = reader.next() {}
     }

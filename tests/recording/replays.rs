@@ -1,4 +1,4 @@
-//! What is recorded and replayed is the same, wherever and however fast.
+//! A replay equals its recording on any processor and at any speed.
 
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter};
@@ -11,13 +11,15 @@ use std::thread;
 use anyhow::{Context, Result, ensure};
 use gelpad::engine::Input;
 use gelpad::session::{Message, Reader};
-use gelpad::source::{FramesCsv, Reading, Source as _};
-use gelpad::tape::Scribe;
+use gelpad::source::{FramesCsv, Source as _, SourceReading};
+use gelpad::tape::{EngineConfig, SessionWriter};
+use gelpad::touch::correction::Component;
+use gelpad::touch::{Correction, CorrectionData};
 
-use crate::sessions::{eventful, kit, step, straight};
+use crate::sessions::{Frames, config, eventful, step, straight};
 use crate::{gelpad_ends, printed, said};
 
-/// What a frame of 208 channels may take, bytes: the noise of session.csv alone holds 402.
+/// Largest size of a frame of 208 channels, bytes. The noise of session.csv alone takes 402.
 const MOST_BYTES_A_FRAME: u64 = 480;
 const SESSION: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -42,7 +44,7 @@ pub fn to_the_bit() -> Result<()> {
     for _ in 0..4 {
         replay_exactly(folder.path())?;
     }
-    // The fifth time with every core busy.
+    // The fifth time all cores are busy.
     let busy = Arc::new(AtomicBool::new(true));
     let cores = 2 * thread::available_parallelism()?.get();
     let threads: Vec<_> = (0..cores)
@@ -62,7 +64,7 @@ pub fn to_the_bit() -> Result<()> {
     outcome
 }
 
-/// Every event and every bit of every touch, against what was recorded.
+/// Compares every event and every bit of every touch with the recorded ones.
 fn replay_exactly(folder: &Path) -> Result<()> {
     let output = gelpad_ends(
         folder,
@@ -70,7 +72,7 @@ fn replay_exactly(folder: &Path) -> Result<()> {
         0,
     )?;
     ensure!(
-        said(&output).contains("to the bit"),
+        said(&output).contains("bit for bit"),
         "it did not compare\n{}",
         said(&output)
     );
@@ -105,7 +107,48 @@ fn counts(path: &Path) -> Result<Counts> {
     Ok(counts)
 }
 
-pub fn anew() -> Result<()> {
+/// What a calibration learns from does not depend on the calibration in use.
+pub fn uncorrected_contacts() -> Result<()> {
+    let plain = config();
+    let channels = plain.pad.channels();
+    let component = |variance| Component {
+        length: 1e4,
+        variance,
+    };
+    let data = CorrectionData {
+        size_mm: plain.pad.outline.size_mm(),
+        gains: vec![1.0; channels],
+        places_mm: vec![[50.0, 50.0]],
+        signatures: vec![0.0; channels],
+        weights_mm: vec![[-5.0, 0.0]],
+        place: component(1.0),
+        voltages: component(0.0),
+        force_power: 1.0,
+    };
+    let shifted = EngineConfig {
+        correction: Some(Correction::new(data)?),
+        ..plain.clone()
+    };
+    let (mut plain, mut shifted) = (plain.engine(), shifted.engine());
+    let mut pressed = 0;
+    for frame in Frames::new(3).take(120) {
+        let input = Input::Frame(frame);
+        plain.input(&input, &mut Vec::new());
+        shifted.input(&input, &mut Vec::new());
+        let contacts = shifted.detector().uncorrected_contacts();
+        ensure!(contacts == plain.detector().uncorrected_contacts());
+        if let ([model], [touch]) = (plain.touches().down, shifted.touches().down) {
+            let moved = touch.contact.centre_mm[0] - model.contact.centre_mm[0];
+            ensure!((moved + 5.0).abs() < 0.1, "moved by {moved} mm");
+            ensure!(contacts[0].centre_mm == model.contact.centre_mm);
+            pressed += 1;
+        }
+    }
+    ensure!(pressed > 10, "{pressed} frames with a touch");
+    Ok(())
+}
+
+pub fn with_another_profile() -> Result<()> {
     let folder = tempfile::tempdir()?;
     straight(&folder.path().join("s.mcap"), 400, true)?;
     let events = |more: &[&str]| -> Result<String> {
@@ -133,7 +176,7 @@ pub fn anew() -> Result<()> {
         times(&own) == times(&other),
         "the same touches: {own}\n{other}"
     );
-    // Another method makes other images and the same presses.
+    // Another method gives other images and the same presses.
     let presses = |text: &str| text.matches("press").count();
     ensure!(
         presses(&events(&["--method", "tikhonov"])?) == presses(&own),
@@ -177,14 +220,14 @@ pub fn expectations() -> Result<()> {
         ],
         1,
     )?;
-    let told = said(&output);
+    let text = said(&output);
     for part in [
         "line 4",
         &format!("  - {later}"),
         &format!("  + {was}"),
         &format!("    {}", lines[2]),
     ] {
-        ensure!(told.contains(part), "`{part}` is not in\n{told}");
+        ensure!(text.contains(part), "`{part}` is not in\n{text}");
     }
     ensure!(
         fs::read_to_string(path.join("bad.xml"))?.contains("<failure message="),
@@ -236,10 +279,10 @@ pub fn too_few() -> Result<()> {
         .collect();
     fs::write(path.join("s.csv"), csv)?;
     for file in ["s.mcap", "s.csv"] {
-        let told = said(&gelpad_ends(path, &["replay", file], 1)?);
+        let text = said(&gelpad_ends(path, &["replay", file], 1)?);
         ensure!(
-            told.contains("only 9 frames: the first 10 are the reference"),
-            "{told}"
+            text.contains("only 9 frames: the first 10 are the reference"),
+            "{text}"
         );
     }
     Ok(())
@@ -270,36 +313,33 @@ pub fn as_source() -> Result<()> {
         "{played} of {replayed}"
     );
     let onto_itself = [&play[..], &["--record", "s.mcap"]].concat();
-    let told = said(&gelpad_ends(path, &onto_itself, 1)?);
-    ensure!(
-        told.contains("this is the recording that is played"),
-        "{told}"
-    );
+    let text = said(&gelpad_ends(path, &onto_itself, 1)?);
+    ensure!(text.contains("this recording is being played"), "{text}");
     Ok(())
 }
 
 pub fn size() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("s.mcap");
-    let kit = kit();
-    let setup = kit.to_setup();
+    let config = config();
+    let setup = config.to_setup();
     let attached = (setup.sensing.len() + setup.responses.as_ref().map_or(0, Vec::len)) as u64;
-    let mut scribe = Scribe::packed(BufWriter::new(File::create(&path)?), &setup)?;
-    let mut engine = kit.engine();
-    let mut source = FramesCsv::open(Path::new(SESSION), kit.pad.channels())?;
+    let mut writer = SessionWriter::packed(BufWriter::new(File::create(&path)?), &setup)?;
+    let mut engine = config.engine();
+    let mut source = FramesCsv::open(Path::new(SESSION), config.pad.channels())?;
     let mut frames = Vec::new();
     let mut matrices = 0;
-    while let Reading::Frame(frame) = source.read()? {
+    while let SourceReading::Frame(frame) = source.read()? {
         frames.push(frame.clone());
-        step(&mut engine, &Input::Frame(frame), &mut scribe)?;
+        step(&mut engine, &Input::Frame(frame), &mut writer)?;
         if let Some(deviations) = engine.wanted() {
             let sensing = Arc::new(crate::sessions::builder().build(deviations)?);
             matrices += sensing.to_bytes().len() as u64;
-            step(&mut engine, &Input::Matrix(sensing), &mut scribe)?;
+            step(&mut engine, &Input::Matrix(sensing), &mut writer)?;
         }
     }
-    scribe.finish()?;
-    // Frames, their touches and events, the profile, schemas and the index: all but matrices and table.
+    writer.finish()?;
+    // Everything but matrices and table: frames, touches, events, profile, schemas and index.
     let bytes = fs::metadata(&path)?.len() - attached - matrices;
     let a_frame = bytes / frames.len() as u64;
     println!("session.csv: {a_frame} bytes a frame, with touches, events and index");
@@ -323,7 +363,7 @@ pub fn no_guest() -> Option<String> {
     (!is_ready).then(|| "no guest: scripts/run-in-guest.sh --prepare".to_owned())
 }
 
-/// The guest's processor has no AVX2: it sums as that of the host does.
+/// The guest's processor has no AVX2; its sums equal those of the host.
 pub fn in_guest() -> Result<()> {
     // The guest has a /tmp of its own.
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR"))?;
@@ -346,7 +386,7 @@ pub fn in_guest() -> Result<()> {
     Ok(())
 }
 
-/// An hour at 100 frames/s: how much faster than real time it replays. A figure for a machine that does nothing else.
+/// An hour at 100 frames/s: how much faster than real time it replays on an idle machine.
 #[allow(clippy::disallowed_methods, reason = "a figure, not a verdict")]
 pub fn hour() -> Result<()> {
     let folder = tempfile::tempdir()?;

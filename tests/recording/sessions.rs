@@ -1,4 +1,4 @@
-//! Sessions to record: played through the runtime with everything that can happen, or straight into a file.
+//! Sessions to record: through the runtime with every kind of input, or straight into a file.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -10,13 +10,14 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use gelpad::cache;
+use gelpad::eit::Press;
 use gelpad::engine::{Engine, Input};
 use gelpad::output::Trace;
 use gelpad::pad::{DEFAULT_PAD, Pad, Pair, shipped_pad};
 use gelpad::profile::{Profile, shipped_profile};
-use gelpad::runtime::{self, Command, Listener, Step};
-use gelpad::source::{Finger, Noise, Pace, Reading, SimulatedPad, Source, SourceError};
-use gelpad::tape::{Kit, Scribe};
+use gelpad::runtime::{self, EngineStep, PlayCommand, StepListener};
+use gelpad::source::{Noise, SimulatedPad, Source, SourceError, SourcePace, SourceReading};
+use gelpad::tape::{EngineConfig, SessionWriter};
 use gelpad::touch::SensingBuilder;
 use gelpad::types::{Frame, Method, Nanos};
 
@@ -24,11 +25,11 @@ const FRAME_NS: Nanos = 10_000_000;
 /// Where super-mario's regions `jump` and `left` lie, mm.
 const JUMP: [f64; 2] = [80.0, 50.0];
 const LEFT: [f64; 2] = [13.0, 57.0];
-/// The electrode that comes loose, and when.
+/// The electrode that comes loose, and the frame in which it does.
 const LOOSE: usize = 5;
 const LOOSE_FROM: u64 = 500;
 const FRAMES: u64 = 900;
-/// The engine stands still at this frame until the source is so many ahead: more than its queue holds.
+/// The engine stops at this frame until the source is `STALL_FRAMES` ahead: more than its queue holds.
 const STALL_AT: u64 = 250;
 const STALL_FRAMES: u64 = 320;
 
@@ -44,13 +45,18 @@ pub fn profile(name: &str) -> Arc<Profile> {
 
 pub fn builder() -> &'static SensingBuilder {
     static BUILDER: OnceLock<SensingBuilder> = OnceLock::new();
-    BUILDER.get_or_init(|| cache::sensing(&pad(), Method::default(), |_, _| ()).expect("solvable"))
+    BUILDER.get_or_init(|| {
+        cache::sensing_builder(&pad(), Method::default(), |_, _| ()).expect("solvable")
+    })
 }
 
-pub fn kit() -> Kit {
-    let sensing = Arc::new(builder().first().expect("a matrix"));
-    Kit {
-        table: sensing.locating.as_ref().map(|l| Arc::clone(l.table())),
+pub fn config() -> EngineConfig {
+    let sensing = Arc::new(builder().build_initial().expect("a matrix"));
+    EngineConfig {
+        table: sensing
+            .locator_model
+            .as_ref()
+            .map(|l| Arc::clone(l.table())),
         pad: pad(),
         pad_toml: shipped_pad(DEFAULT_PAD).expect("shipped").toml.to_owned(),
         profile: profile("super-mario"),
@@ -64,18 +70,17 @@ pub fn states() -> &'static [Vec<f64>; 3] {
     static STATES: OnceLock<[Vec<f64>; 3]> = OnceLock::new();
     STATES.get_or_init(|| {
         let pad = SimulatedPad::new(&pad()).expect("solvable");
-        let finger = |id, centre_mm| Finger {
-            id,
+        let finger = |centre_mm| Press {
             centre_mm,
             radius_mm: 7.0,
             rise: 1.2,
         };
-        let (jump, left) = (finger(1, JUMP), finger(2, LEFT));
+        let (jump, left) = (finger(JUMP), finger(LEFT));
         [vec![], vec![jump], vec![jump, left]].map(|fingers| pad.volts(&fingers).expect("solvable"))
     })
 }
 
-/// Frame after frame of a session: rest, then presses, some with a second finger.
+/// The frames of a session: rest, then presses, some with a second finger.
 pub struct Frames {
     noise: Noise,
     next: u64,
@@ -111,7 +116,7 @@ impl Iterator for Frames {
     }
 }
 
-/// A board that sends frames whether anybody takes them or not, and loses an electrode.
+/// A board that sends frames at a fixed rate, and loses an electrode.
 struct Board {
     frames: Frames,
     uses_loose: Vec<bool>,
@@ -119,14 +124,14 @@ struct Board {
 }
 
 impl Source for Board {
-    fn pace(&self) -> Pace {
-        Pace::ByDevice
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByDevice
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         let sent = self.sent.load(Ordering::SeqCst);
         if sent == FRAMES {
-            return Ok(Reading::End);
+            return Ok(SourceReading::End);
         }
         thread::sleep(Duration::from_millis(2));
         let mut frame = self.frames.next().expect("endless");
@@ -139,18 +144,18 @@ impl Source for Board {
             }
         }
         self.sent.store(sent + 1, Ordering::SeqCst);
-        Ok(Reading::Frame(frame))
+        Ok(SourceReading::Frame(frame))
     }
 }
 
-/// Holds the engine up once, until the source is far ahead.
+/// Stops the engine once, until the source is far ahead.
 struct Stall {
     frames: u64,
     sent: Arc<AtomicU64>,
 }
 
-impl Listener for Stall {
-    fn step(&mut self, step: &Step<'_>) {
+impl StepListener for Stall {
+    fn on_step(&mut self, step: &EngineStep<'_>) {
         if !matches!(step.input, Input::Frame(_)) {
             return;
         }
@@ -164,13 +169,13 @@ impl Listener for Stall {
     }
 }
 
-/// Records a session through the runtime, with a forced stall, a lost electrode, another profile, a re-zero and a pause.
+/// Records a session through the runtime: a stall, a lost electrode, another profile, a rezero and a pause.
 pub fn eventful(path: &Path) -> Result<()> {
-    let kit = kit();
-    let (recording, recorder) = runtime::record(path, &kit.to_setup())?;
+    let config = config();
+    let (recording, recorder) = runtime::start_recording(path, &config.to_setup())?;
     let sent = Arc::new(AtomicU64::new(0));
     let loose = |pair: &Pair| pair.0 == LOOSE || pair.1 == LOOSE;
-    let channels = kit.pad.protocol.channels.iter();
+    let channels = config.pad.protocol.channels.iter();
     let uses_loose = channels
         .map(|channel| loose(&channel.drive) || loose(&channel.measure))
         .collect();
@@ -184,32 +189,35 @@ pub fn eventful(path: &Path) -> Result<()> {
         sent: Arc::clone(&sent),
     };
     let device = Box::new(Trace::new(std::io::sink()));
-    let listeners: Vec<Box<dyn Listener>> = vec![recording, Box::new(stall)];
-    let mut running = runtime::start_with(
-        kit.engine(),
+    let listeners: Vec<Box<dyn StepListener>> = vec![recording, Box::new(stall)];
+    let mut running = runtime::start_with_listeners(
+        config.engine(),
         builder().clone(),
         Box::new(board),
         device,
         listeners,
     )?;
     let mut wishes = [
-        (150, Command::Profile(profile("super-mario-classified"))),
-        (180, Command::Rezero),
-        (220, Command::Pause),
-        (230, Command::Pause),
+        (150, PlayCommand::Profile(profile("super-mario-classified"))),
+        (180, PlayCommand::Rezero),
+        (220, PlayCommand::Pause),
+        (230, PlayCommand::Pause),
     ]
     .into_iter()
     .peekable();
     while !running.is_finished() {
         let frames = running.view().frames;
         while let Some((_, wish)) = wishes.next_if(|(from, _)| *from <= frames) {
-            ensure!(running.ask(wish), "no room for a wish");
+            ensure!(running.send_command(wish), "no room for a wish");
         }
         thread::sleep(Duration::from_millis(2));
     }
     let summary = running.join();
     let report = recorder.join();
-    ensure!(report.error.is_none() && report.left_out == 0, "{report:?}");
+    ensure!(
+        report.error.is_none() && report.omitted_steps == 0,
+        "{report:?}"
+    );
     ensure!(
         report.frames == summary.frames && summary.lost_frames > 0,
         "{report:?} of {summary:?}"
@@ -217,33 +225,33 @@ pub fn eventful(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Records so many frames straight into a file, as fast as it goes; packed, or as a killed session leaves it.
+/// Records `frames` frames straight into a file; packed, or as a killed session leaves it.
 pub fn straight(path: &Path, frames: usize, packed: bool) -> Result<()> {
-    let kit = kit();
-    let setup = kit.to_setup();
+    let config = config();
+    let setup = config.to_setup();
     let file = BufWriter::new(File::create(path).context("a file")?);
-    let mut scribe = if packed {
-        Scribe::packed(file, &setup)?
+    let mut writer = if packed {
+        SessionWriter::packed(file, &setup)?
     } else {
-        Scribe::live(file, &setup)?
+        SessionWriter::live(file, &setup)?
     };
-    let mut engine = kit.engine();
+    let mut engine = config.engine();
     let mut last_ns = 0;
     for frame in Frames::new(3).take(frames) {
         last_ns = frame.t_ns;
-        step(&mut engine, &Input::Frame(frame), &mut scribe)?;
+        step(&mut engine, &Input::Frame(frame), &mut writer)?;
         if let Some(deviations) = engine.wanted() {
             let sensing = Arc::new(builder().build(deviations)?);
-            step(&mut engine, &Input::Matrix(sensing), &mut scribe)?;
+            step(&mut engine, &Input::Matrix(sensing), &mut writer)?;
         }
     }
-    step(&mut engine, &Input::End { t_ns: last_ns }, &mut scribe)?;
+    step(&mut engine, &Input::End { t_ns: last_ns }, &mut writer)?;
     if packed {
-        scribe.finish()?;
+        writer.finish()?;
     } else {
-        scribe.flush()?;
-        // As a kill leaves it: nothing is written any more.
-        std::mem::forget(scribe);
+        writer.flush()?;
+        // As after a kill: nothing more is written.
+        std::mem::forget(writer);
     }
     Ok(())
 }
@@ -251,10 +259,10 @@ pub fn straight(path: &Path, frames: usize, packed: bool) -> Result<()> {
 pub fn step(
     engine: &mut Engine,
     input: &Input,
-    scribe: &mut Scribe<BufWriter<File>>,
+    writer: &mut SessionWriter<BufWriter<File>>,
 ) -> Result<()> {
     let mut events = Vec::new();
     engine.input(input, &mut events);
-    scribe.step(input, engine.touches().down, &events)?;
+    writer.write_step(input, engine.touches().down, &events)?;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Touches by UDP: to a listener of our own, and to python-tuio, which nobody here wrote.
+//! Touches by UDP, read by a listener of our own and by python-tuio.
 
 use std::collections::BTreeMap;
 use std::net::UdpSocket;
@@ -14,7 +14,7 @@ const TOUCHES: &str =
     "t:400 down 1 80 50\nt:700 down 2 20 57\nt:1000 up 1\nt:1300 up 2\nt:1500 end\n";
 /// The pad's size, mm.
 const PAD_MM: f32 = 100.0;
-/// How far a touch may be from where it was made, as a share of the pad.
+/// Largest error of a touch, as a share of the pad.
 const OFF: f32 = 0.02;
 
 pub fn by_udp() -> Result<()> {
@@ -37,7 +37,7 @@ pub fn by_udp() -> Result<()> {
         ],
         0,
     )?;
-    // All that was sent waits in the socket: less than a second's worth of small packets with touches.
+    // All packets wait in the socket: less than a second of them.
     let mut places: BTreeMap<i32, Vec<[f32; 2]>> = BTreeMap::new();
     let mut alive_last = None;
     let mut frame_last = 0;
@@ -66,7 +66,7 @@ pub fn by_udp() -> Result<()> {
             }
         }
     }
-    ensure!(alive_last == Some(0), "at the end nobody is alive");
+    ensure!(alive_last == Some(0), "at the end no touch is alive");
     check(
         &places
             .into_values()
@@ -106,7 +106,7 @@ fn check(places: &[[f32; 2]]) -> Result<()> {
 pub fn python() -> Result<()> {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("touches.txt"), TOUCHES)?;
-    // A free port, given back just before the client takes it.
+    // A free port, closed just before the client opens it.
     let port = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.port();
     let script = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -121,7 +121,7 @@ pub fn python() -> Result<()> {
         .stderr(Stdio::piped());
     let mut client = client.spawn()?;
     let address = format!("127.0.0.1:{port}");
-    // Until the client listens nothing is lost but the first frames, which have no touches.
+    // Packets before the client listens are lost; the first frames have no touches.
     std::thread::sleep(Duration::from_secs(1));
     let played = gelpad_ends(
         folder.path(),
@@ -137,13 +137,13 @@ pub fn python() -> Result<()> {
         ],
         0,
     );
-    // It ends when nobody writes to it any more.
+    // It ends when its standard input is closed.
     drop(client.stdin.take());
     let output = client.wait_with_output()?;
     played?;
     ensure!(output.status.success(), "{}", said(&output));
-    let told = printed(&output);
-    let places: Vec<[f32; 2]> = told
+    let text = printed(&output);
+    let places: Vec<[f32; 2]> = text
         .lines()
         .filter_map(|line| line.strip_prefix("cursor "))
         .map(|line| {

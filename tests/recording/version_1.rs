@@ -1,4 +1,4 @@
-//! A recording of version 1 replays for ever: `tests/data/recordings` says how it was made.
+//! A recording of format version 1 still replays; tests/data/recordings/README.md describes how it was made.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ pub fn replays() -> Result<()> {
     let folder = Path::new(FOLDER);
     let itself = ["replay", "version-1.mcap", "--expect", "version-1.mcap"];
     let output = gelpad_ends(folder, &itself, 0)?;
-    ensure!(said(&output).contains("to the bit"), "{}", said(&output));
+    ensure!(said(&output).contains("bit for bit"), "{}", said(&output));
     let expected = ["replay", "version-1.mcap", "--expect", "version-1.events"];
     gelpad_ends(folder, &expected, 0)?;
     let events = fs::read_to_string(folder.join("version-1.events"))?;

@@ -1,4 +1,4 @@
-//! A gamepad's script: what it says, and when.
+//! The script of a gamepad: its changes and their times.
 //!
 //! ```text
 //! t:100 press pad:a
@@ -10,9 +10,9 @@
 //! ```
 //! It is plugged in from the start, and at rest.
 
-use gelpad::types::{Buttons, Control, Part, nanos_from_ms};
+use gelpad::types::{Buttons, Control, GamepadPart, nanos_from_ms};
 
-/// The states that a script makes, in the order of their times.
+/// The states of a script, in the order of their times.
 pub fn states(script: &str) -> Result<Vec<Control>, String> {
     let mut now = Control {
         present: true,
@@ -37,9 +37,10 @@ fn step(now: &mut Control, line: &str) -> Result<(), String> {
         let word = words.get(index).ok_or("too short")?;
         word.parse().map_err(|_| format!("{word} is no number"))
     };
-    let part = || -> Result<Part, String> {
+    let part = || -> Result<GamepadPart, String> {
         let word = words.get(2).ok_or("names no part")?;
-        word.parse::<Part>().map_err(|error| error.to_string())
+        word.parse::<GamepadPart>()
+            .map_err(|error| error.to_string())
     };
     match (words.get(1).copied(), words.len()) {
         (Some("unplug"), _) => {
@@ -49,7 +50,7 @@ fn step(now: &mut Control, line: &str) -> Result<(), String> {
         }
         (Some("plug"), _) => now.present = true,
         (Some(word @ ("press" | "release")), _) => {
-            let Part::Button(button) = part()? else {
+            let GamepadPart::Button(button) = part()? else {
                 return Err("is no button".to_owned());
             };
             now.buttons = match word {
@@ -58,12 +59,12 @@ fn step(now: &mut Control, line: &str) -> Result<(), String> {
             };
         }
         (Some("move"), _) => match part()? {
-            Part::Trigger(axis) => now.axes[axis as usize] = number(3)?,
-            Part::Stick(x, y) => {
+            GamepadPart::Trigger(axis) => now.axes[axis as usize] = number(3)?,
+            GamepadPart::Stick(x, y) => {
                 now.axes[x as usize] = number(3)?;
                 now.axes[y as usize] = number(4)?;
             }
-            Part::Button(_) => return Err("does not move".to_owned()),
+            GamepadPart::Button(_) => return Err("does not move".to_owned()),
         },
         _ => return Err("press, release, move, unplug or plug".to_owned()),
     }

@@ -1,39 +1,35 @@
-//! Settings for one person, recommended from that person's own presses.
+//! Recommends settings for a person from that person's own presses.
 //!
-//! A person is asked to press shown regions, shortly, long, or twice. What the pad saw of it is kept as it was
-//! ([`Trial`]). Then settings are tried on it: every candidate plays all presses through the real gestures, and the one
-//! under which most are what was asked for is recommended ([`recommend`]). So nothing is guessed from averages, and what
-//! the person is told ("38 of 40 right, 21 without") was counted.
+//! The person presses shown regions: short, long, or twice. The touches of each request are recorded as a [`PressTrial`]. Every
+//! candidate plays all trials through the real gestures, and the settings with which most presses come out right are
+//! recommended ([`recommend`]). So the figures that the person gets ("38 of 40 right, 21 without") are counted, not estimated.
 //!
-//! Delay is paid for: a setting that makes a press or a release later must be worth it (`search::cost`).
-//! Each press is tried at several speeds, since nobody presses twice alike: a threshold that just misses the recorded
-//! presses loses to one in the middle of the gap.
+//! Delays have a cost: a setting that delays presses or releases must be worth it (`search::cost`). Each press is played at
+//! several speeds, so a threshold that just misses the recorded presses scores less than one in the middle of the gap.
 
 mod overlay;
+mod scorer;
 mod search;
 mod session;
 mod trial;
 
-pub use overlay::{Overlay, SETTINGS};
-pub use search::climb;
-pub use session::{QUIET_NS, Session};
-pub use trial::{Asked, Judge, Length, Outcome, Trial};
+pub use overlay::{RecommendedSettings, SETTINGS, TrialScore};
+pub use scorer::{FEWEST_TRIALS, RecommendError, TrialScorer};
+pub use search::search_settings;
+pub use session::{PressSession, QUIET_NS};
+pub use trial::{PressLength, PressRequest, PressTrial};
 
 use crate::profile::{FindBase, Source};
-use crate::types::Faulty;
 
-/// Fewer presses recommend nothing.
-pub const FEWEST_TRIALS: usize = 12;
-
-/// What is recommended, and what it would have made of the presses.
+/// Recommended settings with their score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recommendation {
     /// The settings.
-    pub overlay: Overlay,
-    /// What the profile made of the presses as it is.
-    pub before: Outcome,
-    /// What it would have made of them.
-    pub after: Outcome,
+    pub overlay: RecommendedSettings,
+    /// Score of the profile as it is.
+    pub before: TrialScore,
+    /// Score with the settings.
+    pub after: TrialScore,
 }
 
 impl Recommendation {
@@ -44,31 +40,12 @@ impl Recommendation {
     }
 }
 
-/// Why nothing is recommended.
-#[derive(Debug, thiserror::Error)]
-pub enum RecommendError {
-    /// Too few presses.
-    #[error("{found} presses tell too little: at least {FEWEST_TRIALS} are needed")]
-    TooFew {
-        /// How many there are.
-        found: usize,
-    },
-    /// The profile cannot be read.
-    #[error("the profile cannot be played: {}", .0.name)]
-    Profile(Faulty),
-    /// A press was asked for that the profile does not know.
-    #[error(
-        "the profile has no region `{0}` that a press is bound to: ask for regions that it has"
-    )]
-    Region(String),
-}
-
-/// Recommends settings for the person who made the presses, on a pad of a size, for a profile.
+/// Recommends settings for a profile on a pad of the given size.
 ///
 /// # Errors
-/// Too few presses; a profile that cannot be read; a region that it has not.
+/// Too few presses; a profile that cannot be read; a region that it does not have.
 pub fn recommend(
-    trials: &[Trial],
+    trials: &[PressTrial],
     profile: &Source,
     find: FindBase<'_>,
     pad_mm: [f64; 2],
@@ -78,12 +55,12 @@ pub fn recommend(
             found: trials.len(),
         });
     }
-    let judge = Judge::new(profile, find, pad_mm);
-    let plain = Overlay::of_profile(&judge.profile(None)?);
-    let before = judge.outcome(trials, None)?;
+    let judge = TrialScorer::new(profile, find, pad_mm);
+    let plain = RecommendedSettings::from_profile(&judge.profile(None)?);
+    let before = judge.score(trials, None)?;
     let mut overlay = search::best(&judge, trials, plain)?;
     overlay.learn_ranges(trials);
-    let after = judge.outcome(trials, Some(&overlay))?;
+    let after = judge.score(trials, Some(&overlay))?;
     Ok(Recommendation {
         overlay,
         before,

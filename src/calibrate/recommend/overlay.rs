@@ -1,12 +1,13 @@
-//! The settings that are recommended, and their text.
+//! Recommended settings, and their text.
 
 use std::fmt::Write as _;
 
-use super::{Outcome, Trial};
+use super::trial::{PressLength, PressTrial};
 use crate::profile::{Mode, Profile};
+use crate::stats::quantile;
 use crate::types::{NANOS_PER_MS, Nanos, Phase, ms_from_nanos};
 
-/// Keys that are recommended, and by what presses: the guide lists them.
+/// The recommended settings, and the presses that determine each; listed in docs/calibration.md.
 pub const SETTINGS: &[(&str, &str)] = &[
     ("long_ms", "length of short and of long presses"),
     (
@@ -15,55 +16,82 @@ pub const SETTINGS: &[(&str, &str)] = &[
     ),
     (
         "tremor_ms, tremor_mm",
-        "re-touches: how soon, and how far off",
+        "re-touches: how soon, and how far away",
     ),
     ("slow_keys_ms", "brushes that are shorter than any press"),
-    ("bounce_keys_ms", "re-touches behind a press"),
+    ("bounce_keys_ms", "re-touches after a press"),
     (
         "tapping_term_ms, hold_ms",
-        "as long_ms, for profiles that tell taps from holds",
+        "as long_ms, for profiles that distinguish taps from holds",
     ),
     ("double_tap_ms", "gaps between two presses"),
     ("force_min, force_max", "force of all presses"),
 ];
 
-/// Forces that count as none and as full, as quantiles of the hardest moment of each press, and how much lower "none" is.
+/// Quantiles of the greatest force of each press that give the lower and upper limit, and the factor on the lower one.
 const FORCE_QUANTILES: [f64; 2] = [0.1, 0.8];
 const NONE_SHARE: f64 = 0.5;
-/// A range of force is at least this wide.
+/// Least width of the force range.
 const LEAST_RANGE: f64 = 0.05;
-/// Gaps of double presses: this quantile, and so much more; never less than the usual time.
+/// The time of a double tap: this quantile of the gaps times this margin, at least the default.
 const GAP_QUANTILE: f64 = 0.9;
 const GAP_MARGIN: f64 = 1.3;
 const DOUBLE_TAP_MS: f64 = 300.0;
-/// A hold is never shorter than usual.
+/// Least time of a hold: the default.
 const HOLD_MS: u32 = 400;
 
-/// Settings over a profile.
+/// How many requested presses came out right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TrialScore {
+    /// Requested presses.
+    pub requested: usize,
+    /// Requests that came out right: the right output, as often and as long as requested, and no other output.
+    pub right: usize,
+    /// Presses that were not requested.
+    pub wrong: usize,
+}
+
+impl TrialScore {
+    /// Share of right requests, 0 to 1.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.right as f64 / self.requested.max(1) as f64
+    }
+}
+
+impl std::ops::AddAssign for TrialScore {
+    fn add_assign(&mut self, other: Self) {
+        self.requested += other.requested;
+        self.right += other.right;
+        self.wrong += other.wrong;
+    }
+}
+
+/// Settings applied over a profile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Overlay {
-    /// A touch that lasts this long is a long press.
+pub struct RecommendedSettings {
+    /// Least duration of a long press.
     pub long_ms: u32,
-    /// A press goes out when it is known to be short or long.
+    /// Whether a press is sent only when it is known to be short or long.
     pub when_decided: bool,
-    /// A finger that comes back sooner has not lifted.
+    /// A finger that returns within this time has not lifted.
     pub tremor_ms: u32,
-    /// It comes back nearer than this.
+    /// Largest distance of such a return.
     pub tremor_mm: u32,
-    /// A touch counts only after this time.
+    /// A touch counts after this time (slow keys).
     pub slow_keys_ms: u32,
-    /// A re-press sooner is ignored.
+    /// A new press within this time is ignored (bounce keys).
     pub bounce_keys_ms: u32,
-    /// The second touch of a double tap comes sooner.
+    /// Longest gap in a double tap.
     pub double_tap_ms: Option<u32>,
-    /// Forces that count as none and as full.
+    /// Forces that count as 0 and as 1.
     pub force_range: Option<[f64; 2]>,
 }
 
-impl Overlay {
-    /// What a profile has by itself.
+impl RecommendedSettings {
+    /// The settings of a profile.
     #[must_use]
-    pub fn of_profile(profile: &Profile) -> Self {
+    pub fn from_profile(profile: &Profile) -> Self {
         let settings = &profile.settings;
         let ms = |ns: Nanos| (ns / NANOS_PER_MS) as u32;
         let latch = profile
@@ -85,8 +113,8 @@ impl Overlay {
         }
     }
 
-    /// What settings are told apart by while they are searched.
-    pub(super) fn key(&self) -> [u32; 6] {
+    /// Identifies settings during the search.
+    pub(super) fn search_key(&self) -> [u32; 6] {
         [
             self.long_ms,
             u32::from(self.when_decided),
@@ -97,9 +125,9 @@ impl Overlay {
         ]
     }
 
-    /// Ranges that presses show by themselves: force, and the gaps of double presses.
-    pub(super) fn learn_ranges(&mut self, trials: &[Trial]) {
-        let asked = trials.iter().filter(|trial| trial.asked.is_some());
+    /// Sets the ranges that follow from the presses directly: force, and the gap of double taps.
+    pub(super) fn learn_ranges(&mut self, trials: &[PressTrial]) {
+        let asked = trials.iter().filter(|trial| trial.request.is_some());
         let mut forces = Vec::new();
         let mut gaps_ms = Vec::new();
         for trial in asked {
@@ -107,23 +135,23 @@ impl Overlay {
             forces.extend(hardest.max_by(f64::total_cmp));
             gaps_ms.extend(double_gap_ms(trial, self.tremor_ms));
         }
-        self.force_range = range(&mut forces);
-        self.double_tap_ms = quantile(&mut gaps_ms, GAP_QUANTILE)
+        self.force_range = range(&forces);
+        self.double_tap_ms = quantile(gaps_ms.iter().copied(), GAP_QUANTILE)
             .map(|gap_ms| (GAP_MARGIN * gap_ms).max(DOUBLE_TAP_MS))
             .filter(|ms| *ms > DOUBLE_TAP_MS)
             .map(|ms| libm::ceil(ms / 50.0) as u32 * 50);
     }
 
-    /// The text of a person's settings; with what they were counted to bring.
+    /// The text of user settings; `scores` without and with them are given in a comment.
     #[must_use]
-    pub fn toml(&self, counted: Option<(&Outcome, &Outcome)>) -> String {
+    pub fn toml(&self, scores: Option<(&TrialScore, &TrialScore)>) -> String {
         let mut text = String::new();
-        if let Some((before, after)) = counted {
+        if let Some((before, after)) = scores {
             let _ = writeln!(
                 text,
-                "# Recommended from {} presses: {} of them come out as meant with these settings, {} without; {} presses \
-                 that nobody meant, {} without.",
-                after.asked, after.right, before.right, after.wrong, before.wrong
+                "# Recommended from {} presses: {} are right with these settings, {} without; {} unintended presses, \
+                 {} without.",
+                after.requested, after.right, before.right, after.wrong, before.wrong
             );
         }
         let _ = writeln!(text, "long_ms = {}", self.long_ms);
@@ -149,10 +177,10 @@ impl Overlay {
     }
 }
 
-/// The longest time without a finger inside a trial that asked for two presses: what parts them.
-fn double_gap_ms(trial: &Trial, joined_ms: u32) -> Option<f64> {
-    let asked = trial.asked.as_ref()?;
-    if asked.length != super::Length::Twice {
+/// The gap between the presses of a trial that requested two: the longest time without a touch.
+fn double_gap_ms(trial: &PressTrial, joined_ms: u32) -> Option<f64> {
+    let asked = trial.request.as_ref()?;
+    if asked.length != PressLength::Twice {
         return None;
     }
     let mut down = 0usize;
@@ -178,14 +206,8 @@ fn double_gap_ms(trial: &Trial, joined_ms: u32) -> Option<f64> {
         .filter(|ms| *ms > f64::from(joined_ms))
 }
 
-fn range(forces: &mut [f64]) -> Option<[f64; 2]> {
-    let least = NONE_SHARE * quantile(forces, FORCE_QUANTILES[0])?;
-    let most = quantile(forces, FORCE_QUANTILES[1])?;
+fn range(forces: &[f64]) -> Option<[f64; 2]> {
+    let least = NONE_SHARE * quantile(forces.iter().copied(), FORCE_QUANTILES[0])?;
+    let most = quantile(forces.iter().copied(), FORCE_QUANTILES[1])?;
     (most - least >= LEAST_RANGE).then(|| [least, most].map(|force| force.clamp(0.0, 1.0)))
-}
-
-fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    Some(values[libm::round(share * last as f64) as usize])
 }

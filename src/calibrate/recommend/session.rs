@@ -1,41 +1,41 @@
-//! Asking for presses, one after the other, and keeping what the pad sees of each.
+//! Requests presses one after the other and records the touches of each.
 //!
-//! The next is asked for when the pad was touched and then left alone for [`QUIET_NS`]: so a person may press as slowly, and
-//! as often, as the hand does.
+//! The next press is requested when the pad was touched and then released for [`QUIET_NS`], so a player may press as slowly
+//! and as often as needed.
 
-use super::{Asked, Length, Trial};
+use super::trial::{PressLength, PressRequest, PressTrial};
 use crate::profile::{Gesture, Mode, Profile};
 use crate::types::{NANOS_PER_MS, Nanos, Phase, Touch};
 
-/// A thing asked for is over when the pad was left alone for so long: longer than between two slow presses.
+/// A request ends when the pad was released for this long: longer than the gap between two slow presses.
 pub const QUIET_NS: Nanos = 2_000 * NANOS_PER_MS;
-/// Touches of one thing asked for that are kept; more are no press.
+/// Most touch changes recorded for one request.
 const MOST_TOUCHES: usize = 20_000;
-/// Lengths in the order in which they are asked for.
-const LENGTHS: [Length; 5] = [
-    Length::Short,
-    Length::Long,
-    Length::Twice,
-    Length::Short,
-    Length::Long,
+/// Press lengths in the order of the requests.
+const LENGTHS: [PressLength; 5] = [
+    PressLength::Short,
+    PressLength::Long,
+    PressLength::Twice,
+    PressLength::Short,
+    PressLength::Long,
 ];
 
-/// What is asked for, and what came of it.
+/// Requests and their recorded touches.
 #[derive(Clone, Debug)]
-pub struct Session {
-    asked: Vec<Asked>,
-    done: Vec<Trial>,
+pub struct PressSession {
+    requests: Vec<PressRequest>,
+    done: Vec<PressTrial>,
     open: Vec<(Nanos, Touch)>,
     down: usize,
     last_ns: Nanos,
 }
 
-impl Session {
-    /// Asks for these.
+impl PressSession {
+    /// A session with these requests.
     #[must_use]
-    pub fn new(asked: Vec<Asked>) -> Self {
+    pub fn new(requests: Vec<PressRequest>) -> Self {
         Self {
-            asked,
+            requests,
             done: Vec::new(),
             open: Vec::new(),
             down: 0,
@@ -43,17 +43,18 @@ impl Session {
         }
     }
 
-    /// So many presses of a profile's regions: every second one where it tells short from long, if it does anywhere.
+    /// `count` requests for a profile's regions: every second one in a region that distinguishes short from long, if there is
+    /// any.
     #[must_use]
-    pub fn usual(profile: &Profile, count: usize) -> Vec<Asked> {
-        let mut telling: Vec<&str> = Vec::new();
+    pub fn default_requests(profile: &Profile, count: usize) -> Vec<PressRequest> {
+        let mut classified: Vec<&str> = Vec::new();
         let mut plain: Vec<&str> = Vec::new();
         for binding in &profile.bindings {
-            if binding.gesture != Gesture::Press || binding.layer.is_some() {
+            if !matches!(binding.gesture, Gesture::Press(_)) || binding.layer.is_some() {
                 continue;
             }
             let list = if matches!(binding.mode, Mode::Classified(_)) {
-                &mut telling
+                &mut classified
             } else if binding.mode == Mode::Direct {
                 &mut plain
             } else {
@@ -66,16 +67,16 @@ impl Session {
                     .map(|region| profile.regions[*region].name.as_str()),
             );
         }
-        let (even, odd) = match (telling.is_empty(), plain.is_empty()) {
-            (false, false) => (&telling, &plain),
-            (false, true) => (&telling, &telling),
+        let (even, odd) = match (classified.is_empty(), plain.is_empty()) {
+            (false, false) => (&classified, &plain),
+            (false, true) => (&classified, &classified),
             (true, false) => (&plain, &plain),
             (true, true) => return Vec::new(),
         };
         (0..count)
             .map(|index| {
                 let list = if index % 2 == 0 { even } else { odd };
-                Asked {
+                PressRequest {
                     region: list[index / 2 % list.len()].to_owned(),
                     length: LENGTHS[index / 2 % LENGTHS.len()],
                 }
@@ -83,22 +84,22 @@ impl Session {
             .collect()
     }
 
-    /// What is asked for now, and its number from 0; nothing at the end.
+    /// The current request and its number from 0; `None` at the end.
     #[must_use]
-    pub fn asked(&self) -> Option<(usize, &Asked)> {
+    pub fn current_request(&self) -> Option<(usize, &PressRequest)> {
         let number = self.done.len();
-        self.asked.get(number).map(|asked| (number, asked))
+        self.requests.get(number).map(|asked| (number, asked))
     }
 
-    /// How many are asked for in all.
+    /// Number of requests.
     #[must_use]
-    pub fn count(&self) -> usize {
-        self.asked.len()
+    pub fn request_count(&self) -> usize {
+        self.requests.len()
     }
 
-    /// Takes what became of the touches in a frame, if anything; returns whether the next is asked for now.
-    pub fn frame(&mut self, t_ns: Nanos, changed: &[Touch]) -> bool {
-        let Some(asked) = self.asked.get(self.done.len()) else {
+    /// Takes the changed touches of a frame; returns whether the request has ended.
+    pub fn take_frame(&mut self, t_ns: Nanos, changed: &[Touch]) -> bool {
+        let Some(asked) = self.requests.get(self.done.len()) else {
             return false;
         };
         for touch in changed {
@@ -107,7 +108,7 @@ impl Session {
                 Phase::Up => self.down = self.down.saturating_sub(1),
                 Phase::Move => {}
             }
-            // What lies on the pad since before the question is none of its answer.
+            // A touch that was down before the request does not belong to it.
             let begun = !self.open.is_empty() || touch.phase == Phase::Down;
             if begun && self.open.len() < MOST_TOUCHES {
                 self.open.push((t_ns, *touch));
@@ -118,23 +119,23 @@ impl Session {
             && self.down == 0
             && t_ns.saturating_sub(self.last_ns) >= QUIET_NS;
         if over {
-            self.done.push(Trial {
-                asked: Some(asked.clone()),
+            self.done.push(PressTrial {
+                request: Some(asked.clone()),
                 touches: std::mem::take(&mut self.open),
             });
         }
         over
     }
 
-    /// Ends it: what has been pressed counts.
+    /// Ends the session; a press of the current request counts.
     #[must_use]
-    pub fn finish(mut self) -> Vec<Trial> {
+    pub fn finish(mut self) -> Vec<PressTrial> {
         if self.down == 0
-            && let Some(asked) = self.asked.get(self.done.len())
+            && let Some(asked) = self.requests.get(self.done.len())
             && !self.open.is_empty()
         {
-            self.done.push(Trial {
-                asked: Some(asked.clone()),
+            self.done.push(PressTrial {
+                request: Some(asked.clone()),
                 touches: self.open,
             });
         }
@@ -168,37 +169,43 @@ mod tests {
     }
 
     #[test]
-    fn half_of_the_presses_are_asked_for_where_lengths_are_told_apart() {
-        let asked = Session::usual(&profile("super-mario-classified"), 40);
+    fn half_of_the_requests_are_in_regions_that_distinguish_lengths() {
+        let asked = PressSession::default_requests(&profile("super-mario-classified"), 40);
         let jumps = asked.iter().filter(|asked| asked.region == "jump").count();
         assert_eq!((asked.len(), jumps), (40, 20));
-        for length in [Length::Short, Length::Long, Length::Twice] {
+        for length in [PressLength::Short, PressLength::Long, PressLength::Twice] {
             let some = asked
                 .iter()
                 .filter(|a| a.region == "jump" && a.length == length);
             assert!(some.count() >= 4, "{length:?}");
         }
-        assert!(!Session::usual(&profile("super-mario"), 10).is_empty());
+        assert!(!PressSession::default_requests(&profile("super-mario"), 10).is_empty());
     }
 
     #[test]
-    fn the_next_is_asked_for_when_the_pad_was_left_alone() {
+    fn the_next_press_is_requested_when_the_pad_was_released() {
         let ms = |ms: u64| ms * NANOS_PER_MS;
-        let mut session = Session::new(Session::usual(&profile("super-mario-classified"), 3));
-        assert!(!session.frame(ms(5000), &[]), "nothing was pressed yet");
+        let mut session = PressSession::new(PressSession::default_requests(
+            &profile("super-mario-classified"),
+            3,
+        ));
+        assert!(
+            !session.take_frame(ms(5000), &[]),
+            "nothing was pressed yet"
+        );
         for (at, phase) in [
             (6000, Phase::Down),
             (6200, Phase::Up),
             (7500, Phase::Down),
             (7700, Phase::Up),
         ] {
-            assert!(!session.frame(ms(at), &[touch(phase)]));
+            assert!(!session.take_frame(ms(at), &[touch(phase)]));
         }
-        assert!(!session.frame(ms(9699), &[]));
-        assert!(session.frame(ms(9700), &[]));
-        assert_eq!(session.asked().map(|(number, _)| number), Some(1));
-        session.frame(ms(10_000), &[touch(Phase::Down)]);
-        session.frame(ms(10_100), &[touch(Phase::Up)]);
+        assert!(!session.take_frame(ms(9699), &[]));
+        assert!(session.take_frame(ms(9700), &[]));
+        assert_eq!(session.current_request().map(|(number, _)| number), Some(1));
+        session.take_frame(ms(10_000), &[touch(Phase::Down)]);
+        session.take_frame(ms(10_100), &[touch(Phase::Up)]);
         let trials = session.finish();
         let touches: Vec<usize> = trials.iter().map(|trial| trial.touches.len()).collect();
         assert_eq!(touches, [4, 2]);

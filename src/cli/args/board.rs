@@ -1,30 +1,30 @@
-//! What `gelpad listen` and `gelpad device` take, and how a board is read.
+//! Arguments of `gelpad listen` and `gelpad device`, and of boards.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use super::values::{above_zero, percent, rate, snr};
-use crate::cli::device::{Between, Loose};
-use crate::source::board::Every;
+use crate::app::services::BoardLine;
+use crate::source::board::RepeatedFault;
 use crate::source::serial::DEFAULT_BAUD;
-use crate::source::wire::Format;
+use crate::source::wire::FormatChoice;
 
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  gelpad listen /dev/ttyACM0                   ten seconds; a board that says nothing is sent the known start commands
+  gelpad listen /dev/ttyACM0                   listens for 10 s; sends the known start commands to a silent board
   gelpad listen /dev/ttyUSB0 --mute --seconds 60 --format lines")]
 pub(in crate::cli) struct ListenArgs {
-    /// The board's port
+    /// Serial port of the board
     pub port: String,
-    /// How long to listen, s
+    /// Time to listen, s
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = above_zero)]
     pub seconds: f64,
-    /// End after so many frames
+    /// End after N frames
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
-    /// Send nothing, whatever is heard
+    /// Send nothing to the board
     #[arg(long)]
     pub mute: bool,
     #[command(flatten)]
@@ -39,39 +39,39 @@ Examples:
   gelpad device --port ./board --format gelpad --rate 500 --lose-bytes 1 --flip-bits 0.1
   gelpad device --port ./board --format lines:rotated --pause 5,800 --hang-up 20,1500 --lose-electrode 5@10
 
-The pad is the simulated one, pressed by a touch script (the level by default) that begins again when it ends.")]
+The board reads the simulated pad, pressed by a touch script (default: the level) that repeats.")]
 pub(in crate::cli) struct DeviceArgs {
-    /// Where the port is to be found: a link that is made there [default: where the system puts it; it is said]
+    /// Create a link to the port at this path [default: the path that the system assigns, which is printed]
     #[arg(long, value_name = "PATH")]
     pub port: Option<PathBuf>,
-    /// What it speaks: openeit, square, request, lines, lines:complex, sciospec or gelpad; with :rotated or :flipped
+    /// Wire format: openeit, square, request, lines, lines:complex, sciospec or gelpad; with :rotated or :flipped
     #[arg(long, value_name = "F")]
-    pub format: Format,
-    /// The pad that it reads: a shipped one, or a file
+    pub format: FormatChoice,
+    /// The pad that the board reads: a shipped one, or a file
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// What fingers do to the pad: a touch script
+    /// Touch script that presses the pad
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
-    /// Frames a second; 0: as many as the host takes
+    /// Frames per second; 0: as fast as the host reads
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
     pub rate: f64,
-    /// End after so many frames
+    /// End after N frames
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
-    /// Which readings it lists [default: the pad's; square: all pairs]
+    /// Readings of a frame [default: the pad's; square: all pairs]
     #[arg(long, value_enum)]
     pub layout: Option<LayoutArg>,
-    /// Whole counts of a converter instead of volts (gelpad)
+    /// Send integer counts of a converter instead of volts (gelpad)
     #[arg(long)]
     pub counts: bool,
-    /// No menu at reset (openeit)
+    /// Print no menu at reset (openeit)
     #[arg(long)]
     pub no_menu: bool,
     /// Signal-to-noise ratio of the pad, dB
     #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
     pub snr: f64,
-    /// Drift of all voltages, % a minute
+    /// Drift of all voltages, % per minute
     #[arg(
         long,
         value_name = "PERCENT",
@@ -79,27 +79,27 @@ pub(in crate::cli) struct DeviceArgs {
         allow_hyphen_values = true
     )]
     pub drift: f64,
-    /// An electrode that comes loose, and from which second on
+    /// Electrode (1 to N) that loses contact, and the second at which it does
     #[arg(long, value_name = "N[@S]")]
-    pub lose_electrode: Option<Loose>,
-    /// Bytes that are lost, %
+    pub lose_electrode: Option<LostElectrodeArg>,
+    /// Lost bytes, %
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub lose_bytes: f64,
-    /// Bits that are turned, %
+    /// Flipped bits, %
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub flip_bits: f64,
-    /// Frames of which only the first half comes, %
+    /// Frames that are cut in half, %
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub half_frames: f64,
-    /// Every so many seconds no frame for so many milliseconds
+    /// Every S seconds, send no frames for MS milliseconds
     #[arg(long, value_name = "S,MS")]
-    pub pause: Option<Every>,
-    /// Every so many seconds the port goes away for so many milliseconds
+    pub pause: Option<RepeatedFault>,
+    /// Every S seconds, close the port for MS milliseconds
     #[arg(long, value_name = "S,MS")]
-    pub hang_up: Option<Every>,
-    /// Every so many seconds another format for so many milliseconds
+    pub hang_up: Option<RepeatedFault>,
+    /// Every S seconds, send format F for MS milliseconds
     #[arg(long, value_name = "F,S,MS")]
-    pub between: Option<Between>,
+    pub between: Option<FormatInterval>,
     /// Seed of noise and faults
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -109,21 +109,73 @@ pub(in crate::cli) struct DeviceArgs {
 pub(in crate::cli) enum LayoutArg {
     /// n (n - 3) adjacent readings
     Full,
-    /// the half of these that reciprocity leaves
+    /// the half of these that is independent by reciprocity
     Half,
-    /// all n x n pairs, the driven ones as zeros
+    /// all n x n pairs, zeros at the driven ones
     Square,
     /// opposite drive, n (n - 4)
     Opposite,
 }
 
-/// How a board on a serial port talks.
+/// Format and speed of a board on a serial port.
 #[derive(Args, Clone, Debug)]
 pub(in crate::cli) struct BoardArgs {
-    /// What a board sends: auto, openeit, square, request, lines, lines:complex, sciospec or gelpad
+    /// Wire format of the board: auto, openeit, square, request, lines, lines:complex, sciospec or gelpad
     #[arg(long, value_name = "F", default_value = "auto")]
-    pub format: Format,
-    /// Speed of a serial port (USB boards take any)
+    pub format: FormatChoice,
+    /// Speed of the serial port (USB boards accept any)
     #[arg(long, value_name = "BAUD", default_value_t = DEFAULT_BAUD)]
     pub baud: u32,
+}
+
+impl BoardArgs {
+    /// Format and speed for a request.
+    pub(in crate::cli) fn line(&self) -> BoardLine {
+        BoardLine {
+            format: self.format,
+            baud: self.baud,
+        }
+    }
+}
+
+/// `FORMAT,S,MS`.
+#[derive(Clone, Debug)]
+pub(in crate::cli) struct FormatInterval {
+    pub format: FormatChoice,
+    pub every: RepeatedFault,
+}
+
+impl std::str::FromStr for FormatInterval {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (format, every) = text
+            .split_once(',')
+            .ok_or("expected a format, a period and a duration, such as openeit,5,500")?;
+        Ok(Self {
+            format: format.parse()?,
+            every: every.parse()?,
+        })
+    }
+}
+
+/// `N[@S]`, the electrode counted from 1.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cli) struct LostElectrodeArg {
+    pub number: usize,
+    pub from_s: f64,
+}
+
+impl std::str::FromStr for LostElectrodeArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, from_s) = text.split_once('@').unwrap_or((text, "0"));
+        match (number.parse(), from_s.parse::<f64>()) {
+            (Ok(number), Ok(from_s)) if number > 0 && (0.0..1e6).contains(&from_s) => {
+                Ok(Self { number, from_s })
+            }
+            _ => Err("expected an electrode (from 1) and a time in s, such as 5@10".to_owned()),
+        }
+    }
 }

@@ -1,47 +1,65 @@
-//! What `gelpad study` and `gelpad accuracy` take.
+//! Arguments of `gelpad study` and `gelpad accuracy`.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::values::snr;
-use crate::study::Vary;
+use crate::source::Disturbance;
+use crate::study::ParameterSweep;
 use crate::study::job::Shard;
-use crate::study::thickness::Parameters;
-use crate::study::width::Rank;
+use crate::study::thickness::ThicknessParameters;
+use crate::study::width::RankCriterion;
 use crate::types::Method;
 
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  gelpad accuracy --out accuracy                                  about a minute on two cores
+  gelpad accuracy --out accuracy                                  a minute on two cores
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
-  gelpad accuracy --pad round-tank --quick --out tank             some ten seconds: whether all works, not how well")]
+  gelpad accuracy --real --out real                               ADC steps, spikes, edges: some minutes
+  gelpad accuracy --pad round-tank --quick --out tank             a quick test in 10 s, not for results")]
 pub(in crate::cli) struct AccuracyArgs {
-    /// Where report, picture, JSON and CSV go
+    /// Folder for report, figure, JSON and CSV
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
+    /// A shipped pad, or a file (contains `/` or ends in `.toml`)
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
     /// Signal-to-noise ratios, dB
     #[arg(long, value_name = "DB,...", value_delimiter = ',', value_parser = snr, default_value = "80,60,50,40")]
     pub snr: Vec<f64>,
-    /// How images are made: tikhonov, noser, smooth or l1 [default: what the pad says, else noser]
+    /// Reconstruction: tikhonov, noser, smooth or l1 [default: the pad's, else noser]
     #[arg(long)]
     pub method: Option<Method>,
     /// Seed of specimens, touches and noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Few draws: whether all works, not how well
+    /// Few random draws: a quick test, not for results
     #[arg(long)]
     pub quick: bool,
+    /// Play the conditions of real boards, pads and hands, and print what is missed, false and off
+    #[arg(long)]
+    pub real: bool,
+    /// With --real: only conditions whose name contains TEXT
+    #[arg(long, value_name = "TEXT", default_value = "", requires = "real")]
+    pub only: String,
+    /// With --real: one condition of your own, such as adc:12,gain:60. Names: adc:BITS, gain:DB, drive:DB, flicker:DB,
+    /// noisy-channel:SHARE, dead-channel, mains:SHARE, spikes:SIGMA, surge:SHARE, bad-start:FACTOR, garbage-start,
+    /// bad-frame:FACTOR, repeated-start:FRAMES, gain-step:SHARE, stuck-frame
+    #[arg(
+        long,
+        value_name = "NAME[:VALUE],...",
+        value_delimiter = ',',
+        requires = "real"
+    )]
+    pub disturb: Vec<Disturbance>,
 }
 
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example: gelpad study width --out width-study")]
 pub(in crate::cli) enum StudyCommand {
-    /// How the signal depends on the width of the channels, or on any number in a pad's text
+    /// How the signal depends on the width of the channels, or on another number in the pad's text
     #[command(after_help = "\
 Examples:
   gelpad study width --out width-study
@@ -50,30 +68,36 @@ Examples:
     Width {
         #[command(flatten)]
         common: StudyArgs,
-        /// Sweep a number of the pad's text instead: PARAMETER=FROM..TO:STEP, as lattice.width=1..5:0.5
+        /// Vary another number of the pad's text: PARAMETER=FROM..TO:STEP, such as lattice.width=1..5:0.5
         #[arg(long, value_name = "P=A..B:STEP")]
-        vary: Option<Vary>,
-        /// What the variants are ranked by
+        vary: Option<ParameterSweep>,
+        /// Measure that ranks the variants
         #[arg(long, value_enum, default_value_t = RankArg::Bound)]
         rank: RankArg,
-        /// Fewer places
+        /// Use fewer places
         #[arg(long)]
         quick: bool,
+        /// Seed of the random places
+        #[arg(long, value_name = "N", default_value_t = 1)]
+        seed: u64,
     },
-    /// What the pad can show: five phantoms, Tikhonov and L1
+    /// Images of five phantoms, reconstructed by Tikhonov and L1
     #[command(after_help = "Example: gelpad study phantoms --out phantoms")]
     Phantoms {
         #[command(flatten)]
         common: StudyArgs,
-        /// It is quick as it is
+        /// Only one point and the annulus
         #[arg(long)]
         quick: bool,
+        /// Seed of the noise
+        #[arg(long, value_name = "N", default_value_t = 1)]
+        seed: u64,
     },
-    /// Whether the thickness of the conducting layer matters: presses and currents in three dimensions
+    /// Whether the thickness of the conducting layer matters: presses and currents in 3D
     #[command(after_help = "\
 Examples:
   gelpad study thickness --out thickness --quick       one coarse case of each kind
-  gelpad study thickness --out thickness               half an hour or so on two cores; says first what it takes
+  gelpad study thickness --out thickness               half an hour on two cores; prints an estimate first
   gelpad study thickness --out stiff --silicone-kpa 300 --layers 1,3")]
     Thickness {
         #[command(flatten)]
@@ -84,30 +108,27 @@ Examples:
         #[arg(long)]
         quick: bool,
     },
-    /// Join the folders of all shards
+    /// Merge the folders of all shards
     #[command(after_help = "Example: gelpad study merge part1 part2 --out whole")]
     Merge {
-        /// The shards' folders
+        /// Folders of the shards
         #[arg(required = true)]
         folders: Vec<PathBuf>,
-        /// Where the whole goes
+        /// Folder for the merged study
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
 }
 
-/// What every study takes.
+/// Arguments of every study.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct StudyArgs {
-    /// Where the report goes; a killed study goes on from what is there
+    /// Folder for the report; an interrupted study continues from it
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// A shipped pad, or a file (an argument with a `/` or ending in `.toml`)
+    /// A shipped pad, or a file (contains `/` or ends in `.toml`)
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Seed of random places and noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
     /// Solve the K-th of N parts of the cases only
     #[arg(
         long,
@@ -118,7 +139,7 @@ pub(in crate::cli) struct StudyArgs {
     pub shard: Shard,
 }
 
-/// What the paper does not say of the sensor and its presses.
+/// Parameters of the sensor and its presses that the paper does not give.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct ThicknessArgs {
     /// Thicknesses of the conducting layer
@@ -129,7 +150,7 @@ pub(in crate::cli) struct ThicknessArgs {
         default_value = "1,2,3,4,5"
     )]
     layers: Vec<f64>,
-    /// How deep the indenter is pressed
+    /// Indentation depths
     #[arg(
         long,
         value_name = "MM,...",
@@ -137,7 +158,7 @@ pub(in crate::cli) struct ThicknessArgs {
         default_value = "2,5"
     )]
     depths: Vec<f64>,
-    /// How deep it is pressed on a rigid table, as shares of the sensor's thickness
+    /// Indentation depths on a rigid table, as fractions of the sensor's thickness
     #[arg(
         long,
         value_name = "SHARE,...",
@@ -145,10 +166,10 @@ pub(in crate::cli) struct ThicknessArgs {
         default_value = "0.25,0.5"
     )]
     table_shares: Vec<f64>,
-    /// Radius of the flat indenter and of the local rise
+    /// Radius of the flat indenter and of the local conductivity change
     #[arg(long, value_name = "MM", default_value_t = 5.0)]
     indenter_mm: f64,
-    /// Silicone below and above the layer
+    /// Thickness of the silicone below and above the layer
     #[arg(long, value_name = "MM", default_value_t = 1.0)]
     cover_mm: f64,
     /// Young's modulus of the silicone (Ecoflex 00-30: 69 kPa at 100 % strain)
@@ -157,7 +178,7 @@ pub(in crate::cli) struct ThicknessArgs {
     /// Young's modulus of the hydrogel
     #[arg(long, value_name = "KPA", default_value_t = 20.0)]
     hydrogel_kpa: f64,
-    /// Poisson's ratio of both
+    /// Poisson's ratio of silicone and hydrogel
     #[arg(long, value_name = "RATIO", default_value_t = 0.4999)]
     poisson: f64,
     /// Young's modulus of the soft foundation
@@ -166,12 +187,12 @@ pub(in crate::cli) struct ThicknessArgs {
     /// Thickness of the soft foundation
     #[arg(long, value_name = "MM", default_value_t = 20.0)]
     foundation_mm: f64,
-    /// Conductivity of the local rise, S/m
+    /// Conductivity where pressed, S/m
     #[arg(long, value_name = "S_PER_M", default_value_t = 5.0)]
     rise: f64,
 }
 
-impl From<&ThicknessArgs> for Parameters {
+impl From<&ThicknessArgs> for ThicknessParameters {
     fn from(args: &ThicknessArgs) -> Self {
         Self {
             layers_mm: args.layers.clone(),
@@ -196,11 +217,11 @@ pub(in crate::cli) enum RankArg {
     Change,
     /// mean |dV/V|
     Relative,
-    /// how well a touch's place can be known
+    /// Cramer-Rao bound of a touch's place
     Bound,
 }
 
-impl From<RankArg> for Rank {
+impl From<RankArg> for RankCriterion {
     fn from(arg: RankArg) -> Self {
         match arg {
             RankArg::Change => Self::Change,

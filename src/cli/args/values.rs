@@ -1,54 +1,52 @@
-//! Single values on the command line.
+//! Parsers of single arguments.
 
 use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-/// What `--source` says.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::cli) enum SourceArg {
-    /// The simulated pad with a script, or with the level.
-    Simulated(Option<PathBuf>),
-    /// A board.
-    Serial(String),
-    /// A file, in real time.
-    Replay(PathBuf),
-    /// Gamepads and switches.
-    Gamepad,
-}
+use crate::app::services::{OutputChoice, SourceChoice};
 
-impl std::str::FromStr for SourceArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (kind, rest) = match text.split_once(':') {
-            Some((kind, rest)) => (kind, Some(rest).filter(|rest| !rest.is_empty())),
-            None => (text, None),
-        };
-        match (kind, rest) {
-            ("simulated", script) => Ok(Self::Simulated(script.map(PathBuf::from))),
-            ("serial", Some(port)) => Ok(Self::Serial(port.to_owned())),
-            ("replay", Some(file)) => Ok(Self::Replay(PathBuf::from(file))),
-            ("gamepad", None) => Ok(Self::Gamepad),
-            ("serial", None) => Err("which port? as in serial:/dev/ttyACM0".to_owned()),
-            ("replay", None) => Err("which file? as in replay:frames.csv".to_owned()),
-            _ => Err(
-                "write simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
-            ),
-        }
+/// Reads `--source`.
+pub(super) fn source(text: &str) -> Result<SourceChoice, String> {
+    let (kind, rest) = match text.split_once(':') {
+        Some((kind, rest)) => (kind, Some(rest).filter(|rest| !rest.is_empty())),
+        None => (text, None),
+    };
+    match (kind, rest) {
+        ("simulated", None) => Ok(SourceChoice::Level),
+        ("simulated", Some(script)) => Ok(SourceChoice::Script(PathBuf::from(script))),
+        ("serial", Some(port)) => Ok(SourceChoice::Serial(port.to_owned())),
+        ("replay", Some(file)) => Ok(SourceChoice::Replay(PathBuf::from(file))),
+        ("gamepad", None) => Ok(SourceChoice::Gamepad),
+        ("serial", None) => Err("the port is missing: write serial:/dev/ttyACM0".to_owned()),
+        ("replay", None) => Err("the file is missing: write replay:frames.csv".to_owned()),
+        _ => Err(
+            "expected simulated, simulated:SCRIPT, serial:PORT, replay:FILE or gamepad".to_owned(),
+        ),
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum OutputArg {
-    /// The best there is, and one line that says why; with the simulated pad: trace
+    /// The best output of this computer, with a line that says why; trace for the simulated pad
     Auto,
-    /// Keys and mouse of this desktop; of the kernel where there is no display
+    /// Keyboard and mouse of the desktop, or of the kernel without a display
     Keyboard,
-    /// An Xbox 360 pad, a keyboard and a mouse of the Linux kernel (uinput)
+    /// Xbox 360 gamepad, keyboard and mouse of the Linux kernel (uinput)
     Gamepad,
     /// Events as text on stdout
     Trace,
+}
+
+impl From<OutputArg> for OutputChoice {
+    fn from(output: OutputArg) -> Self {
+        match output {
+            OutputArg::Auto => Self::Auto,
+            OutputArg::Keyboard => Self::Keyboard,
+            OutputArg::Gamepad => Self::Gamepad,
+            OutputArg::Trace => Self::Trace,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -57,11 +55,37 @@ pub(in crate::cli) enum PrintArg {
     Events,
 }
 
+/// A number that `is_valid` accepts; `expected` describes it.
+fn number(text: &str, is_valid: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|number| is_valid(*number));
+    number.ok_or_else(|| format!("expected {expected}"))
+}
+
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|number| (0.0..1e9).contains(number))
-        .ok_or_else(|| "a number, 0 or more".to_owned())
+    number(text, |s| (0.0..1e9).contains(&s), "a number, 0 or more")
+}
+
+pub(super) fn above_zero(text: &str) -> Result<f64, String> {
+    number(text, |n| n > 0.0 && n <= 1e6, "a number above 0")
+}
+
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let is_valid = |rate| rate == 0.0 || (0.01..=1e5).contains(&rate);
+    number(text, is_valid, "frames per second, 0.01 to 100000, or 0")
+}
+
+pub(super) fn percent(text: &str) -> Result<f64, String> {
+    let is_valid = |percent| (0.0..=100.0).contains(&percent);
+    number(text, is_valid, "a percentage, 0 to 100")
+}
+
+pub(super) fn snr(text: &str) -> Result<f64, String> {
+    number(
+        text,
+        |db| (0.0..=300.0).contains(&db),
+        "a ratio in dB, 0 to 300",
+    )
 }
 
 pub(super) fn points(text: &str) -> Result<usize, String> {
@@ -70,33 +94,11 @@ pub(super) fn points(text: &str) -> Result<usize, String> {
     text.parse::<usize>()
         .ok()
         .filter(|points| range.contains(points))
-        .ok_or_else(|| format!("a number of places, {} to {}", range.start(), range.end()))
-}
-
-pub(super) fn above_zero(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|number| *number > 0.0 && *number <= 1e6)
-        .ok_or_else(|| "a number above 0".to_owned())
-}
-
-pub(super) fn rate(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|rate| *rate == 0.0 || (0.01..=1e5).contains(rate))
-        .ok_or_else(|| "frames a second, 0.01 to 100000, or 0".to_owned())
-}
-
-pub(super) fn percent(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|percent| (0.0..=100.0).contains(percent))
-        .ok_or_else(|| "a percentage, 0 to 100".to_owned())
-}
-
-pub(super) fn snr(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|db| (0.0..=300.0).contains(db))
-        .ok_or_else(|| "a ratio in dB, 0 to 300".to_owned())
+        .ok_or_else(|| {
+            format!(
+                "expected a number of places, {} to {}",
+                range.start(),
+                range.end()
+            )
+        })
 }

@@ -1,39 +1,34 @@
-//! `gelpad calibrate`: records presses at shown places, learns from them, says what to expect.
+//! `gelpad calibrate`: records presses at shown places, learns a calibration, prints the expected error.
 
-mod file;
 mod recommend;
 mod record;
+mod source;
 
 use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::bail;
-use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::args::{CalibrateArgs, SourceArg};
+use super::args::CalibrateArgs;
 use super::exit::Ending;
-use super::resolve;
+use super::message::say;
+use super::progress::{Spinner, solve_pad};
+use crate::app::calibration::{default_path, load_presses, save};
+use crate::app::files;
+use crate::app::pads::load_pad;
+use crate::app::places::calibration_places;
+use crate::app::services::SourceChoice;
 use crate::calibrate::{
-    Curve, Errors, FEWEST_PRESSES, Presses, Regression, correction, learning_curve,
+    FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction, learning_curve,
 };
 use crate::pad::Pad;
-use crate::source::serial::SerialSource;
-use crate::source::{Noise, Robot, Script, SimulatedSource, Source, open_file};
 use crate::touch::Detector;
-use crate::types::PointMm;
-
 use record::Presser;
 
-pub(super) use file::correction as read_correction;
-#[cfg(feature = "gui")]
-pub(super) use file::save;
-#[cfg(feature = "gui")]
-pub(super) use record::places;
-
-/// Twice the presses are worth the trouble if they take off at least this share of the error.
-const WORTH: f64 = 0.1;
+/// Twice as many presses are recommended if they reduce the error by at least this fraction.
+const WORTHWHILE_GAIN: f64 = 0.1;
 
 pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
     if let (Some(name), Some(source)) = (&args.recommend, &args.source) {
@@ -43,10 +38,10 @@ pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
         (Some(source), _, _) => record(args, source),
         (None, Some(presses), Some(test)) => evaluate(presses, test),
         (None, Some(presses), None) => {
-            let presses = file::presses(presses)?;
-            learn(args, &presses)
+            let presses = load_presses(presses)?;
+            learn(args, &presses, None)
         }
-        (None, None, _) => bail!("nothing to learn from: give --presses FILE or --source"),
+        (None, None, _) => bail!("no presses: give --presses FILE or --source"),
     }
 }
 
@@ -61,10 +56,10 @@ struct Evaluation {
 }
 
 fn evaluate(train: &Path, test: &Path) -> anyhow::Result<Ending> {
-    let (presses, unseen) = (file::presses(train)?, file::presses(test)?);
+    let (presses, unseen) = (load_presses(train)?, load_presses(test)?);
     if presses.channels() != unseen.channels() {
         bail!(
-            "{}: {} channels, but {} has {}: both must be of the same pad",
+            "{}: {} channels, but {} has {}: both must come from the same pad",
             test.display(),
             unseen.channels(),
             train.display(),
@@ -72,7 +67,7 @@ fn evaluate(train: &Path, test: &Path) -> anyhow::Result<Ending> {
         );
     }
     let spinner = Spinner::new();
-    let regression = Regression::fit(&presses, &mut |stage| spinner.say(stage))?;
+    let regression = Regression::fit(&presses, &mut |stage| spinner.show(stage))?;
     drop(spinner);
     let errors = regression.evaluate(&unseen);
     let line = serde_json::to_string(&Evaluation {
@@ -85,20 +80,49 @@ fn evaluate(train: &Path, test: &Path) -> anyhow::Result<Ending> {
     writeln!(std::io::stdout(), "{line}")?;
     say(&format!(
         "cross-validation predicted {}",
-        told(regression.expected())
+        error_text(regression.expected())
     ));
     Ok(Ending::Done)
 }
 
-fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
-    let pad = resolve::pad(&args.pad)?;
+fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending> {
+    let pad = load_pad(&args.pad)?.pad;
+    check_files(args)?;
+    let method = args.method.or(pad.method).unwrap_or_default();
+    // The calibration corrects the detector that `play` uses, so that detector locates the presses.
+    let sensing = solve_pad(&pad, method)?.build_initial()?;
+    let detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
+    let places = calibration_places(&pad, args.points);
+    let mut source_of_presses = source::open(args, &pad, source, &places)?;
+    let presser = match source {
+        SourceChoice::Serial(_) => Presser::Person,
+        _ => Presser::Script,
+    };
+    let list = record::record(&pad, detector, source_of_presses.as_mut(), presser, &places)?;
+    if list.len() < FEWEST_PRESSES {
+        bail!(
+            "{} presses were recorded, but at least {FEWEST_PRESSES} are needed",
+            list.len()
+        );
+    }
+    let complete = list.len() == places.len();
+    let presses = Presses::new("the recording", list)?;
+    if let Some(path) = &args.presses {
+        files::write(path, presses.to_csv().as_bytes())?;
+        say(&format!("presses: {}", path.display()));
+    }
+    let ending = learn(args, &presses, Some(pad))?;
+    Ok(if complete { ending } else { Ending::LostData })
+}
+
+/// Checks, before anybody presses a pad, that the files can be written.
+fn check_files(args: &CalibrateArgs) -> anyhow::Result<()> {
     if let Some(file) = args.presses.as_ref().filter(|file| file.exists()) {
         bail!(
             "{} exists: it would be overwritten\n  help: name another file, or learn from it without --source",
             file.display()
         );
     }
-    // Nobody presses thirty places for a file that cannot be written.
     for path in args.output.iter().chain(&args.presses) {
         let folder = path
             .parent()
@@ -112,73 +136,18 @@ fn record(args: &CalibrateArgs, source: &SourceArg) -> anyhow::Result<Ending> {
         }
     }
     if args.presses.is_none() {
-        say("the presses themselves are not kept: add --presses FILE to keep them");
+        say("the presses are not saved: add --presses FILE to save them");
     }
-    let method = args.method.or(pad.method).unwrap_or_default();
-    // Learned is what `play` gets wrong, so its own detector locates the presses.
-    let sensing = resolve::sensing(&pad, method)?.first()?;
-    let detector = Detector::of_pad(Arc::new(sensing), &pad.protocol);
-    let places = record::places(&pad, args.points);
-    let mut source = open(args, &pad, source, &places)?;
-    let presser = match args.source {
-        Some(SourceArg::Serial(_)) => Presser::Listens,
-        _ => Presser::GoesOn,
-    };
-    let list = record::record(&pad, detector, source.as_mut(), presser, &places)?;
-    if list.len() < FEWEST_PRESSES {
-        bail!(
-            "{} presses were taken, but at least {FEWEST_PRESSES} are needed",
-            list.len()
-        );
-    }
-    let complete = list.len() == places.len();
-    let presses = Presses::new("the recording", list)?;
-    if let Some(path) = &args.presses {
-        file::write(path, &presses.to_csv())?;
-        say(&format!("presses: {}", path.display()));
-    }
-    let ending = learn(args, &presses)?;
-    Ok(if complete { ending } else { Ending::LostData })
+    Ok(())
 }
 
-/// Opens a source; on the simulated pad without a script, a robot presses places.
-fn open(
-    args: &CalibrateArgs,
-    pad: &Pad,
-    source: &SourceArg,
-    places: &[PointMm],
-) -> anyhow::Result<Box<dyn Source>> {
-    Ok(match source {
-        SourceArg::Simulated(None) if places.is_empty() => {
-            bail!("nobody presses the simulated pad: give a script, as in simulated:presses.txt")
-        }
-        SourceArg::Simulated(None) => {
-            let noise = Noise::new(args.snr, args.seed);
-            Box::new(Robot::new(pad, places.to_vec(), noise, args.seed)?)
-        }
-        SourceArg::Simulated(Some(script)) => {
-            let script = Script::parse(&script.display().to_string(), &resolve::read(script)?)?;
-            Box::new(SimulatedSource::new(
-                pad,
-                &script,
-                Noise::new(args.snr, args.seed),
-            )?)
-        }
-        SourceArg::Serial(port) => Box::new(SerialSource::open(
-            port,
-            args.board.baud,
-            pad,
-            args.board.format,
-        )?),
-        SourceArg::Replay(file) => open_file(file, pad)?,
-        SourceArg::Gamepad => bail!("a gamepad has no places that could be learned"),
-    })
-}
-
-/// Learns from presses, says what to expect, and saves what can be applied.
-fn learn(args: &CalibrateArgs, presses: &Presses) -> anyhow::Result<Ending> {
+/// Prints the expected error of a calibration, and saves it if the presses contain the model's places.
+fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::Result<Ending> {
     if presses.is_modelled() {
-        let pad = resolve::pad(&args.pad)?;
+        let pad = match pad {
+            Some(pad) => pad,
+            None => load_pad(&args.pad)?.pad,
+        };
         return learn_correction(args, &pad, presses);
     }
     if args.output.is_some() {
@@ -187,14 +156,14 @@ fn learn(args: &CalibrateArgs, presses: &Presses) -> anyhow::Result<Ending> {
     let spinner = Spinner::new();
     let curve = learning_curve(presses, &mut |some| {
         let regression = Regression::fit(some, &mut |stage| {
-            spinner.say(&format!("{} presses: {stage}", some.len()));
+            spinner.show(&format!("{} presses: {stage}", some.len()));
         })?;
         Ok(regression.expected().mean_mm)
     })?;
     drop(spinner);
-    say(&foretold(&curve));
+    say(&curve_text(&curve));
     say(
-        "nothing is saved: these presses do not tell what the pad's model made of them (see `gelpad calibrate --help`)",
+        "nothing is saved: these presses lack the places of the pad's model (see `gelpad calibrate --help`)",
     );
     Ok(Ending::Done)
 }
@@ -210,25 +179,31 @@ fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyho
     }
     let size_mm = pad.outline.size_mm();
     let spinner = Spinner::new();
-    spinner.say("learning");
-    let fitted = correction(presses, size_mm)?;
+    spinner.show("learning");
+    let fitted = fit_correction(presses, size_mm)?;
     let curve = learning_curve(presses, &mut |some| {
-        spinner.say(&format!("{} presses", some.len()));
-        Ok(correction(some, size_mm)?.lone.mean_mm)
+        spinner.show(&format!("{} presses", some.len()));
+        Ok(fit_correction(some, size_mm)?.lone.mean_mm)
     })?;
     drop(spinner);
     let path = match &args.output {
         Some(path) => path.clone(),
-        None => file::default_path(&args.pad, pad),
+        None => default_path(&args.pad, pad),
     };
-    file::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;
-    say(&format!("the model alone: {}", told(fitted.model)));
-    say(&format!("a lone touch, corrected: {}", told(fitted.lone)));
+    save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;
+    say(&format!(
+        "without calibration: {}",
+        error_text(fitted.model)
+    ));
+    say(&format!(
+        "a lone touch, corrected: {}",
+        error_text(fitted.lone)
+    ));
     say(&format!(
         "one of several, corrected: {}",
-        told(fitted.several)
+        error_text(fitted.several)
     ));
-    say(&foretold(&curve));
+    say(&curve_text(&curve));
     say(&format!(
         "saved: {}\nuse it: gelpad play --pad {} --calibration {}",
         path.display(),
@@ -238,8 +213,8 @@ fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyho
     Ok(Ending::Done)
 }
 
-fn told(errors: Errors) -> String {
-    let Errors {
+fn error_text(errors: PlaceErrors) -> String {
+    let PlaceErrors {
         mean_mm,
         median_mm,
         p95_mm,
@@ -247,8 +222,8 @@ fn told(errors: Errors) -> String {
     format!("mean {mean_mm:.2} mm, median {median_mm:.2}, 95 % within {p95_mm:.2}")
 }
 
-/// The curve in words.
-fn foretold(curve: &Curve) -> String {
+/// The learning curve as text.
+fn curve_text(curve: &LearningCurve) -> String {
     let points: Vec<String> = curve
         .points
         .iter()
@@ -257,36 +232,11 @@ fn foretold(curve: &Curve) -> String {
     let mut text = format!("expected error: {}", points.join(", "));
     if let (Some(twice_mm), Some((count, mean_mm))) = (curve.twice_mm, curve.points.last()) {
         let count = 2 * count;
-        text.push_str(&if twice_mm < (1.0 - WORTH) * mean_mm {
+        text.push_str(&if twice_mm < (1.0 - WORTHWHILE_GAIN) * mean_mm {
             format!("; about {twice_mm:.2} mm with {count}: more presses help")
         } else {
-            format!("; {count} would bring little ({twice_mm:.2} mm)")
+            format!("; {count} would help little ({twice_mm:.2} mm)")
         });
     }
     text
-}
-
-/// A line on the terminal that tells what is being done, and that something is; gone when dropped.
-struct Spinner(ProgressBar);
-
-impl Spinner {
-    fn new() -> Self {
-        Self(ProgressBar::new_spinner())
-    }
-
-    fn say(&self, stage: &str) {
-        self.0.set_message(stage.to_owned());
-        self.0.tick();
-    }
-}
-
-impl Drop for Spinner {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
-}
-
-fn say(text: &str) {
-    // A closed stderr is no reason to stop.
-    let _ = writeln!(std::io::stderr(), "{text}");
 }

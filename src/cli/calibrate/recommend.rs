@@ -1,55 +1,66 @@
-//! `gelpad calibrate --recommend NAME`: asks for presses, and writes the settings under which most come out as meant.
+//! `gelpad calibrate --recommend NAME`: asks for presses, then writes the settings under which most presses give the
+//! intended output.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::bail;
 
-use super::{Spinner, file, say};
-use crate::calibrate::recommend::{FEWEST_TRIALS, RecommendError, Session, Trial, recommend};
-use crate::cli::args::{CalibrateArgs, SourceArg};
-use crate::cli::exit::Ending;
+use super::source::open;
+use crate::app::files;
+use crate::app::pads::load_pad;
+use crate::app::profiles::check_text;
+use crate::app::services::SourceChoice;
+use crate::app::texts::{is_path, profile_text};
+use crate::calibrate::recommend::{
+    FEWEST_TRIALS, PressSession, PressTrial, RecommendError, Recommendation, recommend,
+};
+use crate::cli::args::CalibrateArgs;
+use crate::cli::exit::{self, Ending};
 use crate::cli::map::Map;
-use crate::cli::resolve;
+use crate::cli::message::say;
+use crate::cli::progress::{Spinner, solve_pad};
 use crate::pad::Pad;
-use crate::profile::{Profile, find_shipped};
-use crate::source::{Reading, Source};
+use crate::profile::{Profile, Source, find_shipped};
+use crate::source::{self, SourceReading};
 use crate::touch::Detector;
 use crate::types::Touch;
 
 /// Characters across the map.
 const MAP_COLUMNS: usize = 40;
 
-pub(super) fn run(args: &CalibrateArgs, name: &str, source: &SourceArg) -> anyhow::Result<Ending> {
+pub(super) fn run(
+    args: &CalibrateArgs,
+    name: &str,
+    choice: &SourceChoice,
+) -> anyhow::Result<Ending> {
     let path = match &args.output {
         Some(path) => path.clone(),
-        None if resolve::is_path(name) => PathBuf::from(name),
+        None if is_path(name) => PathBuf::from(name),
         None => PathBuf::from("users").join(format!("{name}.toml")),
     };
     if path.exists() {
         bail!(
-            "{} exists: it would be overwritten\n  help: take another name, or move it away",
+            "{} exists: it would be overwritten\n  help: choose another name, or move the file",
             path.display()
         );
     }
-    let pad = resolve::pad(&args.pad)?;
-    let text: crate::profile::Source = resolve::profile_text(&args.profile)?.into();
-    let profile = resolve::profile(&args.profile, None)?;
+    let pad = load_pad(&args.pad)?.pad;
+    let text = profile_text(&args.profile)?;
+    let checked = check_text(text.clone(), None)?;
+    checked.warnings.iter().for_each(exit::warn);
     let method = args.method.or(pad.method).unwrap_or_default();
-    let sensing = resolve::sensing(&pad, method)?.first()?;
-    let detector = Detector::of_pad(Arc::new(sensing), &pad.protocol);
-    let mut source = super::open(args, &pad, source, &[])?;
-    let trials = ask(&pad, &profile, detector, source.as_mut(), args.points)?;
-    let complete = trials.len() == args.points;
-    let spinner = Spinner::new();
-    spinner.say("trying settings on your presses");
-    let pad_mm = pad.outline.size_mm();
-    let recommended = match recommend(&trials, &text, &find_shipped, pad_mm) {
-        Ok(recommended) => recommended,
-        Err(RecommendError::Profile(faulty)) => return Err(faulty.into()),
-        Err(error) => return Err(error.into()),
-    };
-    drop(spinner);
+    let sensing = solve_pad(&pad, method)?.build_initial()?;
+    let detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
+    let mut source = open(args, &pad, choice, &[])?;
+    let trials = ask(
+        &pad,
+        &checked.profile,
+        detector,
+        source.as_mut(),
+        args.points,
+    )?;
+    let recommended = search(&trials, &text, &pad)?;
     if let Some(folder) = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
@@ -57,62 +68,76 @@ pub(super) fn run(args: &CalibrateArgs, name: &str, source: &SourceArg) -> anyho
         std::fs::create_dir_all(folder)?;
     }
     let toml = recommended.toml();
-    file::write(&path, &toml)?;
+    files::write(&path, toml.as_bytes())?;
     let (before, after) = (recommended.before, recommended.after);
     say(&toml);
     say(&format!(
         "{} of {} presses come out as meant with these settings, {} without\nsaved: {}\nuse it: gelpad play {} --user {name}",
         after.right,
-        after.asked,
+        after.requested,
         before.right,
         path.display(),
         args.profile,
     ));
-    Ok(if complete {
-        Ending::Done
-    } else {
-        Ending::LostData
+    Ok(match trials.len() == args.points {
+        true => Ending::Done,
+        false => Ending::LostData,
     })
 }
 
-/// Asks for presses until all are done or the source ends.
+/// Searches the settings under which most presses give the intended output.
+fn search(trials: &[PressTrial], profile: &Source, pad: &Pad) -> anyhow::Result<Recommendation> {
+    let spinner = Spinner::new();
+    spinner.show("trying settings on your presses");
+    match recommend(trials, profile, &find_shipped, pad.outline.size_mm()) {
+        Ok(recommended) => Ok(recommended),
+        Err(RecommendError::Profile(errors)) => Err(errors.into()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Asks for presses until all are recorded or the source ends.
 fn ask(
     pad: &Pad,
     profile: &Profile,
     mut detector: Detector,
-    source: &mut dyn Source,
+    source: &mut dyn source::Source,
     count: usize,
-) -> anyhow::Result<Vec<Trial>> {
-    let mut session = Session::new(Session::usual(profile, count));
-    if session.count() < FEWEST_TRIALS {
+) -> anyhow::Result<Vec<PressTrial>> {
+    let mut session = PressSession::new(PressSession::default_requests(profile, count));
+    if session.request_count() < FEWEST_TRIALS {
         bail!(
-            "at least {FEWEST_TRIALS} presses are needed, of regions that a plain press is bound to: give --points {FEWEST_TRIALS} or more, or another --profile"
+            "at least {FEWEST_TRIALS} presses are needed, in regions with a plain press binding: give --points {FEWEST_TRIALS} or more, or another --profile"
         );
     }
     say(
-        "leave the pad alone for a moment, then do as you are asked, as you usually do; the next is asked two seconds after you let go",
+        "do not touch the pad for a moment, then press as asked, in your usual way; the next press is asked for two seconds after you let go",
     );
     show(pad, profile, &session);
     let mut changed: Vec<Touch> = Vec::new();
-    while session.asked().is_some() {
+    while session.current_request().is_some() {
         match source.read()? {
-            Reading::Frame(frame) => {
+            SourceReading::Frame(frame) => {
                 changed.clear();
-                detector.frame(&frame, &mut changed);
-                if session.frame(frame.t_ns, &changed) {
+                detector.process_frame(&frame, &mut changed);
+                if session.take_frame(frame.t_ns, &changed) {
                     show(pad, profile, &session);
                 }
             }
-            Reading::Skipped { reason, .. } => tracing::warn!("skipped what is no frame: {reason}"),
-            Reading::Control(_) | Reading::Gone { .. } | Reading::Idle => {}
-            Reading::End => break,
+            SourceReading::Skipped { reason, .. } => {
+                tracing::warn!("skipped an unreadable frame: {reason}")
+            }
+            SourceReading::Control(_)
+            | SourceReading::Disconnected { .. }
+            | SourceReading::Idle => {}
+            SourceReading::End => break,
         }
     }
     Ok(session.finish())
 }
 
-fn show(pad: &Pad, profile: &Profile, session: &Session) {
-    let Some((number, asked)) = session.asked() else {
+fn show(pad: &Pad, profile: &Profile, session: &PressSession) {
+    let Some((number, asked)) = session.current_request() else {
         return;
     };
     let pad_mm = pad.outline.size_mm();
@@ -121,11 +146,11 @@ fn show(pad: &Pad, profile: &Profile, session: &Session) {
         let place = wanted.placed(pad_mm, &profile.settings.area).centre_mm();
         map = map.marked(place, '✕');
     }
-    // The terminal's bell: eyes are on the pad.
+    // Rings the terminal's bell: the player looks at the pad.
     say(&format!(
         "\u{7}{}\n{} of {}: {asked} (✕)",
         map.framed(),
         number + 1,
-        session.count()
+        session.request_count()
     ));
 }

@@ -1,20 +1,21 @@
-//! Events against an expectation: a text of event lines, or another recording; a verdict for people and for CI.
+//! Compares the events with expected ones: a text with a line per event, or another recording.
 
 use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
 
-use super::{is_recording, open};
+use crate::app::files;
+use crate::app::recording::{is_recording, open_recording};
 use crate::cli::args::ReplayArgs;
 use crate::cli::exit::Ending;
-use crate::tape::Played;
+use crate::tape::RecordedItem;
 
-/// Lines shown before the first difference.
-const CONTEXT: usize = 3;
+/// Equal lines shown before the first difference.
+const CONTEXT_LINES: usize = 3;
 
-/// Saves the events, or compares them; where they differ is told like a diff.
-pub(super) fn judge(args: &ReplayArgs, lines: &[String]) -> anyhow::Result<()> {
+/// Saves the events, or compares them; the error shows the first difference.
+pub(super) fn save_or_compare(args: &ReplayArgs, lines: &[String]) -> anyhow::Result<()> {
     if let Some(path) = &args.update {
         return save(path, lines);
     }
@@ -22,56 +23,56 @@ pub(super) fn judge(args: &ReplayArgs, lines: &[String]) -> anyhow::Result<()> {
         return Ok(());
     };
     if *path == args.file {
-        // Compared already, to the bit, while it was played (`verify`).
+        // Compared bit for bit while it was played (`verify`).
         return Ok(());
     }
-    let expected = read(path, args)?;
+    let expected = expected_lines(path, args)?;
     let Some(index) = first_difference(&expected, lines, args.tolerance_ms) else {
         return Ok(());
     };
     let mut text = format!(
-        "{}: the events differ from line {} on\n",
+        "{}: the events differ at line {}\n",
         path.display(),
         index + 1
     );
-    for line in &expected[index.saturating_sub(CONTEXT)..index] {
+    for line in &expected[index.saturating_sub(CONTEXT_LINES)..index] {
         text.push_str(&format!("    {line}\n"));
     }
     let shown = |line: Option<&String>| line.map_or("(no more)", String::as_str).to_owned();
     text.push_str(&format!("  - {}\n", shown(expected.get(index))));
     text.push_str(&format!("  + {}\n", shown(lines.get(index))));
     bail!(
-        "{text}  - expected ({} events in all), + replayed ({})",
+        "{text}  - expected ({} events in total), + replayed ({})",
         expected.len(),
         lines.len()
     );
 }
 
-/// The first line that is not the same within the tolerance.
+/// The first line that differs by more than the tolerance.
 fn first_difference(expected: &[String], lines: &[String], tolerance_ms: f64) -> Option<usize> {
     let length = expected.len().max(lines.len());
     (0..length).find(|index| match (expected.get(*index), lines.get(*index)) {
-        (Some(was), Some(is)) => !alike(was, is, tolerance_ms),
+        (Some(was), Some(is)) => !is_equal(was, is, tolerance_ms),
         _ => true,
     })
 }
 
-fn alike(was: &str, is: &str, tolerance_ms: f64) -> bool {
+fn is_equal(was: &str, is: &str, tolerance_ms: f64) -> bool {
     let parts = |line: &str| {
         let (t_ms, rest) = line.split_once(' ')?;
         Some((t_ms.parse::<f64>().ok()?, rest.to_owned()))
     };
     match (parts(was), parts(is)) {
         // Times are written to the microsecond.
-        (Some((t, what)), Some((u, else_))) => {
-            what == else_ && (t - u).abs() <= tolerance_ms + 1e-6
+        (Some((t, action)), Some((u, other))) => {
+            action == other && (t - u).abs() <= tolerance_ms + 1e-6
         }
         _ => was == is,
     }
 }
 
-/// The lines that are expected, of the stretch that is replayed.
-fn read(path: &Path, args: &ReplayArgs) -> anyhow::Result<Vec<String>> {
+/// The expected lines, limited to the replayed range of a recording.
+fn expected_lines(path: &Path, args: &ReplayArgs) -> anyhow::Result<Vec<String>> {
     if !is_recording(path)? {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let lines = text.lines().map(str::trim_end);
@@ -80,12 +81,12 @@ fn read(path: &Path, args: &ReplayArgs) -> anyhow::Result<Vec<String>> {
             .map(str::to_owned)
             .collect());
     }
-    let (mut player, _) = open(path)?;
-    let stretch = args.from.unwrap_or(0.0)..=args.to.unwrap_or(f64::MAX);
+    let (mut player, _) = open_recording(path)?;
+    let range = args.from.unwrap_or(0.0)..=args.to.unwrap_or(f64::MAX);
     let mut lines = Vec::new();
     while let Some(played) = player.next().with_context(|| path.display().to_string())? {
-        if let Played::Event(event) = played
-            && stretch.contains(&(event.t_ns as f64 * 1e-9))
+        if let RecordedItem::Event(event) = played
+            && range.contains(&(event.t_ns as f64 * 1e-9))
         {
             lines.push(event.to_string());
         }
@@ -98,10 +99,10 @@ fn save(path: &Path, lines: &[String]) -> anyhow::Result<()> {
     if !text.is_empty() {
         text.push('\n');
     }
-    crate::cli::files::write(path, text.as_bytes())
+    Ok(files::write(path, text.as_bytes())?)
 }
 
-/// The verdict as JUnit writes it: one test case.
+/// Writes the result as JUnit XML with one test case.
 pub(super) fn write_junit(
     path: &Path,
     args: &ReplayArgs,
@@ -135,7 +136,7 @@ pub(super) fn write_junit(
         )?;
     }
     writeln!(xml, "    </testcase>\n  </testsuite>\n</testsuites>")?;
-    crate::cli::files::write(path, &xml)
+    Ok(files::write(path, &xml)?)
 }
 
 fn escaped(text: &str) -> String {
@@ -147,7 +148,7 @@ fn escaped(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '"' => escaped.push_str("&quot;"),
             '\n' | '\t' => escaped.push(character),
-            // Nothing else below a space may stand in XML.
+            // XML allows no other control characters.
             _ if character < ' ' => escaped.push('?'),
             _ => escaped.push(character),
         }
@@ -176,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_breaks_the_xml() {
+    fn control_characters_and_markup_are_escaped() {
         assert_eq!(
             escaped("a<b>&\"c\"\u{1b}[m"),
             "a&lt;b&gt;&amp;&quot;c&quot;?[m"

@@ -1,29 +1,30 @@
-//! Where what is replayed goes: lines on stdout, an output, an expectation; of a stretch of time, at its pace if wished.
+//! Where a replay goes: lines on stdout, an output, a comparison. Limited to a range of time, in real time if requested.
 
 use std::io::{BufWriter, Stdout, Write};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use crate::cli::args::{OutputArg, PrintArg, ReplayArgs, SourceArg};
-use crate::cli::outputs;
-use crate::cli::play::{Signals, say};
-use crate::output::Held;
+use crate::app::outputs;
+use crate::app::signals::Signals;
+use crate::cli::args::{OutputArg, PrintArg, ReplayArgs};
+use crate::cli::message::say;
+use crate::output::ReleaseOnDrop;
 use crate::types::{Action, Event, Nanos, Output, Touch, ms_from_nanos};
 
-/// What an output of text calls itself.
+/// Name of the text output.
 const TRACE: &str = "trace";
-/// Longest sleep between two looks for a signal.
-const NAP: Duration = Duration::from_millis(20);
+/// Longest sleep between two checks for a signal.
+const MAX_SLEEP: Duration = Duration::from_millis(20);
 
-/// Takes touches and events of a replay.
+/// Receives touches and events of a replay.
 pub(super) struct Sink {
     stdout: BufWriter<Stdout>,
     print: Option<PrintArg>,
-    device: Option<Held>,
+    device: Option<ReleaseOnDrop>,
     /// Outputs that are down on the device.
     down: Vec<Output>,
-    /// Lines that are compared or saved.
+    /// Events as lines, to compare or save.
     lines: Option<Vec<String>>,
     from_ns: Nanos,
     to_ns: Nanos,
@@ -36,31 +37,29 @@ pub(super) struct Sink {
 impl Sink {
     pub(super) fn new(args: &ReplayArgs) -> anyhow::Result<Self> {
         let device = match args.output {
-            None => None,
-            Some(OutputArg::Trace) => None,
+            None | Some(OutputArg::Trace) => None,
             Some(output) => {
-                let source = SourceArg::Replay(args.file.clone());
-                let chosen = outputs::open(output, &source, true)?;
-                if let Some(told) = &chosen.told {
-                    say(told);
+                let chosen = outputs::open(output.into(), false)?;
+                if let Some(note) = &chosen.note {
+                    say(note);
                 }
-                // Where there is nothing better than text, the lines on stdout are it.
-                (chosen.device.name() != TRACE).then(|| Held::new(chosen.device))
+                // Text is printed as the lines on stdout already.
+                (chosen.device.name() != TRACE).then(|| ReleaseOnDrop::new(chosen.device))
             }
         };
-        let judges = args.expect.is_some() || args.update.is_some();
-        let quiet = judges || device.is_some();
+        let keeps_lines = args.expect.is_some() || args.update.is_some();
+        let is_quiet = keeps_lines || device.is_some();
         let ns = |seconds: f64| (seconds * 1e9) as Nanos;
         Ok(Self {
             stdout: BufWriter::new(std::io::stdout()),
-            print: args.print.or((!quiet).then_some(PrintArg::Events)),
+            print: args.print.or((!is_quiet).then_some(PrintArg::Events)),
             // Ctrl-C must not leave a key down.
             signals: (device.is_some() || args.realtime)
                 .then(Signals::listen)
                 .transpose()?,
             device,
             down: Vec::new(),
-            lines: judges.then(Vec::new),
+            lines: keeps_lines.then(Vec::new),
             from_ns: args.from.map_or(0, ns),
             to_ns: args.to.map_or(Nanos::MAX, ns),
             realtime: args.realtime,
@@ -69,12 +68,12 @@ impl Sink {
         })
     }
 
-    /// Whether nothing more is wanted.
+    /// Whether the range of time has ended, or a signal was received.
     pub(super) fn is_over(&self) -> bool {
         self.now_ns > self.to_ns || self.signal().is_some()
     }
 
-    /// The signal that ended it, if one did.
+    /// The received signal, if there is one.
     pub(super) fn signal(&self) -> Option<i32> {
         self.signals.as_ref().and_then(Signals::received)
     }
@@ -84,7 +83,7 @@ impl Sink {
         self.lines.as_deref().unwrap_or_default()
     }
 
-    /// In real time, sleeps until a time of the source has come.
+    /// In real time, sleeps until a time of the source.
     pub(super) fn wait_until(&mut self, t_ns: Nanos) {
         self.now_ns = t_ns;
         if !self.realtime || t_ns < self.from_ns || t_ns > self.to_ns {
@@ -92,36 +91,36 @@ impl Sink {
         }
         let (start, first_ns) = *self.start.get_or_insert_with(|| (now(), t_ns));
         let due = start + Duration::from_nanos(t_ns.saturating_sub(first_ns));
-        // What is printed is seen when it happens.
+        // Lines appear at their time.
         let _ = self.stdout.flush();
         while self.signal().is_none() {
             let left = due.saturating_duration_since(now());
             if left.is_zero() {
                 return;
             }
-            std::thread::sleep(left.min(NAP));
+            std::thread::sleep(left.min(MAX_SLEEP));
         }
     }
 
-    /// The touches of a frame.
-    pub(super) fn touches(&mut self, t_ns: Nanos, down: &[Touch]) -> anyhow::Result<()> {
-        if self.print != Some(PrintArg::Touches) || !self.wants(t_ns) {
+    /// Prints the touches of a frame.
+    pub(super) fn print_touches(&mut self, t_ns: Nanos, down: &[Touch]) -> anyhow::Result<()> {
+        if self.print != Some(PrintArg::Touches) || !self.includes(t_ns) {
             return Ok(());
         }
         let line = TouchLine {
             t_ms: ms_from_nanos(t_ns),
-            touches: down.iter().map(TouchEntry::of).collect(),
+            touches: down.iter().map(TouchEntry::from_touch).collect(),
         };
-        // As an IO error: a closed pipe is told from a failure by its kind.
+        // As an IO error: a closed pipe is recognised by its kind.
         serde_json::to_writer(&mut self.stdout, &line).map_err(std::io::Error::from)?;
         self.stdout.write_all(b"\n")?;
         Ok(())
     }
 
-    /// Events, as they come.
-    pub(super) fn events(&mut self, events: &[Event]) -> anyhow::Result<()> {
+    /// Prints, keeps and sends events.
+    pub(super) fn send_events(&mut self, events: &[Event]) -> anyhow::Result<()> {
         for event in events {
-            if !self.wants(event.t_ns) {
+            if !self.includes(event.t_ns) {
                 continue;
             }
             if self.print == Some(PrintArg::Events) {
@@ -138,18 +137,18 @@ impl Sink {
         Ok(())
     }
 
-    /// All is printed, and the keys come up.
+    /// Flushes stdout and releases all keys.
     pub(super) fn finish(&mut self) -> anyhow::Result<()> {
         self.device = None;
         self.stdout.flush()?;
         Ok(())
     }
 
-    fn wants(&self, t_ns: Nanos) -> bool {
+    fn includes(&self, t_ns: Nanos) -> bool {
         (self.from_ns..=self.to_ns).contains(&t_ns)
     }
 
-    /// To the device; a release of what went down before the stretch is nothing to it.
+    /// Sends an event to the output, except a release whose press was before the range.
     fn send(&mut self, event: &Event) -> anyhow::Result<()> {
         let Some(device) = &mut self.device else {
             return Ok(());
@@ -166,7 +165,7 @@ impl Sink {
 
 #[allow(
     clippy::disallowed_methods,
-    reason = "the pace of a replay in real time"
+    reason = "a replay in real time follows the clock"
 )]
 fn now() -> Instant {
     Instant::now()
@@ -189,7 +188,7 @@ struct TouchEntry {
 }
 
 impl TouchEntry {
-    fn of(touch: &Touch) -> Self {
+    fn from_touch(touch: &Touch) -> Self {
         let thousandths = |value: f64| (value * 1e3).round() / 1e3;
         let contact = &touch.contact;
         Self {

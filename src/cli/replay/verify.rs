@@ -1,4 +1,4 @@
-//! What a recording says came of its inputs against what comes of them now.
+//! Compares the recorded touches and events with those of the replay.
 
 use std::collections::VecDeque;
 
@@ -6,48 +6,52 @@ use crate::engine::Input;
 use crate::session::{Touches, touches_sum};
 use crate::types::{Event, Nanos, Touch};
 
-/// What is recorded and replayed may be so many things apart: a packed block and what came of it.
-const MOST_APART: usize = 1 << 16;
+/// Items by which recording and replay may be apart: at most a compressed block and its results.
+const MAX_LAG: usize = 1 << 16;
 
-/// Compares as both come along.
+/// Compares incrementally.
 #[derive(Default)]
 pub(super) struct Verify {
-    events: Pairs<String>,
-    touches: Pairs<(Nanos, u32)>,
+    events: Comparison<String>,
+    touches: Comparison<(Nanos, u32)>,
     had_touches: bool,
 }
 
 impl Verify {
-    /// Takes what came of an input.
-    pub(super) fn replayed(&mut self, input: &Input, down: &[Touch], events: &[Event]) {
+    /// Adds the results of a replayed input.
+    pub(super) fn add_replayed(&mut self, input: &Input, down: &[Touch], events: &[Event]) {
         for event in events {
-            self.events.replayed(exact(event));
+            self.events.add_replayed(exact_text(event));
         }
         if let Input::Frame(frame) = input {
             if self.had_touches || !down.is_empty() {
-                self.touches.replayed((frame.t_ns, touches_sum(down)));
+                self.touches.add_replayed((frame.t_ns, touches_sum(down)));
             }
             self.had_touches = !down.is_empty();
         }
     }
 
-    /// Takes what came of it then.
-    pub(super) fn recorded_event(&mut self, event: &Event) {
-        self.events.recorded(exact(event));
+    /// Adds a recorded event.
+    pub(super) fn add_recorded_event(&mut self, event: &Event) {
+        self.events.add_recorded(exact_text(event));
     }
 
-    /// Takes what came of it then.
-    pub(super) fn recorded_touches(&mut self, touches: &Touches) {
-        self.touches.recorded((touches.t_ns, touches.sum));
+    /// Adds recorded touches.
+    pub(super) fn add_recorded_touches(&mut self, touches: &Touches) {
+        self.touches.add_recorded((touches.t_ns, touches.sum));
     }
 
-    /// Where they differ first, in words. What was recorded and did not come again counts too; what was cut off does not.
+    /// Describes the first difference. A recorded item without a replayed one counts; the reverse, after a truncated
+    /// recording, does not.
     pub(super) fn first_difference(&self) -> Option<String> {
         let or_nothing = |event: &Option<String>| event.clone().unwrap_or("nothing".to_owned());
-        let event = self
-            .events
-            .difference()
-            .map(|(was, is)| format!("it was `{}`, it is `{}`", or_nothing(&was), or_nothing(&is)));
+        let event = self.events.difference().map(|(was, is)| {
+            format!(
+                "recorded `{}`, replayed `{}`",
+                or_nothing(&was),
+                or_nothing(&is)
+            )
+        });
         event.or_else(|| {
             let (was, is) = self.touches.difference()?;
             let (t_ns, _) = was.or(is)?;
@@ -59,8 +63,8 @@ impl Verify {
     }
 }
 
-/// An event to the bit.
-fn exact(event: &Event) -> String {
+/// An event with all its bits.
+fn exact_text(event: &Event) -> String {
     match event.action {
         crate::types::Action::Axis(_, value) => {
             format!("{event} ({:08x} at {} ns)", value.to_bits(), event.t_ns)
@@ -70,14 +74,14 @@ fn exact(event: &Event) -> String {
     }
 }
 
-/// Two rows that should be the same.
-struct Pairs<T> {
+/// Two sequences that should be equal.
+struct Comparison<T> {
     recorded: VecDeque<T>,
     replayed: VecDeque<T>,
     first: Option<(Option<T>, Option<T>)>,
 }
 
-impl<T> Default for Pairs<T> {
+impl<T> Default for Comparison<T> {
     fn default() -> Self {
         Self {
             recorded: VecDeque::new(),
@@ -87,13 +91,13 @@ impl<T> Default for Pairs<T> {
     }
 }
 
-impl<T: PartialEq + Clone> Pairs<T> {
-    fn recorded(&mut self, item: T) {
+impl<T: PartialEq + Clone> Comparison<T> {
+    fn add_recorded(&mut self, item: T) {
         self.recorded.push_back(item);
         self.compare();
     }
 
-    fn replayed(&mut self, item: T) {
+    fn add_replayed(&mut self, item: T) {
         self.replayed.push_back(item);
         self.compare();
     }
@@ -107,7 +111,7 @@ impl<T: PartialEq + Clone> Pairs<T> {
             self.replayed.pop_front();
         }
         for queue in [&mut self.recorded, &mut self.replayed] {
-            if queue.len() > MOST_APART {
+            if queue.len() > MAX_LAG {
                 queue.pop_front();
             }
         }

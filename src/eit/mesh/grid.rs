@@ -1,7 +1,8 @@
-//! Rectangles: a graded tensor grid, its conducting cells cut into two triangles each.
+//! Rectangles: a graded tensor grid whose conducting cells are divided into two triangles each.
 
+use super::size::MeshSize;
 use super::spacing::{distinct, graded};
-use super::{Mesh, MeshSize};
+use super::triangles::Mesh;
 use crate::pad::{Conductor, Pad};
 use crate::types::PointMm;
 
@@ -36,7 +37,7 @@ pub(super) fn mesh(pad: &Pad, size: MeshSize) -> Mesh {
     Mesh::assemble(pad, &nodes, &triangles)
 }
 
-/// Lines of the grid along x and y, mm; `also` are lines that it must hold besides those of channels and electrodes.
+/// Lines of the grid along x and y, mm, including the lines in `also`.
 pub(super) fn lines_mm(pad: &Pad, size: MeshSize, also: [&[f64]; 2]) -> [Vec<f64>; 2] {
     [0, 1].map(|axis| coordinates(pad, size, axis, also[axis]))
 }
@@ -46,7 +47,7 @@ fn coordinates(pad: &Pad, size: MeshSize, axis: usize, also: &[f64]) -> Vec<f64>
     let mut electrode_ends = Vec::new();
     for electrode in &pad.electrodes {
         let ends = [electrode.start_mm, electrode.end_mm()].map(|s| pad.outline.point_at(s));
-        // An electrode on a side along the other axis has both ends at one coordinate: that of the side.
+        // On a side along the other axis, both ends have the coordinate of the side.
         if (ends[0][axis] - ends[1][axis]).abs() > 1e-6 {
             electrode_ends.extend(ends.map(|point| point[axis]));
         }
@@ -59,7 +60,7 @@ fn coordinates(pad: &Pad, size: MeshSize, axis: usize, also: &[f64]) -> Vec<f64>
     }
     let mut breaks = singular.clone();
     breaks.extend([0.0, length]);
-    // The sides themselves carry electrodes: they are singular too.
+    // The sides carry electrodes, so they are singular too.
     singular.extend([0.0, length]);
     graded(&distinct(breaks), &singular, size)
 }

@@ -1,9 +1,10 @@
-//! Circles: the points of a graded grid inside, graded points on the edge, joined by Delaunay.
+//! Circles: a graded grid of points inside and graded points on the edge, triangulated by Delaunay.
 
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
+use super::size::MeshSize;
 use super::spacing::{distinct, graded};
-use super::{Mesh, MeshSize};
+use super::triangles::Mesh;
 use crate::pad::{Conductor, Lattice, Outline, Pad};
 use crate::types::PointMm;
 
@@ -66,11 +67,11 @@ fn channel_ends(lattice: &Lattice, outline: &Outline) -> Vec<f64> {
         .flat_map(|y| [[r - chord(y), y], [r + chord(y), y]]);
     vertical
         .chain(horizontal)
-        .filter_map(|point| outline.along(point))
+        .filter_map(|point| outline.distance_along(point))
         .collect()
 }
 
-/// Points of a graded grid that hold conductor and keep their distance from the rim.
+/// Points of a graded grid that lie on conductor, away from the rim.
 fn inside(pad: &Pad, size: MeshSize) -> Vec<PointMm> {
     let diameter = pad.outline.size_mm()[0];
     let r = diameter / 2.0;
@@ -88,7 +89,7 @@ fn inside(pad: &Pad, size: MeshSize) -> Vec<PointMm> {
             (even.clone(), even)
         }
     };
-    // Half a grid step of shift for the other mesh, so that the two share no node.
+    // The mirrored mesh is shifted, so that the two share no node.
     let shift = match (&pad.conductor, size.mirrored) {
         (Conductor::Solid, true) => size.coarse_mm / 3.0,
         _ => 0.0,

@@ -1,10 +1,10 @@
 //! Points along a line, dense where the field is singular.
 
-use super::MeshSize;
+use super::size::MeshSize;
 
-/// Coordinates that hold every one of `breaks` (ascending, first and last are the ends) and whose spacing
-/// is `fine_mm` at the points of `singular`, grows with the distance from them, and never exceeds
-/// `coarse_mm`. Within a stretch the points lie at equal shares of the integral of 1 / spacing.
+/// Coordinates that include all `breaks` (ascending, from end to end). The spacing is `fine_mm` at the points of `singular`,
+/// grows with the distance from them and never exceeds `coarse_mm`. Between two breaks, points divide the integral of
+/// 1 / spacing evenly.
 pub(super) fn graded(breaks: &[f64], singular: &[f64], size: MeshSize) -> Vec<f64> {
     const SAMPLES: usize = 64;
     let spacing = |x: f64| {
@@ -37,7 +37,7 @@ pub(super) fn graded(breaks: &[f64], singular: &[f64], size: MeshSize) -> Vec<f6
     points
 }
 
-/// Sorts coordinates and drops those that repeat to within a thousandth of a millimetre.
+/// Sorts coordinates and removes duplicates within a thousandth of a millimetre.
 pub(super) fn distinct(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values.dedup_by(|b, a| (*b - *a).abs() < 1e-3);

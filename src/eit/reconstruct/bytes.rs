@@ -1,22 +1,24 @@
-//! A reconstruction as bytes: for recordings, which bring their own so that replay needs no solver.
+//! A reconstruction as bytes, for recordings: a replay needs no solver.
 //!
-//! Little-endian: method and solver (a byte each), sign (f32), grid (origin and pixel in mm as f64, columns and rows as u32),
-//! coverage (f32 a pixel), number of unknowns (u32) and their pixels (u32 each), then the matrix: channels (u32) and rows (f32), or what L1
-//! needs (see `l1`).
+//! Little-endian: method and solver (one byte each); sign (f32); grid (origin and pixel in mm as f64, columns and rows as
+//! u32); coverage (f32 per pixel); number of unknowns (u32) and their pixels (u32 each); then the matrix (channels as u32,
+//! rows as f32) or the model of L1 (see `l1`).
+//!
+//! Sign and grid follow from the pad, so the stored ones are only compared with it.
 
 use super::kernel::RowMatrix;
 use super::l1::L1Model;
-use super::{Reconstruction, Solver};
+use super::linearised::pixel_grid;
+use super::reconstruction::{Reconstruction, Solver};
+use crate::pad::Pad;
 use crate::types::{ByteReader, Method, PixelGrid};
 
-/// No grid has more pixels along a side.
-const MOST_ALONG: usize = 1 << 12;
 const ONE_STEP: u8 = 0;
 const L1: u8 = 1;
 
 impl Reconstruction {
-    /// Appends all of it.
-    pub fn to_bytes(&self, bytes: &mut Vec<u8>) {
+    /// Appends the reconstruction to `bytes`.
+    pub(crate) fn to_bytes(&self, bytes: &mut Vec<u8>) {
         let method = Method::ALL.iter().position(|m| *m == self.method);
         bytes.push(method.unwrap_or(0) as u8);
         bytes.push(match self.solver {
@@ -44,30 +46,21 @@ impl Reconstruction {
         }
     }
 
-    /// One from what [`Self::to_bytes`] gave; none if the bytes are of something else.
+    /// Reads a reconstruction of a pad; `None` if the bytes are anything else, or values are out of range.
     #[must_use]
-    pub fn from_bytes(bytes: &mut ByteReader<'_>) -> Option<Self> {
+    pub(crate) fn from_bytes(bytes: &mut ByteReader<'_>, pad: &Pad) -> Option<Self> {
         let method = *Method::ALL.get(usize::from(bytes.u8()?))?;
-        let kind = bytes.u8()?;
+        let solver = bytes.u8()?;
         let sign = bytes.f32()?;
-        let origin_mm = [bytes.f64()?, bytes.f64()?];
-        let pixel_mm = bytes.f64()?;
-        let (columns, rows) = (bytes.u32()? as usize, bytes.u32()? as usize);
-        let numbers = [origin_mm[0], origin_mm[1], pixel_mm];
-        let sound = numbers.iter().all(|value| value.is_finite())
-            && pixel_mm > 0.0
-            && sign.abs() == 1.0
-            && columns <= MOST_ALONG
-            && rows <= MOST_ALONG;
-        if !sound {
+        let grid = PixelGrid {
+            origin_mm: [bytes.f64()?, bytes.f64()?],
+            pixel_mm: bytes.f64()?,
+            columns: bytes.u32()? as usize,
+            rows: bytes.u32()? as usize,
+        };
+        if sign != pad.touch_sign.factor() || grid != pixel_grid(pad) {
             return None;
         }
-        let grid = PixelGrid {
-            origin_mm,
-            pixel_mm,
-            columns,
-            rows,
-        };
         let coverage = bytes.f32s(grid.len())?;
         let unknowns = bytes.count()?;
         let active: Vec<usize> = bytes
@@ -75,21 +68,25 @@ impl Reconstruction {
             .into_iter()
             .map(|p| p as usize)
             .collect();
-        if active.iter().any(|pixel| *pixel >= grid.len()) {
+        let is_valid = coverage.iter().all(|share| (0.0..=1.0).contains(share))
+            && active.is_sorted_by(|a, b| a < b)
+            && active.last().is_some_and(|pixel| *pixel < grid.len());
+        if !is_valid {
             return None;
         }
-        let solver = match kind {
+        let solver = match solver {
             ONE_STEP => Solver::OneStep(RowMatrix::from_bytes(bytes, unknowns)?),
             L1 => Solver::L1(L1Model::from_bytes(bytes, unknowns)?),
             _ => return None,
         };
-        Some(Self {
+        let reconstruction = Self {
             method,
             grid,
             coverage,
             active,
             solver,
             sign,
-        })
+        };
+        (reconstruction.channels() == pad.channels()).then_some(reconstruction)
     }
 }

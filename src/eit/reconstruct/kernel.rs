@@ -1,8 +1,8 @@
-//! Matrix times vector in f32, in one fixed order of summation.
+//! Matrix times vector in f32, in a fixed order of summation.
 //!
-//! Invariant: the same bits on every x86-64 machine. Sixteen running sums take the products in turn and are
-//! added in a fixed tree at the end; Rust neither reorders nor fuses floating-point operations, so any vector
-//! width gives these bits. The widest that the processor has is chosen when it runs.
+//! Invariant: the same bits on every x86-64 machine. Products go to sixteen running sums in turn, which a fixed tree adds
+//! at the end; Rust neither reorders nor fuses floating-point operations, so any vector width gives the same bits. The
+//! widest vectors of the processor are chosen at run time.
 
 use faer::Mat;
 use pulp::{Arch, Simd, WithSimd};
@@ -12,22 +12,22 @@ use crate::types::ByteReader;
 /// Running sums of a dot product.
 const LANES: usize = 16;
 
-/// A matrix by rows, each padded with zeros to whole chunks.
+/// A matrix in row-major order, each row padded with zeros to whole chunks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RowMatrix {
     columns: usize,
-    chunks_a_row: usize,
+    chunks_per_row: usize,
     chunks: Vec<[f32; LANES]>,
 }
 
-/// A vector padded with zeros to whole chunks, as a matrix' rows are.
+/// A vector padded with zeros to whole chunks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Padded {
     chunks: Vec<[f32; LANES]>,
 }
 
 impl Padded {
-    /// Takes over a vector.
+    /// Copies a vector.
     pub(super) fn set(&mut self, vector: &[f32]) {
         self.chunks.clear();
         let (whole, rest) = vector.as_chunks::<LANES>();
@@ -44,9 +44,9 @@ impl RowMatrix {
     /// The transpose of an f64 matrix, rounded to f32.
     pub(super) fn transposed(matrix: &Mat<f64>) -> Self {
         let columns = matrix.nrows();
-        let chunks_a_row = columns.div_ceil(LANES);
-        let mut chunks = vec![[0.0; LANES]; chunks_a_row * matrix.ncols()];
-        for (row, target) in chunks.chunks_exact_mut(chunks_a_row).enumerate() {
+        let chunks_per_row = columns.div_ceil(LANES);
+        let mut chunks = vec![[0.0; LANES]; chunks_per_row * matrix.ncols()];
+        for (row, target) in chunks.chunks_exact_mut(chunks_per_row).enumerate() {
             let values = target.as_flattened_mut();
             for (value, source) in values.iter_mut().zip(matrix.col(row).iter()) {
                 *value = *source as f32;
@@ -54,34 +54,38 @@ impl RowMatrix {
         }
         Self {
             columns,
-            chunks_a_row,
+            chunks_per_row,
             chunks,
         }
     }
 
-    /// Appends the number of columns (u32) and row after row (f32), without padding.
+    /// Appends the number of columns (u32) and the rows (f32) without padding.
     pub(super) fn to_bytes(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&(self.columns as u32).to_le_bytes());
-        for row in self.chunks.chunks_exact(self.chunks_a_row.max(1)) {
+        for row in self.chunks.chunks_exact(self.chunks_per_row.max(1)) {
             for value in &row.as_flattened()[..self.columns] {
                 bytes.extend_from_slice(&value.to_le_bytes());
             }
         }
     }
 
-    /// So many rows, from what [`Self::to_bytes`] gave.
+    /// Reads `rows` rows; `None` if there are too few bytes, or a value is not finite.
     pub(super) fn from_bytes(bytes: &mut ByteReader<'_>, rows: usize) -> Option<Self> {
         let columns = bytes.count()?;
-        let chunks_a_row = columns.div_ceil(LANES);
+        let chunks_per_row = columns.div_ceil(LANES);
         let mut chunks = Vec::new();
         let mut padded = Padded::default();
         for _ in 0..rows {
-            padded.set(&bytes.f32s(columns)?);
+            let row = bytes.f32s(columns)?;
+            if !row.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            padded.set(&row);
             chunks.extend_from_slice(&padded.chunks);
         }
         (columns > 0).then_some(Self {
             columns,
-            chunks_a_row,
+            chunks_per_row,
             chunks,
         })
     }
@@ -90,18 +94,18 @@ impl RowMatrix {
         self.columns
     }
 
-    /// Every row times a vector, first to last, into `products`.
+    /// Writes the product of every row with a vector to `products`.
     ///
     /// # Panics
     /// If the vector has another number of chunks than a row.
     pub(super) fn times(&self, vector: &Padded, products: &mut Vec<f32>) {
         assert_eq!(
             vector.chunks.len(),
-            self.chunks_a_row,
-            "one value a channel"
+            self.chunks_per_row,
+            "one value per channel"
         );
         products.clear();
-        products.resize(self.chunks.len() / self.chunks_a_row, 0.0);
+        products.resize(self.chunks.len() / self.chunks_per_row, 0.0);
         Arch::new().dispatch(Products {
             matrix: self,
             vector,
@@ -110,7 +114,7 @@ impl RowMatrix {
     }
 }
 
-/// What [`RowMatrix::times`] does, for the processor to be chosen: only what is inlined here is compiled for each.
+/// The sums of [`RowMatrix::times`], dispatched by processor: only code inlined here is compiled for each.
 struct Products<'a> {
     matrix: &'a RowMatrix,
     vector: &'a Padded,
@@ -122,20 +126,16 @@ impl WithSimd for Products<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let rows = self.matrix.chunks.chunks_exact(self.matrix.chunks_a_row);
+        let rows = self.matrix.chunks.chunks_exact(self.matrix.chunks_per_row);
         for (product, row) in self.products.iter_mut().zip(rows) {
-            *product = added(products_summed(simd, row, &self.vector.chunks));
+            *product = tree_sum(running_sums(simd, row, &self.vector.chunks));
         }
     }
 }
 
-/// The running sums. Left to itself the compiler makes vectors of two of them, for the sake of the tree behind.
+/// The running sums. Explicit, because the compiler would otherwise use vectors of two lanes, to suit the final tree.
 #[inline(always)]
-fn products_summed<S: Simd>(
-    simd: S,
-    row: &[[f32; LANES]],
-    vector: &[[f32; LANES]],
-) -> [f32; LANES] {
+fn running_sums<S: Simd>(simd: S, row: &[[f32; LANES]], vector: &[[f32; LANES]]) -> [f32; LANES] {
     let mut sums = [0.0; LANES];
     if S::F32_LANES == 1 {
         for (factors, values) in row.iter().zip(vector) {
@@ -145,7 +145,7 @@ fn products_summed<S: Simd>(
         }
         return sums;
     }
-    // As many as sixteen lanes take.
+    // At most sixteen vectors, if each holds one lane.
     let mut wide = [simd.splat_f32s(0.0); LANES];
     for (factors, values) in row.iter().zip(vector) {
         let ((factors, _), (values, _)) = (S::as_simd_f32s(factors), S::as_simd_f32s(values));
@@ -160,7 +160,7 @@ fn products_summed<S: Simd>(
 }
 
 #[inline(always)]
-fn added(sums: [f32; LANES]) -> f32 {
+fn tree_sum(sums: [f32; LANES]) -> f32 {
     let eight: [f32; 8] = std::array::from_fn(|i| sums[i] + sums[i + 8]);
     let four: [f32; 4] = std::array::from_fn(|i| eight[i] + eight[i + 4]);
     (four[0] + four[2]) + (four[1] + four[3])
@@ -181,7 +181,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_row_is_the_sum_of_its_products(values in proptest::collection::vec(-1.0..1.0f64, 1..70)) {
+        fn a_product_is_the_sum_of_its_terms(values in proptest::collection::vec(-1.0..1.0f64, 1..70)) {
             let matrix = Mat::from_fn(values.len(), 2, |i, j| if j == 1 { values[i] } else { 9.0 });
             let vector: Vec<f32> = values.iter().rev().map(|v| *v as f32).collect();
             let exact: f64 = values.iter().zip(&vector).map(|(a, b)| a * f64::from(*b)).sum();
@@ -197,7 +197,7 @@ mod tests {
             let vector: Vec<f32> = values.iter().rev().map(|v| *v as f32).collect();
             let (rows, mut padded) = (RowMatrix::transposed(&matrix), Padded::default());
             padded.set(&vector);
-            // As for a processor of which nothing is known.
+            // Compiled for the baseline processor.
             let mut plain = vec![0.0; 5];
             Products { matrix: &rows, vector: &padded, products: &mut plain }.with_simd(pulp::Scalar);
             let bits = |products: &[f32]| products.iter().map(|p| p.to_bits()).collect::<Vec<_>>();
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_order_of_summation_never_changes() {
-        // Values whose f32 sum depends on the order; the bits were written down once.
+        // Values whose f32 sum depends on the order of summation.
         let matrix = Mat::from_fn(37, 1, |i, _| 1.0 / (i as f64 + 1.0));
         let vector: Vec<f32> = (0..37).map(|i| i as f32 * 0.037 - 0.5).collect();
         let bits = product(&matrix, &vector)[0].to_bits();

@@ -3,18 +3,18 @@
 //! Minimises |Jn x - dv|2 + lambda_abs x' P^-1 x. In the space of channels (M x M) that is
 //! x = P Jn' (Jn P Jn' + lambda_abs I)^-1 dv (Adler and Guardo 1996, eq. 6; Adler, Dai and Lionheart 2007),
 //! with lambda_abs = lambda trace(Jn P Jn') / M: lambda is then the share of noise in the mean power of a
-//! channel, whatever the pixel or the unit.
+//! channel, independent of pixel size and units.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
-use super::{Linearised, SetupError};
+use super::linearised::{Linearised, SetupError};
 use crate::types::{Method, PixelGrid};
 
-/// Deviation of the smooth prior's Gaussian, mm: half a lattice's pitch, and a fingertip's scale.
+/// Standard deviation of the smooth prior's Gaussian, mm: half the pitch of a lattice, about the size of a fingertip.
 const SMOOTH_MM: f64 = 5.0;
 
-/// Jn P (channels by pixels) for the prior P of a method; none for a method without a quadratic prior.
+/// Jn P (channels x pixels) for the prior P of a method; `None` for a method without a quadratic prior.
 pub(super) fn prior_times_jacobian(pad: &Linearised, method: Method) -> Option<Mat<f64>> {
     let jacobian = &pad.jacobian;
     let scaled = |prior: &dyn Fn(usize) -> f64| {
@@ -24,7 +24,7 @@ pub(super) fn prior_times_jacobian(pad: &Linearised, method: Method) -> Option<M
         })
     };
     match method {
-        // Every pixel alike.
+        // P = I.
         Method::Tikhonov => Some(jacobian.clone()),
         // Cheney et al. 1990 with exponent 1/2: P = 1 / diag(Jn' Jn)^0.5.
         Method::Noser => Some(scaled(&|p| {
@@ -55,25 +55,25 @@ fn smoothed(jacobian: &Mat<f64>, active: &[usize], grid: &PixelGrid) -> Mat<f64>
             plane[*pixel] = jacobian[(channel, column)];
         }
         for (index, value) in half.iter_mut().enumerate() {
-            let (row, at) = (index / grid.columns, index % grid.columns);
+            let (row, column) = (index / grid.columns, index % grid.columns);
             let line = &plane[row * grid.columns..(row + 1) * grid.columns];
             *value = line
                 .iter()
                 .enumerate()
-                .map(|(x, v)| v * along_x[x.abs_diff(at)])
+                .map(|(x, v)| v * along_x[x.abs_diff(column)])
                 .sum();
         }
         for (column, pixel) in active.iter().enumerate() {
-            let (at, x) = (pixel / grid.columns, pixel % grid.columns);
+            let (row, x) = (pixel / grid.columns, pixel % grid.columns);
             smooth[(channel, column)] = (0..grid.rows)
-                .map(|y| half[y * grid.columns + x] * along_y[y.abs_diff(at)])
+                .map(|y| half[y * grid.columns + x] * along_y[y.abs_diff(row)])
                 .sum();
         }
     }
     smooth
 }
 
-/// The transpose of the reconstruction matrix (channels by pixels), from Jn and Jn P.
+/// The transpose of the reconstruction matrix (channels x pixels), from Jn and Jn P.
 pub(super) fn one_step(
     jacobian: &Mat<f64>,
     weighted: Mat<f64>,

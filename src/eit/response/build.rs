@@ -1,30 +1,31 @@
-//! Solves a pad's table of responses, row by row of its places.
+//! Solves a pad's response table, one row of places at a time.
 //!
-//! Rows depend on nothing but the pad, so whoever builds the table may share them among threads and show how far it is;
-//! the table is the same, bit for bit.
+//! Rows are independent of each other: a caller may solve them on several threads and show progress; the table is the
+//! same bit for bit.
 
 use faer::linalg::solvers::SelfAdjointEigen;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable, Scatterer};
+use super::scatter::Scatterer;
+use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
-/// Counted up whenever tables come out otherwise for the same pad.
+/// Part of the key; raised whenever the same pad gives another table.
 const VERSION: u32 = 1;
 /// Strengths at which responses are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
-/// Radii that are solved: all but the outermost, which continue them.
+/// Radii that are solved; the outermost two are extrapolated.
 const SOLVED: usize = RADII - 2;
-/// Samples of one place.
+/// Samples per place.
 const SAMPLES: usize = SOLVED * POWERS;
-/// Directions of the responses whose share of their energy is below this are left out: 90 dB under the strongest.
+/// Dimensions with less than this share of the responses' energy are left out: 90 dB below the total.
 const LEAST_SHARE: f64 = 1e-9;
-/// ... and never are there more than these.
+/// Largest rank of a table.
 const MOST_DIMENSIONS: usize = 64;
 
-/// Solves one table.
+/// Solves the table of one pad.
 #[derive(Clone, Debug)]
 pub struct ResponseBuilder {
     scatterer: Scatterer,
@@ -36,7 +37,7 @@ pub struct ResponseBuilder {
 /// One row of places, solved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseRow {
-    /// Places by samples by channels: the response over area and strength.
+    /// Places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
 }
 
@@ -54,7 +55,7 @@ impl ResponseBuilder {
         })
     }
 
-    /// Names a pad's table: the same for the same pad and the same way of solving it.
+    /// The key of a pad's table: equal for equal pads and the same version of the solver.
     #[must_use]
     pub fn key(pad: &Pad) -> String {
         let Pad {
@@ -94,13 +95,13 @@ impl ResponseBuilder {
         ResponseRow { scaled }
     }
 
-    /// Puts the rows, in their order, together.
+    /// Assembles the table from all rows, in order.
     ///
     /// # Panics
     /// If a row is missing.
     #[must_use]
     pub fn finish(self, rows: &[ResponseRow]) -> ResponseTable {
-        assert_eq!(rows.len(), self.places.rows, "every row once");
+        assert_eq!(rows.len(), self.places.rows, "all rows");
         let basis = self.basis(rows);
         let rank = basis.ncols();
         let powers = powers_through_strengths();
@@ -113,12 +114,12 @@ impl ResponseBuilder {
                 f64::from(place[sample * self.channels + channel])
             });
             let coordinates = basis.transpose() * &responses;
-            // Rank by powers, one matrix a radius.
+            // Rank x powers, one matrix per radius.
             let solved: Vec<Mat<f64>> = (0..SOLVED)
                 .map(|radius| coordinates.get(.., radius * POWERS..(radius + 1) * POWERS) * &powers)
                 .collect();
-            let before = continued(&solved[0], &solved[1], &solved[2]);
-            let after = continued(
+            let before = extrapolated(&solved[0], &solved[1], &solved[2]);
+            let after = extrapolated(
                 &solved[SOLVED - 1],
                 &solved[SOLVED - 2],
                 &solved[SOLVED - 3],
@@ -141,16 +142,16 @@ impl ResponseBuilder {
         }
     }
 
-    /// Directions that hold all but nothing of every response, orthonormal, strongest first: channels by dimensions.
+    /// Principal directions of all responses, orthonormal, strongest first: channels x dimensions.
     fn basis(&self, rows: &[ResponseRow]) -> Mat<f64> {
         let mut energy = Mat::<f64>::zeros(self.channels, self.channels);
         let samples = rows
             .iter()
             .flat_map(|row| row.scaled.chunks_exact(self.channels));
-        // Neighbouring samples are alike: one of several will do.
+        // Neighbouring samples are alike: one in five is enough.
         let chosen: Vec<&[f32]> = samples.step_by(5).collect();
         for batch in chosen.chunks(256) {
-            // Each counts alike, or the touches near electrodes, which are strongest, would take all directions.
+            // Normalised: otherwise touches near electrodes, the strongest, would dominate.
             let length = |sample: &[f32]| {
                 let square: f32 = sample.iter().map(|change| change * change).sum();
                 f64::from(square).max(f64::MIN_POSITIVE)
@@ -169,14 +170,14 @@ impl ResponseBuilder {
             return Mat::identity(self.channels, self.channels.next_multiple_of(LANES));
         };
         let values = eigen.S().column_vector();
-        // Ascending: the strongest stand last.
+        // Eigenvalues ascend: the strongest come last.
         let rank = (0..self.channels)
             .rev()
             .take(MOST_DIMENSIONS)
             .take_while(|index| values[*index] > LEAST_SHARE * total)
             .count()
             .next_multiple_of(LANES);
-        // A protocol of few channels spans few directions: the rest of the rank is nothing.
+        // A protocol of few channels spans few dimensions: the rest of the rank is zero.
         Mat::from_fn(self.channels, rank, |channel, dimension| {
             match self.channels.checked_sub(dimension + 1) {
                 Some(column) => eigen.U()[(channel, column)],
@@ -186,14 +187,14 @@ impl ResponseBuilder {
     }
 }
 
-/// The next of three evenly spaced values, nearest first, on the parabola through them.
-fn continued(first: &Mat<f64>, second: &Mat<f64>, third: &Mat<f64>) -> Mat<f64> {
+/// Extrapolates three evenly spaced values, nearest first, along the parabola through them.
+fn extrapolated(first: &Mat<f64>, second: &Mat<f64>, third: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(first.nrows(), first.ncols(), |i, j| {
         3.0 * (first[(i, j)] - second[(i, j)]) + third[(i, j)]
     })
 }
 
-/// Samples by powers: the polynomial of the strength that runs through the samples.
+/// Samples x powers: coefficients of the polynomial in strength through the samples.
 fn powers_through_strengths() -> Mat<f64> {
     let design = Mat::from_fn(POWERS, POWERS, |power, sample| {
         (0..power).fold(1.0, |product, _| product * STRENGTHS[sample])

@@ -1,33 +1,43 @@
-//! A table of responses as bytes: for a cache on disk and for recordings.
+//! The response table as bytes, for the cache on disk and for recordings.
 //!
-//! Little-endian: magic, length of the key and the key, six dimensions (u32), the pitch in mm (f64), basis and terms (f32), CRC-32 of all
-//! before it.
+//! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
+//! mm (f64); the key; basis and terms (f32); CRC-32 of everything before it.
+//!
+//! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-use super::{LANES, POWERS, Places, RADII, ResponseTable};
+use super::table::{LANES, Places, ResponseTable, TERMS};
+use crate::pad::Pad;
+use crate::types::ByteReader;
 
-/// Vectors a place.
-const SAMPLES: usize = RADII * POWERS;
 const MAGIC: &[u8; 8] = b"gelpadR1";
-/// Sixteen bytes a step: a table of fifteen megabytes is checked at every start.
+/// Sixteen bytes per step: a table of fifteen megabytes is checked at every start.
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
-/// No dimension of a real table comes near this.
-const MOST: usize = 1 << 16;
+/// Entries of an orthonormal basis are at most 1, apart from rounding.
+const MOST_BASIS: f32 = 1.001;
+/// Largest absolute value of a term; those of real pads stay below 1e4.
+const MOST_TERM: f32 = 1e6;
 
-/// Why bytes are no table.
+/// Why bytes are not a response table of a pad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
-    /// Another kind of file, or of another version.
-    #[error("this is no table of responses of this version")]
+    /// Another kind of file, or another version.
+    #[error("this is not a response table of this version")]
     NotATable,
-    /// Cut or changed.
-    #[error("the table of responses is damaged")]
+    /// Cut short or changed.
+    #[error("the response table is damaged")]
     Damaged,
+    /// Its channels or its grid are not the pad's.
+    #[error("the response table belongs to another pad")]
+    OtherPad,
+    /// A rank, basis or term that no solver gives.
+    #[error("the response table has values out of range")]
+    OutOfRange,
 }
 
 impl ResponseTable {
-    /// All of it.
+    /// The table as bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(4 * (self.terms.len() + self.basis.len()) + 4096);
@@ -38,7 +48,7 @@ impl ResponseTable {
             self.rank,
             self.places.columns,
             self.places.rows,
-            SAMPLES,
+            TERMS,
         ];
         for value in dimensions {
             bytes.extend_from_slice(&(value as u32).to_le_bytes());
@@ -53,77 +63,60 @@ impl ResponseTable {
         bytes
     }
 
-    /// A table from what [`Self::to_bytes`] gave.
+    /// Reads and checks a table of a pad.
     ///
     /// # Errors
-    /// Bytes of something else, or damaged ones.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, TableError> {
+    /// See [`TableError`].
+    pub fn from_bytes(bytes: &[u8], pad: &Pad) -> Result<Self, TableError> {
+        let places = Places::new(pad.outline.size_mm());
+        Self::read(bytes, places, pad.channels())
+    }
+
+    fn read(bytes: &[u8], places: Places, channels: usize) -> Result<Self, TableError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(TableError::NotATable)?;
-        let whole = bytes
+        let (body, _) = rest
             .split_last_chunk::<4>()
-            .filter(|(before, sum)| CRC.checksum(before) == u32::from_le_bytes(**sum));
-        let (_, _) = whole.ok_or(TableError::Damaged)?;
-        let mut reader = Reader(&rest[..rest.len() - 4]);
-        let [key, channels, rank, columns, rows, terms] = [(); 6].map(|()| reader.dimension());
-        let dimensions = [key?, channels?, rank?, columns?, rows?];
-        let [key, channels, rank, columns, rows] = dimensions;
-        if terms? != SAMPLES
-            || dimensions.iter().any(|value| *value > MOST)
-            || columns < 4
-            || rows < 4
-            || rank % LANES != 0
-        {
+            .filter(|(body, sum)| {
+                CRC.checksum(&bytes[..MAGIC.len() + body.len()]) == u32::from_le_bytes(**sum)
+            })
+            .ok_or(TableError::Damaged)?;
+        let mut reader = ByteReader::new(body);
+        let dimensions = reader.u32s(6).ok_or(TableError::Damaged)?;
+        let stored = |index: usize| dimensions[index] as usize;
+        let (key_length, rank) = (stored(0), stored(2));
+        if stored(5) != TERMS {
             return Err(TableError::NotATable);
         }
-        let pitch_mm = f64::from_le_bytes(reader.take()?);
-        let key = reader.bytes(key)?;
-        let table = Self {
+        let pitch_mm = reader.f64().ok_or(TableError::Damaged)?;
+        if [stored(1), stored(3), stored(4)] != [channels, places.columns, places.rows]
+            || pitch_mm != places.pitch_mm
+        {
+            return Err(TableError::OtherPad);
+        }
+        if rank == 0 || rank % LANES != 0 || rank > channels.next_multiple_of(LANES) {
+            return Err(TableError::OutOfRange);
+        }
+        let (Some(key), Some(basis), Some(terms), []) = (
+            reader.bytes(key_length),
+            reader.f32s(rank * channels),
+            reader.f32s(places.len() * TERMS * rank),
+            reader.rest(),
+        ) else {
+            return Err(TableError::Damaged);
+        };
+        // NaN is within no bound.
+        let within = |values: &[f32], most: f32| values.iter().all(|value| value.abs() <= most);
+        if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
+            return Err(TableError::OutOfRange);
+        }
+        Ok(Self {
             key: String::from_utf8(key.to_vec()).map_err(|_| TableError::Damaged)?,
             channels,
             rank,
-            basis: reader.values(rank * channels)?,
-            places: Places {
-                pitch_mm,
-                columns,
-                rows,
-            },
-            terms: reader.values(columns * rows * SAMPLES * rank)?,
-        };
-        if reader.0.is_empty() {
-            Ok(table)
-        } else {
-            Err(TableError::Damaged)
-        }
-    }
-}
-
-/// What is left to read.
-struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    fn bytes(&mut self, count: usize) -> Result<&'a [u8], TableError> {
-        let (taken, rest) = self.0.split_at_checked(count).ok_or(TableError::Damaged)?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], TableError> {
-        let (taken, rest) = self.0.split_first_chunk::<N>().ok_or(TableError::Damaged)?;
-        self.0 = rest;
-        Ok(*taken)
-    }
-
-    fn dimension(&mut self) -> Result<usize, TableError> {
-        Ok(u32::from_le_bytes(self.take()?) as usize)
-    }
-
-    fn values(&mut self, count: usize) -> Result<Vec<f32>, TableError> {
-        let bytes = self.bytes(4 * count)?;
-        let (values, _) = bytes.as_chunks::<4>();
-        Ok(values
-            .iter()
-            .map(|value| f32::from_le_bytes(*value))
-            .collect())
+            basis,
+            places,
+            terms,
+        })
     }
 }
 
@@ -132,28 +125,81 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
+        let table = ResponseTable::small();
+        ResponseTable::read(bytes, table.places, table.channels)
+    }
+
+    /// The small table's bytes with some replaced, and a checksum that is right again.
+    fn edited(at: usize, with: &[u8]) -> Vec<u8> {
+        let mut bytes = ResponseTable::small().to_bytes();
+        bytes[at..at + with.len()].copy_from_slice(with);
+        let body = bytes.len() - 4;
+        let sum = CRC.checksum(&bytes[..body]).to_le_bytes();
+        bytes[body..].copy_from_slice(&sum);
+        bytes
+    }
+
     #[test]
     fn a_table_is_read_as_it_was_written() {
         let table = ResponseTable::small();
-        assert_eq!(ResponseTable::from_bytes(&table.to_bytes()), Ok(table));
+        assert_eq!(read(&table.to_bytes()), Ok(table));
     }
 
     #[test]
     fn a_cut_table_is_damaged_and_something_else_is_no_table() {
         let bytes = ResponseTable::small().to_bytes();
-        let cut = &bytes[..bytes.len() - 9];
-        assert_eq!(ResponseTable::from_bytes(cut), Err(TableError::Damaged));
-        let other = ResponseTable::from_bytes(b"t_ms,v0,v1");
-        assert_eq!(other, Err(TableError::NotATable));
+        assert_eq!(read(&bytes[..bytes.len() - 9]), Err(TableError::Damaged));
+        assert_eq!(read(b"t_ms,v0,v1"), Err(TableError::NotATable));
+    }
+
+    #[test]
+    fn a_pitch_other_than_the_pads_is_refused() {
+        const PITCH: usize = 8 + 6 * 4;
+        for pitch_mm in [f64::NAN, -1.2, 0.0, 1e-12, f64::INFINITY] {
+            let bytes = edited(PITCH, &pitch_mm.to_le_bytes());
+            assert_eq!(read(&bytes), Err(TableError::OtherPad), "{pitch_mm} mm");
+        }
+    }
+
+    #[test]
+    fn dimensions_other_than_the_pads_are_refused() {
+        let errors = [
+            Some(TableError::Damaged),
+            Some(TableError::OtherPad),
+            Some(TableError::OutOfRange),
+            Some(TableError::OtherPad),
+            Some(TableError::OtherPad),
+            Some(TableError::NotATable),
+        ];
+        for value in [0, 3, 1 << 16, u32::MAX] {
+            for (index, error) in errors.iter().enumerate() {
+                let bytes = edited(8 + 4 * index, &value.to_le_bytes());
+                assert_eq!(read(&bytes).err(), *error, "{value} as dimension {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_that_no_solver_gives_are_refused() {
+        let table = ResponseTable::small();
+        let basis = 8 + 6 * 4 + 8 + table.key.len();
+        let terms = basis + 4 * table.basis.len();
+        for at in [basis, terms] {
+            for value in [f32::NAN, f32::INFINITY, -1e30] {
+                let bytes = edited(at, &value.to_le_bytes());
+                assert_eq!(read(&bytes), Err(TableError::OutOfRange), "{value} at {at}");
+            }
+        }
     }
 
     proptest! {
         #[test]
-        fn no_flipped_bit_goes_unseen(at in 8..100_000usize, bit in 0..8u8) {
+        fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
             let mut bytes = ResponseTable::small().to_bytes();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
-            prop_assert!(ResponseTable::from_bytes(&bytes).is_err());
+            prop_assert!(read(&bytes).is_err());
         }
     }
 }

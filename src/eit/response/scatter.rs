@@ -1,13 +1,13 @@
-//! What one touch does to every reading, without solving the pad anew.
+//! The response of every channel to one touch, without solving the whole pad again.
 //!
 //! A touch changes the conductivity of a few triangles, so the new field follows from the old one by a system of their
-//! nodes alone: with K the stiffness of the untouched pad, D its change and S the nodes that D joins,
+//! nodes only: with K the stiffness of the untouched pad, D its change and S the nodes that D joins,
 //! u'_S = (I + (K^-1)_SS D)^-1 u_S, and each reading changes by -u_drive' D u'_measure (Woodbury 1950; Hager 1989,
-//! SIAM Review 31, eq. 2). Exact for the mesh, for any strength.
+//! SIAM Review 31, eq. 2). This is exact for the mesh at any strength.
 //!
-//! K^-1 between all nodes fits only a coarse mesh. Its error is nearly all in the linear part, which a fine mesh gives at
-//! the price of a sum (the Jacobian): the response is the fine mesh's linear part plus the coarse mesh's departure
-//! from its own.
+//! K^-1 between all nodes fits in memory for a coarse mesh only. Nearly all error of a coarse mesh is in the linear part,
+//! which the Jacobian of a fine mesh gives cheaply: the response is the fine mesh's linear part plus the difference between
+//! the coarse mesh's exact and linear response.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -18,14 +18,14 @@ use crate::eit::{ContactModel, Mesh, MeshSize, Press, SetupError};
 use crate::pad::Pad;
 use crate::types::PointMm;
 
-/// The coarse mesh has at most this many nodes: its inverse takes 4 bytes a pair of them.
+/// Most nodes of the coarse mesh: its inverse takes 4 bytes per pair of nodes.
 const MOST_NODES: usize = 4500;
-/// The coarse mesh starts at this many times the reconstruction's edges, ...
+/// The coarse mesh starts with edges this many times as long as the reconstruction's ...
 const COARSE_SCALE: f64 = 2.0;
-/// ... and grows by this factor until it is small enough.
+/// ... which grow by this factor until it has few enough nodes.
 const COARSER: f64 = 1.15;
 
-/// A pad ready to be pressed anywhere.
+/// A pad prepared for touches at any place.
 #[derive(Clone, Debug)]
 pub struct Scatterer {
     pad: Pad,
@@ -33,11 +33,11 @@ pub struct Scatterer {
     fine: Level,
     /// Potentials between nodes of the coarse mesh, V/A.
     inverse: Mat<f32>,
-    /// Channels by fine triangles: relative change of a reading for a relative rise.
+    /// Channels x fine triangles: relative change of a reading per relative rise.
     fine_linear: Mat<f64>,
 }
 
-/// One mesh, solved untouched.
+/// One mesh and the solution of the untouched pad.
 #[derive(Clone, Debug)]
 struct Level {
     model: ForwardModel,
@@ -50,9 +50,9 @@ impl Scatterer {
     /// Solves a pad's two meshes.
     ///
     /// # Errors
-    /// A pad that cannot be solved, or a channel that reads nothing.
+    /// A pad that cannot be solved, or a channel that reads zero.
     pub fn new(pad: &Pad) -> Result<Self, SetupError> {
-        let fine = Level::new(pad, Mesh::of_pad(pad, MeshSize::reconstruction(pad)))?;
+        let fine = Level::new(pad, Mesh::from_pad(pad, MeshSize::reconstruction(pad)))?;
         let coarse = Level::new(pad, coarse_mesh(pad))?;
         let even = vec![pad.background_s_per_m; coarse.model.mesh().triangles.len()];
         let inverse = coarse.model.dense_inverse(&even)?;
@@ -72,7 +72,7 @@ impl Scatterer {
         })
     }
 
-    /// Relative changes of all readings for presses that differ in their rise only, one vector a rise.
+    /// Relative changes of all readings for presses that differ in their rise only: one vector per rise.
     #[must_use]
     pub fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Vec<Vec<f64>> {
         let press = |rise| Press {
@@ -81,13 +81,14 @@ impl Scatterer {
             rise,
         };
         let slope = f64::from(self.pad.touch_sign.factor());
-        let fine = self.fine_part(|point| slope * press(1.0).share(point), &press(1.0));
+        let fine = self.fine_part(|point| slope * press(1.0).rise_share(point), &press(1.0));
         let local = Local::new(&self.coarse, &self.inverse, &press(1.0));
         let coarse = {
-            let change = self.stiffness_change(&local, |point| slope * press(1.0).share(point));
+            let change =
+                self.stiffness_change(&local, |point| slope * press(1.0).rise_share(point));
             self.relative(&local, &change, &local.fields)
         };
-        // The meshes differ in strength as well as in shape.
+        // The two meshes differ in amplitude as well as in shape.
         let scale = (norm(&fine) / norm(&coarse).max(f64::MIN_POSITIVE)).min(2.0);
         rises
             .iter()
@@ -104,7 +105,7 @@ impl Scatterer {
             .collect()
     }
 
-    /// The first-order change on the fine mesh, for a relative change of conductivity at each point.
+    /// First-order relative changes on the fine mesh, for a relative change of conductivity per point.
     fn fine_part(&self, change: impl Fn(PointMm) -> f64, press: &Press) -> Vec<f64> {
         let mut sum = vec![0.0; self.fine.volts.len()];
         let mesh = self.fine.model.mesh();
@@ -121,7 +122,7 @@ impl Scatterer {
         sum
     }
 
-    /// What a relative change of conductivity adds to the stiffness between local nodes: (row, column, siemens).
+    /// Change of the stiffness between local nodes for a relative change of conductivity: (row, column, siemens).
     fn stiffness_change(
         &self,
         local: &Local,
@@ -141,7 +142,7 @@ impl Scatterer {
                 }
             }
         }
-        // Triangles share nodes: one entry a pair of nodes. The sort is stable, so sums keep their order.
+        // Triangles share nodes: one entry per pair. The sort is stable, so sums keep their order.
         entries.sort_by_key(|(row, column, _)| (*column, *row));
         entries.dedup_by(|next, kept| {
             let same = (next.0, next.1) == (kept.0, kept.1);
@@ -153,7 +154,7 @@ impl Scatterer {
         entries
     }
 
-    /// Relative changes of the readings from the change of the stiffness and the fields under it.
+    /// Relative changes of the readings from the change of the stiffness and the fields of the touched pad.
     fn relative(
         &self,
         local: &Local,
@@ -175,14 +176,14 @@ impl Scatterer {
     }
 }
 
-/// The part of the coarse mesh that one press can reach.
+/// The part of the coarse mesh under one press.
 struct Local {
     nodes: usize,
-    /// Triangles, and where their corners stand among the nodes.
+    /// Triangles, and the indices of their corners among the local nodes.
     under: Vec<(usize, [usize; 3])>,
     /// Potentials between the nodes, V/A.
     inverse: Mat<f64>,
-    /// Nodes by fields of the untouched pad, V/A.
+    /// Nodes x fields of the untouched pad, V/A.
     fields: Mat<f64>,
 }
 
@@ -192,7 +193,7 @@ impl Local {
         let near = level.triangles.near(press.centre_mm, press.radius_mm);
         let under: Vec<usize> = near
             .into_iter()
-            .filter(|triangle| mean_of(mesh, *triangle, |point| press.share(point)) > 0.0)
+            .filter(|triangle| mean_of(mesh, *triangle, |point| press.rise_share(point)) > 0.0)
             .collect();
         let mut nodes: Vec<usize> = under
             .iter()
@@ -217,7 +218,7 @@ impl Local {
         }
     }
 
-    /// The fields with the stiffness changed.
+    /// The fields of the touched pad.
     fn touched_fields(&self, change: &[(usize, usize, f64)]) -> Mat<f64> {
         let mut system = Mat::<f64>::identity(self.nodes, self.nodes);
         for (row, column, siemens) in change {
@@ -234,7 +235,7 @@ impl Local {
 impl Level {
     fn new(pad: &Pad, mesh: Mesh) -> Result<Self, SetupError> {
         let triangles = Buckets::new(&mesh);
-        let model = ForwardModel::new(mesh, &ContactModel::of_pad(pad))?;
+        let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad))?;
         let fields = model.solve_even(pad.background_s_per_m)?;
         let volts = fields.voltages(&pad.protocol);
         if let Some(channel) = crate::eit::reconstruct::dead_channel(&volts) {
@@ -249,11 +250,11 @@ impl Level {
     }
 }
 
-/// The finest mesh that is coarse enough to be inverted.
+/// The finest mesh with at most [`MOST_NODES`] nodes.
 fn coarse_mesh(pad: &Pad) -> Mesh {
     let mut scale = COARSE_SCALE;
     loop {
-        let mesh = Mesh::of_pad(pad, MeshSize::relative(pad, scale, false));
+        let mesh = Mesh::from_pad(pad, MeshSize::relative(pad, scale, false));
         if mesh.nodes_mm.len() <= MOST_NODES || scale > 100.0 {
             return mesh;
         }
@@ -261,7 +262,7 @@ fn coarse_mesh(pad: &Pad) -> Mesh {
     }
 }
 
-/// Mean over a triangle, by the sixteen points that stand for its sixteenths.
+/// Mean over a triangle, sampled at sixteen points.
 fn mean_of(mesh: &Mesh, triangle: usize, f: impl Fn(PointMm) -> f64) -> f64 {
     mesh.sixteenth_points_mm(triangle)
         .into_iter()
@@ -274,13 +275,13 @@ fn norm(values: &[f64]) -> f64 {
     libm::sqrt(values.iter().map(|value| value * value).sum())
 }
 
-/// Triangles by the square of a grid in which their centre lies.
+/// Triangles by the grid cell that contains their centroid.
 #[derive(Clone, Debug)]
 struct Buckets {
     cell_mm: f64,
     columns: usize,
     cells: Vec<Vec<usize>>,
-    /// Furthest corner from a centre, mm.
+    /// Largest distance of a corner from its centroid, mm.
     reach_mm: f64,
     centres_mm: Vec<PointMm>,
 }
@@ -312,7 +313,7 @@ impl Buckets {
         }
     }
 
-    /// Triangles that a circle may touch, ascending.
+    /// Triangles that may overlap a circle, ascending.
     fn near(&self, [x, y]: PointMm, radius_mm: f64) -> Vec<usize> {
         let reach = radius_mm + self.reach_mm;
         let rows = self.cells.len() / self.columns;

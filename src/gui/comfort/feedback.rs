@@ -1,44 +1,42 @@
-//! What there is to tell a player who does not look at the pad: accepted, waiting, paused, another profile, source lost. Pure:
-//! views in, signs out.
+//! Feedback for players who do not watch the pad: press accepted, paused, profile changed, pad disconnected. No drawing.
 
 use std::sync::Arc;
 
 use crate::gui::playing::Playing;
 use crate::profile::Profile;
 
-/// A sign stays for so long, s.
-pub const STAYS_S: f64 = 0.6;
+/// How long an alert is shown, s.
+pub const SHOWN_S: f64 = 0.6;
 
-/// Something that happened.
+/// An event that the player should notice.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Sign {
-    /// An output went down.
+pub enum Alert {
+    /// An output was pressed.
     Accepted,
     /// Paused.
     Paused,
-    /// Goes on.
-    GoesOn,
-    /// Another profile, by its name.
+    /// The pause has ended.
+    Resumed,
+    /// The profile of this name is in force.
     Profile(String),
-    /// The source has gone.
-    Lost,
+    /// The source has ended.
+    Disconnected,
 }
 
-impl Sign {
-    /// In a word or two.
-    #[must_use]
-    pub fn words(&self) -> String {
+impl Alert {
+    /// A word or two.
+    pub fn text(&self) -> String {
         match self {
-            Self::Accepted => "✔ accepted".to_owned(),
-            Self::Paused => "⏸ paused".to_owned(),
-            Self::GoesOn => "▶ goes on".to_owned(),
-            Self::Profile(name) => format!("profile: {name}"),
-            Self::Lost => "✖ the source is gone".to_owned(),
+            Self::Accepted => "✔ Accepted".to_owned(),
+            Self::Paused => "⏸ Paused".to_owned(),
+            Self::Resumed => "▶ Resumed".to_owned(),
+            Self::Profile(name) => format!("Profile: {name}"),
+            Self::Disconnected => "✖ Pad disconnected".to_owned(),
         }
     }
 }
 
-/// What was known before.
+/// Finds alerts by comparing each view with the one before.
 #[derive(Clone, Debug, Default)]
 pub struct Feedback {
     held: usize,
@@ -46,53 +44,46 @@ pub struct Feedback {
     ended: bool,
     profile: Option<Arc<Profile>>,
     events: u64,
-    /// The newest sign, and when it came, by the window's clock, s.
-    newest: Option<(Sign, f64)>,
+    /// The newest alert and its time by the window's clock, s.
+    newest: Option<(Alert, f64)>,
 }
 
 impl Feedback {
-    /// Looks at a game; whether there is a new sign.
-    pub fn look(&mut self, playing: &Playing, now_s: f64) -> bool {
+    /// Compares the game with the last call; returns whether there is a new alert.
+    pub fn update(&mut self, playing: &Playing, now_s: f64) -> bool {
         let view = &playing.view;
-        let mut sign = None;
-        if view.held.len() > self.held && view.events_so_far != self.events {
-            sign = Some(Sign::Accepted);
-        }
-        if let Some(profile) = &self.profile
-            && profile.name != view.profile.name
-        {
-            sign = Some(Sign::Profile(view.profile.name.clone()));
-        }
-        if view.paused != self.paused {
-            sign = Some(if view.paused {
-                Sign::Paused
+        let profile_before = self.profile.replace(Arc::clone(&view.profile));
+        let alert = if playing.ended.is_some() && !self.ended {
+            Some(Alert::Disconnected)
+        } else if view.paused != self.paused {
+            Some(if view.paused {
+                Alert::Paused
             } else {
-                Sign::GoesOn
-            });
-        }
-        if playing.ended.is_some() && !self.ended {
-            sign = Some(Sign::Lost);
-        }
+                Alert::Resumed
+            })
+        } else if profile_before.is_some_and(|before| before.name != view.profile.name) {
+            Some(Alert::Profile(view.profile.name.clone()))
+        } else {
+            let pressed = view.held.len() > self.held && view.events_so_far != self.events;
+            pressed.then_some(Alert::Accepted)
+        };
         self.held = view.held.len();
         self.events = view.events_so_far;
         self.paused = view.paused;
         self.ended = playing.ended.is_some();
-        self.profile = Some(Arc::clone(&view.profile));
-        let is_new = sign.is_some();
-        if let Some(sign) = sign {
-            self.newest = Some((sign, now_s));
+        let is_new = alert.is_some();
+        if let Some(alert) = alert {
+            self.newest = Some((alert, now_s));
         }
         is_new
     }
 
-    /// The sign that is to be seen now, and how much of its time is over, 0 to 1.
-    #[must_use]
-    pub fn shown(&self, now_s: f64) -> Option<(&Sign, f32)> {
-        let (sign, since_s) = self.newest.as_ref()?;
-        let age = (now_s - since_s) / STAYS_S;
-        // Being paused or lost lasts.
-        let lasts = matches!(sign, Sign::Paused | Sign::Lost);
-        (lasts || age < 1.0).then_some((sign, age.clamp(0.0, 1.0) as f32))
+    /// The alert to show and the elapsed share of its time, 0 to 1.
+    pub fn shown(&self, now_s: f64) -> Option<(&Alert, f32)> {
+        let (alert, since_s) = self.newest.as_ref()?;
+        let age = (now_s - since_s) / SHOWN_S;
+        let lasts = matches!(alert, Alert::Paused | Alert::Disconnected);
+        (lasts || age < 1.0).then_some((alert, age.clamp(0.0, 1.0) as f32))
     }
 }
 
@@ -101,40 +92,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_sign_comes_once_when_it_happens() {
-        let mut playing = Playing::nothing();
+    fn every_alert_comes_once() {
+        let mut playing = Playing::idle();
         let mut feedback = Feedback::default();
-        assert!(!feedback.look(&playing, 0.0));
+        assert!(!feedback.update(&playing, 0.0));
         playing.view.held = vec!["key:f".parse().expect("a key")];
         playing.view.events_so_far = 1;
-        assert!(feedback.look(&playing, 1.0));
-        assert_eq!(feedback.shown(1.1).map(|s| s.0), Some(&Sign::Accepted));
-        assert!(
-            !feedback.look(&playing, 1.1),
-            "it is held, not pressed anew"
-        );
-        assert_eq!(feedback.shown(1.0 + STAYS_S), None);
+        assert!(feedback.update(&playing, 1.0));
+        assert_eq!(feedback.shown(1.1).map(|s| s.0), Some(&Alert::Accepted));
+        assert!(!feedback.update(&playing, 1.1), "held, not pressed again");
+        assert_eq!(feedback.shown(1.0 + SHOWN_S), None);
         playing.view.paused = true;
-        assert!(feedback.look(&playing, 2.0));
-        assert_eq!(feedback.shown(60.0).map(|s| s.0), Some(&Sign::Paused));
+        assert!(feedback.update(&playing, 2.0));
+        assert_eq!(feedback.shown(60.0).map(|s| s.0), Some(&Alert::Paused));
         playing.view.paused = false;
-        feedback.look(&playing, 61.0);
-        assert_eq!(feedback.shown(61.0).map(|s| s.0), Some(&Sign::GoesOn));
-        playing.ended = Some("gone".to_owned());
-        feedback.look(&playing, 62.0);
-        assert_eq!(feedback.shown(99.0).map(|s| s.0), Some(&Sign::Lost));
+        feedback.update(&playing, 61.0);
+        assert_eq!(feedback.shown(61.0).map(|s| s.0), Some(&Alert::Resumed));
+        playing.ended = Some("disconnected".to_owned());
+        feedback.update(&playing, 62.0);
+        assert_eq!(
+            feedback.shown(99.0).map(|s| s.0),
+            Some(&Alert::Disconnected)
+        );
     }
 
     #[test]
-    fn another_profile_is_named() {
-        let mut playing = Playing::nothing();
+    fn a_new_profile_is_named() {
+        let mut playing = Playing::idle();
         let mut feedback = Feedback::default();
-        feedback.look(&playing, 0.0);
+        feedback.update(&playing, 0.0);
         let mut other = (*playing.view.profile).clone();
         other.name = "racing".to_owned();
         playing.view.profile = Arc::new(other);
-        assert!(feedback.look(&playing, 1.0));
-        let shown = feedback.shown(1.0).map(|(sign, _)| sign.words());
-        assert_eq!(shown.as_deref(), Some("profile: racing"));
+        assert!(feedback.update(&playing, 1.0));
+        let shown = feedback.shown(1.0).map(|(alert, _)| alert.text());
+        assert_eq!(shown.as_deref(), Some("Profile: racing"));
     }
 }

@@ -1,184 +1,207 @@
-//! The view for comfort: theme, size of text, and feedback for those who do not look at the screen.
+//! The comfort view: theme, text size, and feedback for players who do not watch the screen.
 //!
-//! Sound needs a library of the system on Linux, so there is none: the terminal's bell and pictures take its place.
+//! Sound would need a system library on Linux; the terminal bell and visual alerts take its place.
 
 pub mod feedback;
-pub mod look;
+pub mod preferences;
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use egui::{Align2, FontId, Rect, Stroke, ThemePreference, Ui};
+use egui::{Align2, Color32, FontId, Rect, Stroke, ThemePreference, Ui};
 
-use self::feedback::{Feedback, Sign};
-use self::look::{Look, TEXT};
-use super::desk::Desk;
-use super::edit::write_beside;
+use self::feedback::{Alert, Feedback};
+use self::preferences::{Preferences, TEXT_SCALE};
+use super::edit::write_atomically;
 use super::playing::Playing;
 use super::theme;
+use crate::app::services::AppServices;
+use crate::profile::Settings;
 
-/// The view's state, and the signs over all views.
+/// Keyboard shortcuts.
+const SHORTCUTS: [&str; 5] = [
+    "F1 to F7: switch views",
+    "Tab, Shift+Tab, Space, Enter: reach and press every button",
+    "On the pad: 1 to 9 press its regions, Space pins a finger, Esc lifts all fingers",
+    "Record: Space plays, comma and full stop step",
+    "Edit: Ctrl+Z, Ctrl+Shift+Z, Ctrl+S",
+];
+
+/// The state of the view, and the alerts over all views.
 pub struct Comfort {
-    /// How the window looks.
-    pub look: Look,
+    /// Appearance and feedback.
+    pub preferences: Preferences,
     feedback: Feedback,
     file: Option<PathBuf>,
-    kept: Look,
-    /// The zoom that was set last: the window's own keys may have changed it since.
+    saved: Preferences,
+    /// The zoom that was set last; egui's own shortcuts may have changed it since.
     zoom: f32,
 }
 
 impl Comfort {
-    /// As it was kept.
-    #[must_use]
-    pub fn of(desk: &dyn Desk) -> Self {
-        let file = desk.own_folder().map(|folder| folder.join("window.toml"));
-        let look = file
+    /// Loads the saved preferences.
+    pub fn load(services: &dyn AppServices) -> Self {
+        let file = services
+            .own_folder()
+            .map(|folder| folder.join("window.toml"));
+        let text = file
             .as_ref()
-            .and_then(|file| std::fs::read_to_string(file).ok())
-            .map_or_else(Look::default, |text| Look::read(&text));
+            .and_then(|file| std::fs::read_to_string(file).ok());
+        let preferences = text.map_or_else(Preferences::default, |text| Preferences::read(&text));
         Self {
-            kept: look.clone(),
+            saved: preferences.clone(),
             zoom: 1.0,
-            look,
+            preferences,
             feedback: Feedback::default(),
             file,
         }
     }
 
-    /// Makes the window look as it shall, and keeps what has changed.
-    pub fn dress(&mut self, ctx: &egui::Context) {
-        ctx.set_theme(self.look.theme);
+    /// Applies theme and text size, and saves changed preferences.
+    pub fn apply(&mut self, ctx: &egui::Context) {
+        ctx.set_theme(self.preferences.theme);
         let now = ctx.zoom_factor();
         if (now - self.zoom).abs() > 1e-3 {
-            // Ctrl and plus or minus.
-            self.look.text = now.clamp(TEXT.0, TEXT.1);
+            // The user pressed Ctrl and plus or minus.
+            self.preferences.text_scale = now.clamp(TEXT_SCALE.0, TEXT_SCALE.1);
         }
-        if (now - self.look.text).abs() > 1e-3 {
-            ctx.set_zoom_factor(self.look.text);
+        if (now - self.preferences.text_scale).abs() > 1e-3 {
+            ctx.set_zoom_factor(self.preferences.text_scale);
         }
-        self.zoom = self.look.text;
-        if self.look != self.kept {
-            self.kept = self.look.clone();
+        self.zoom = self.preferences.text_scale;
+        if self.preferences != self.saved {
+            self.saved = self.preferences.clone();
             if let Some(file) = &self.file
-                && let Err(error) = write_beside(file, &self.look.to_toml())
+                && let Err(error) = write_atomically(file, &self.saved.to_toml())
             {
                 tracing::warn!("{}: {error}", file.display());
             }
         }
     }
 
-    /// Looks at what happened, and draws its sign over the window.
-    pub fn sign(&mut self, ui: &Ui, playing: &Playing) {
+    /// Finds new alerts and draws the current one over the window.
+    pub fn show_feedback(&mut self, ui: &Ui, playing: &Playing) {
         let now_s = ui.ctx().time();
-        let is_new = self.feedback.look(playing, now_s);
-        if is_new && self.look.bell {
-            // A closed stderr is no reason to stop.
+        let is_new = self.feedback.update(playing, now_s);
+        if is_new && self.preferences.bell {
+            // stderr may be closed.
             let _ = std::io::stderr().write_all(b"\x07");
         }
-        let Some((sign, age)) = self.feedback.shown(now_s) else {
+        let Some((alert, age)) = self.feedback.shown(now_s) else {
             return;
         };
         if age < 1.0 {
             ui.ctx().request_repaint();
         }
-        let palette = theme::of(ui);
-        let colour = match sign {
-            Sign::Accepted | Sign::GoesOn => palette.good,
-            Sign::Profile(_) => palette.accent,
-            Sign::Paused => palette.warn,
-            Sign::Lost => palette.bad,
+        let palette = theme::palette_of(ui);
+        let colour = match alert {
+            Alert::Accepted | Alert::Resumed => palette.good,
+            Alert::Profile(_) => palette.accent,
+            Alert::Paused => palette.warn,
+            Alert::Disconnected => palette.bad,
         };
         let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("sign"));
         let painter = ui.ctx().layer_painter(layer);
-        let whole = ui.max_rect();
-        if self.look.flash {
+        if self.preferences.flash {
             let line = Stroke::new(
                 10.0 * (1.0 - 0.7 * age),
                 colour.gamma_multiply(1.0 - 0.6 * age),
             );
-            painter.rect_stroke(whole, 0.0, line, egui::StrokeKind::Inside);
+            painter.rect_stroke(ui.max_rect(), 0.0, line, egui::StrokeKind::Inside);
         }
-        // A press is seen on the pad; what happens more rarely is written.
-        if self.look.words && (*sign != Sign::Accepted || self.look.flash) {
-            let words = painter.layout_no_wrap(sign.words(), FontId::proportional(20.0), colour);
-            let size = words.size() + egui::vec2(32.0, 14.0);
-            let at = egui::pos2(whole.center().x, whole.bottom() - 58.0);
-            let card = Rect::from_center_size(at, size);
-            painter.rect(
-                card,
-                9.0,
-                palette.card,
-                Stroke::new(2.0, colour),
-                egui::StrokeKind::Inside,
-            );
-            let corner = Align2::CENTER_CENTER.align_size_within_rect(words.size(), card);
-            painter.galley(corner.min, words, colour);
+        // The pad itself shows each press; only the flash repeats it.
+        if self.preferences.large_alerts && (*alert != Alert::Accepted || self.preferences.flash) {
+            draw_alert(&painter, ui.max_rect(), palette.card, alert.text(), colour);
         }
     }
 
     /// Draws the view.
     pub fn ui(&mut self, ui: &mut Ui, playing: &Playing) {
-        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            theme::card(ui).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                theme::title(ui, "how the window looks");
-                ui.horizontal(|ui| {
-                    for (theme, words) in [
-                        (ThemePreference::Dark, "Dark"),
-                        (ThemePreference::Light, "Light"),
-                        (ThemePreference::System, "As the desktop"),
-                    ] {
-                        ui.radio_value(&mut self.look.theme, theme, words);
+        egui::ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| {
+                theme::titled_card(ui, "Appearance", |ui| self.appearance(ui));
+                theme::titled_card(ui, "Feedback if you do not watch the pad", |ui| {
+                    self.alerts(ui);
+                });
+                theme::titled_card(ui, "Your settings", |ui| {
+                    settings(ui, &playing.view.profile.settings);
+                });
+                theme::titled_card(ui, "Keyboard shortcuts", |ui| {
+                    for shortcut in SHORTCUTS {
+                        ui.label(shortcut);
                     }
                 });
-                let mut percent = self.look.text * 100.0;
-                let slider = egui::Slider::new(&mut percent, TEXT.0 * 100.0..=TEXT.1 * 100.0)
-                    .step_by(5.0)
-                    .suffix(" %")
-                    .text("Size of text");
-                // While it is dragged the slider would run away from the mouse.
-                if ui.add(slider.update_while_editing(false)).changed() {
-                    self.look.text = percent / 100.0;
-                }
-                ui.weak("Ctrl and + or - do the same.");
             });
-            theme::card(ui).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                theme::title(ui, "feedback, for those who do not look at the pad");
-                ui.checkbox(&mut self.look.flash, "The window's edge lights up with every accepted press");
-                ui.checkbox(&mut self.look.words, "Paused, another profile and a lost source are written large");
-                ui.checkbox(&mut self.look.bell, "The terminal's bell rings");
-                ui.weak("A touch that has to wait (slow keys, dwell) shows a white ring that fills.");
-            });
-            theme::card(ui).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                theme::title(ui, "what holds for you now");
-                let settings = &playing.view.profile.settings;
-                let ms = crate::types::ms_from_nanos;
-                for (what, now) in [
-                    ("a touch counts after", ms(settings.slow_keys_ns)),
-                    ("a re-press is ignored for", ms(settings.bounce_keys_ns)),
-                    ("a touch stays in one place for", ms(settings.dwell_ns)),
-                ] {
-                    let words = if now > 0.0 { format!("{now:.0} ms") } else { "off".to_owned() };
-                    ui.label(format!("{what}: {words}"));
-                }
-                ui.weak("Set up, step 5, finds these from your own presses; Edit sets them by hand.");
-            });
-            theme::card(ui).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                theme::title(ui, "keys");
-                for words in [
-                    "F1 to F7: the views",
-                    "Tab, Shift+Tab, Space, Enter: every button",
-                    "on the pad: 1 to 9 press its regions, Space pins a finger, Esc lifts all",
-                    "Record: Space plays, comma and full stop step",
-                    "Edit: Ctrl+Z, Ctrl+Shift+Z, Ctrl+S",
-                ] {
-                    ui.label(words);
-                }
-            });
-        });
     }
+
+    fn appearance(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            for (theme, label) in [
+                (ThemePreference::Dark, "Dark"),
+                (ThemePreference::Light, "Light"),
+                (ThemePreference::System, "Same as desktop"),
+            ] {
+                ui.radio_value(&mut self.preferences.theme, theme, label);
+            }
+        });
+        let mut percent = self.preferences.text_scale * 100.0;
+        let range = TEXT_SCALE.0 * 100.0..=TEXT_SCALE.1 * 100.0;
+        let slider = egui::Slider::new(&mut percent, range)
+            .step_by(5.0)
+            .suffix(" %")
+            .text("Text size");
+        // Applied on release: zooming would move the slider away from the mouse.
+        if ui.add(slider.update_while_editing(false)).changed() {
+            self.preferences.text_scale = percent / 100.0;
+        }
+        ui.weak("Shortcut: Ctrl and + or -.");
+    }
+
+    fn alerts(&mut self, ui: &mut Ui) {
+        let preferences = &mut self.preferences;
+        for (on, label) in [
+            (
+                &mut preferences.flash,
+                "Flash the window edge on every accepted press",
+            ),
+            (
+                &mut preferences.large_alerts,
+                "Show pause, profile change and disconnection in large letters",
+            ),
+            (&mut preferences.bell, "Ring the terminal bell"),
+        ] {
+            ui.checkbox(on, label);
+        }
+        ui.weak("With slow keys or dwell, a white ring fills around a touch until it counts.");
+    }
+}
+
+/// Draws an alert in large letters at the bottom of the window.
+fn draw_alert(painter: &egui::Painter, window: Rect, fill: Color32, text: String, colour: Color32) {
+    let text = painter.layout_no_wrap(text, FontId::proportional(20.0), colour);
+    let centre = egui::pos2(window.center().x, window.bottom() - 58.0);
+    let card = Rect::from_center_size(centre, text.size() + egui::vec2(32.0, 14.0));
+    let edge = Stroke::new(2.0, colour);
+    painter.rect(card, 9.0, fill, edge, egui::StrokeKind::Inside);
+    let corner = Align2::CENTER_CENTER.align_size_within_rect(text.size(), card);
+    painter.galley(corner.min, text, colour);
+}
+
+/// The times of the profile in force that filter touches.
+fn settings(ui: &mut Ui, settings: &Settings) {
+    for (name, time_ns) in [
+        ("Slow keys", settings.slow_keys_ns),
+        ("Bounce keys", settings.bounce_keys_ns),
+        ("Dwell", settings.dwell_ns),
+    ] {
+        let ms = crate::types::ms_from_nanos(time_ns);
+        let time = if ms > 0.0 {
+            format!("{ms:.0} ms")
+        } else {
+            "off".to_owned()
+        };
+        ui.label(format!("{name}: {time}"));
+    }
+    ui.weak("Set up, step 5, recommends these from your own presses; Edit sets them by hand.");
 }

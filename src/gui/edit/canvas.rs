@@ -1,24 +1,31 @@
-//! The live image with the regions, to drag: what is under the mouse, what is dragged, the handles of what is chosen.
+//! The live image with the regions: select, drag and resize them.
 
-use egui::{Color32, CursorIcon, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
 use super::shape::{Grip, dragged, grip_at};
-use super::{Drag, EditView, Learning};
-use crate::gui::desk::Desk;
-use crate::gui::picture::Shown;
-use crate::gui::place::Place;
+use super::{BindStep, Drag, EditView, GameContext};
+use crate::app::services::AppServices;
+use crate::gui::picture::PictureLayers;
+use crate::gui::place::PadTransform;
 use crate::gui::playing::Playing;
-use crate::gui::press::press;
+use crate::gui::press::handle_input;
 use crate::gui::theme;
 use crate::profile::Profile;
 
-/// An edge is taken hold of from so near, points.
-const NEAR: f32 = 9.0;
+/// Distance at which an edge can be grabbed, points.
+const GRAB_POINTS: f32 = 9.0;
+/// Size of the handles of the selected region, points.
+const HANDLE_POINTS: f32 = 8.0;
 
 impl EditView {
-    /// The live image with the regions, to drag.
-    pub(super) fn pad(&mut self, ui: &mut Ui, room: Rect, playing: &mut Playing, desk: &dyn Desk) {
-        let shown = Shown {
+    pub(super) fn draw_canvas(
+        &mut self,
+        ui: &mut Ui,
+        room: Rect,
+        playing: &mut Playing,
+        services: &dyn AppServices,
+    ) {
+        let shown = PictureLayers {
             regions: true,
             electrodes: false,
             scale: false,
@@ -37,41 +44,36 @@ impl EditView {
                 "Regions on the pad: drag to move, drag an edge to resize",
             )
         });
-        if self.learning != Learning::No {
-            // Whoever is asked to press here presses the simulated pad.
-            press(ui, &response, &place, playing);
-            self.mark(ui, &place, &profile);
-            return;
+        if self.bind_step == BindStep::No {
+            let (place, profile) = (&place, &profile);
+            let canvas = Canvas { place, profile };
+            self.handle_pointer(ui, &response, canvas, GameContext { playing, services });
+        } else {
+            // While binding, the mouse presses the simulated pad.
+            handle_input(ui, &response, &place, playing);
         }
-        let share = |at: Pos2| {
-            let [x, y] = place.to_seen(at);
-            [x / place.seen_mm[0], y / place.seen_mm[1]]
-        };
-        let near = [0, 1].map(|i| f64::from(NEAR / place.points_per_mm()) / place.seen_mm[i]);
-        let under = |at: Pos2| -> Option<(usize, Grip)> {
-            profile
-                .regions
-                .iter()
-                .enumerate()
-                .find_map(|(index, region)| {
-                    let placed = region.placed(place.seen_mm, &profile.settings.area);
-                    let (low, high) = placed.bounds_mm();
-                    let shares = |p: [f64; 2]| [p[0] / place.seen_mm[0], p[1] / place.seen_mm[1]];
-                    Some((index, grip_at(share(at), shares(low), shares(high), near)?))
-                })
-        };
-        if let Some((_, grip)) = response.hover_pos().and_then(under) {
+        self.draw_handles(ui, &place, &profile);
+    }
+
+    fn handle_pointer(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        canvas: Canvas<'_>,
+        game: GameContext<'_>,
+    ) {
+        if let Some((_, grip)) = response.hover_pos().and_then(|at| canvas.grip_at(at)) {
             ui.ctx().set_cursor_icon(cursor(grip));
         }
-        let pressed_at = ui.input(|input| input.pointer.press_origin());
         if response.clicked() || response.drag_started() {
+            let pressed_at = ui.input(|input| input.pointer.press_origin());
             let hit = pressed_at
                 .or(response.interact_pointer_pos())
-                .and_then(under);
+                .and_then(|at| canvas.grip_at(at));
             match hit {
                 Some((index, grip)) => {
-                    let region = &profile.regions[index];
-                    self.choose(&region.name);
+                    let region = &canvas.profile.regions[index];
+                    self.select_region(&region.name);
                     self.drag = response.drag_started().then(|| Drag {
                         region: region.name.clone(),
                         grip,
@@ -79,70 +81,93 @@ impl EditView {
                         from: pressed_at.unwrap_or_default(),
                     });
                 }
-                None => self.chosen = None,
+                None => self.selected = None,
             }
         }
         if let (Some(drag), Some(at)) = (self.drag.clone(), response.interact_pointer_pos())
             && response.dragged()
         {
-            let area = &profile.settings.area;
-            let [x0, y0] = share(drag.from);
-            let [x1, y1] = share(at);
-            let by = [(x1 - x0) / area.w, (y1 - y0) / area.h];
-            match dragged(&drag.shape, drag.grip, by) {
-                Some(numbers) => self.change(&playing.choice, desk, |document| {
-                    document.set_region(&drag.region, &numbers)
-                }),
+            match dragged(&drag.shape, drag.grip, canvas.offset(drag.from, at)) {
+                Some(numbers) => {
+                    self.change(game, |document| document.set_region(&drag.region, &numbers))
+                }
                 None => {
                     self.notice =
-                        Some("a polygon is moved in its text: its corners are `points`".to_owned());
+                        Some("to move a polygon, edit its `points` in the file".to_owned());
                 }
             }
         }
         if response.drag_stopped() {
             self.drag = None;
-            if let Some(opened) = &mut self.opened {
-                opened.document.settle();
-            }
+            self.end_change();
         }
-        self.mark(ui, &place, &profile);
     }
 
-    /// The chosen region's handles.
-    fn mark(&self, ui: &Ui, place: &Place, profile: &Profile) {
+    /// Outline and handles of the selected region.
+    fn draw_handles(&self, ui: &Ui, place: &PadTransform, profile: &Profile) {
         let Some(region) = profile
             .regions
             .iter()
-            .find(|region| Some(&region.name) == self.chosen.as_ref())
+            .find(|region| Some(&region.name) == self.selected.as_ref())
         else {
             return;
         };
         let placed = region.placed(place.seen_mm, &profile.settings.area);
         let (low, high) = placed.bounds_mm();
-        let bounds = Rect::from_two_pos(place.of_seen(low), place.of_seen(high));
+        let bounds = Rect::from_two_pos(place.screen_from_seen(low), place.screen_from_seen(high));
         let accent = theme::palette(true).accent;
         let line = Stroke::new(2.0, accent);
         ui.painter()
             .rect_stroke(bounds, 2.0, line, egui::StrokeKind::Middle);
-        for at in [
-            bounds.left_top(),
-            bounds.center_top(),
-            bounds.right_top(),
-            bounds.left_center(),
-            bounds.right_center(),
-            bounds.left_bottom(),
-            bounds.center_bottom(),
-            bounds.right_bottom(),
-        ] {
-            let handle = Rect::from_center_size(at, Vec2::splat(8.0));
+        let sides = [-1.0, 0.0, 1.0];
+        let offsets = sides.map(|x| sides.map(|y| Vec2::new(x, y)));
+        for offset in offsets.into_iter().flatten().filter(|o| *o != Vec2::ZERO) {
+            let at = bounds.center() + offset * bounds.size() / 2.0;
             ui.painter().rect(
-                handle,
+                Rect::from_center_size(at, Vec2::splat(HANDLE_POINTS)),
                 2.0,
                 Color32::WHITE,
                 Stroke::new(1.0, accent),
                 egui::StrokeKind::Middle,
             );
         }
+    }
+}
+
+/// The regions of a profile where they are drawn.
+#[derive(Clone, Copy)]
+struct Canvas<'a> {
+    place: &'a PadTransform,
+    profile: &'a Profile,
+}
+
+impl Canvas<'_> {
+    /// A point of the pad as fractions of its size.
+    fn fractions(&self, [x_mm, y_mm]: [f64; 2]) -> [f64; 2] {
+        [x_mm / self.place.seen_mm[0], y_mm / self.place.seen_mm[1]]
+    }
+
+    /// Index of the topmost region at a point of the window, and which part of it is there.
+    fn grip_at(&self, at: Pos2) -> Option<(usize, Grip)> {
+        let grab_mm = f64::from(GRAB_POINTS / self.place.points_per_mm());
+        let point = self.fractions(self.place.seen_from_screen(at));
+        let area = &self.profile.settings.area;
+        let mut regions = self.profile.regions.iter().enumerate();
+        regions.find_map(|(index, region)| {
+            let placed = region.placed(self.place.seen_mm, area);
+            let (low, high) = placed.bounds_mm();
+            let near = self.fractions([grab_mm, grab_mm]);
+            let grip = grip_at(point, self.fractions(low), self.fractions(high), near)?;
+            Some((index, grip))
+        })
+    }
+
+    /// From one point of the window to another, in fractions of the area that regions refer to.
+    fn offset(&self, from: Pos2, to: Pos2) -> [f64; 2] {
+        let area = &self.profile.settings.area;
+        let [x0, y0] = self.fractions(self.place.seen_from_screen(from));
+        let [x1, y1] = self.fractions(self.place.seen_from_screen(to));
+        [(x1 - x0) / area.w, (y1 - y0) / area.h]
     }
 }
 

@@ -1,23 +1,23 @@
-//! A profile's text as it is edited: one value changes at a time, comments and order stay; every change can be undone.
+//! A profile's text under edit: one value changes at a time, comments and order stay, every change can be undone.
 //!
-//! Invariant: [`Document::text`] is always TOML that was read back; what differs from the file is the values that were set.
+//! Invariant: [`Document::text`] is valid TOML that differs from the file only in the values that were set.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
 
 /// Changes that can be undone.
-const MOST_UNDO: usize = 200;
-/// Shares of the pad are written to a thousandth.
-const DECIMALS: f64 = 1000.0;
+const MAX_UNDO: usize = 200;
+/// Fractions of the pad are written in thousandths.
+const STEPS_PER_PAD: f64 = 1000.0;
 
 /// Why a text cannot be edited.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EditError {
-    /// It is no TOML.
-    #[error("the text is no TOML: {0}")]
-    Broken(String),
-    /// There is nothing of that name that could be changed.
-    #[error("{0}")]
-    Missing(String),
+    /// Not valid TOML.
+    #[error("not valid TOML: {0}")]
+    Syntax(String),
+    /// A key holds something else than a list of tables.
+    #[error("`{0}` is not a list of tables: write [[{0}]] above each")]
+    NotAList(&'static str),
 }
 
 /// A text under edit.
@@ -26,78 +26,72 @@ pub struct Document {
     document: DocumentMut,
     undo: Vec<String>,
     redo: Vec<String>,
-    /// What is being changed again and again, as a slider does: one step to undo.
-    going: Option<String>,
+    /// The change that goes on, such as a slider's drag: one step to undo.
+    current_change: Option<String>,
 }
 
 impl Document {
-    /// Reads a text.
+    /// Parses a text.
     ///
     /// # Errors
-    /// It is no TOML.
-    pub fn read(text: &str) -> Result<Self, EditError> {
+    /// It is not valid TOML.
+    pub fn parse(text: &str) -> Result<Self, EditError> {
         let document = text
             .parse::<DocumentMut>()
-            .map_err(|error| EditError::Broken(error.message().to_owned()))?;
+            .map_err(|error| EditError::Syntax(error.message().to_owned()))?;
         Ok(Self {
             document,
             undo: Vec::new(),
             redo: Vec::new(),
-            going: None,
+            current_change: None,
         })
     }
 
-    /// The text as it is now.
+    /// The edited text.
     #[must_use]
     pub fn text(&self) -> String {
         self.document.to_string()
     }
 
-    /// Sets a number of a region: its `x`, `y`, `w`, `h` or `r`. A region of the base is added here under its name.
+    /// Sets numbers of a region: `x`, `y`, `w`, `h` or `r`. A region that the base profile defines is added here.
     ///
     /// # Errors
-    /// Its `region` is no list of tables.
+    /// `region` is not a list of tables.
     pub fn set_region(&mut self, region: &str, numbers: &[(&str, f64)]) -> Result<(), EditError> {
-        self.begin(&format!("region {region}"));
-        let table = self.named("region", "name", region)?;
+        self.record_undo(&format!("region {region}"));
+        let table = self.region_table(region)?;
         for (key, number) in numbers {
-            put(table, key, (number * DECIMALS).round() / DECIMALS);
+            set_number(table, key, rounded(*number));
         }
         Ok(())
     }
 
-    /// Sets a key at the top: a threshold.
+    /// Sets a number at the top level, such as `min_hold_ms`.
     pub fn set_number(&mut self, key: &str, number: f64) {
-        self.begin(key);
-        let at_top = self.document.as_table_mut();
-        if at_top.contains_key(key) {
-            put(at_top, key, number);
-            return;
+        self.record_undo(key);
+        let top_level = self.document.as_table_mut();
+        if top_level.contains_key(key) {
+            set_number(top_level, key, number);
+        } else {
+            // Inserted below the last top-level key, before the first table.
+            top_level.insert(key, number_item(number));
         }
-        // A new key of the top stands before the first table, beneath the last key that is there.
-        at_top.insert(key, number_item(number));
     }
 
-    /// Takes a key at the top away: its default holds again.
-    pub fn clear(&mut self, key: &str) {
-        self.begin(&format!("clear {key}"));
-        self.document.remove(key);
-    }
-
-    /// Lets a region press an output. The region's own press is changed; where it has none one is added.
+    /// Binds a press of a region to an output; changes its press binding, or adds one.
     ///
     /// # Errors
-    /// Its `binding` is no list of tables.
+    /// `binding` is not a list of tables.
     pub fn bind(&mut self, region: &str, output: &str) -> Result<(), EditError> {
-        self.begin(&format!("bind {region}"));
-        let bindings = self.tables("binding")?;
+        self.record_undo(&format!("bind {region}"));
+        let bindings = self.array_of_tables("binding")?;
         let is_press = |table: &Table| {
-            let word = |key: &str| table.get(key).and_then(Item::as_str);
-            word("region") == Some(region) && matches!(word("gesture"), None | Some("press"))
+            let text = |key: &str| table.get(key).and_then(Item::as_str);
+            text("region") == Some(region) && matches!(text("gesture"), None | Some("press"))
         };
-        let known = bindings.iter().position(is_press);
-        match known.and_then(|index| bindings.get_mut(index)) {
-            Some(table) => set_keeping(table, "output", Value::from(output)),
+        let existing = bindings.iter().position(is_press);
+        match existing.and_then(|index| bindings.get_mut(index)) {
+            Some(table) => set_value(table, "output", Value::from(output)),
             None => {
                 let mut table = Table::new();
                 table.insert("region", value(region));
@@ -108,40 +102,40 @@ impl Document {
         Ok(())
     }
 
-    /// Adds a region.
+    /// Adds a rectangular region.
     ///
     /// # Errors
-    /// Its `region` is no list of tables.
+    /// `region` is not a list of tables.
     pub fn add_region(&mut self, name: &str, [x, y, w, h]: [f64; 4]) -> Result<(), EditError> {
-        self.begin(&format!("add {name}"));
+        self.record_undo(&format!("add {name}"));
         let mut table = Table::new();
         table.insert("name", value(name));
         table.insert("shape", value("rect"));
         for (key, number) in [("x", x), ("y", y), ("w", w), ("h", h)] {
-            table.insert(key, number_item((number * DECIMALS).round() / DECIMALS));
+            table.insert(key, number_item(rounded(number)));
         }
-        self.tables("region")?.push(table);
+        self.array_of_tables("region")?.push(table);
         Ok(())
     }
 
-    /// Ends a change that was made of many, such as a drag.
-    pub fn settle(&mut self) {
-        self.going = None;
+    /// Ends a change made of many steps, such as a drag: the next change is undone separately.
+    pub fn end_change(&mut self) {
+        self.current_change = None;
     }
 
-    /// Whether there is something to undo.
+    /// Whether a change can be undone.
     #[must_use]
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
-    /// Whether there is something to do again.
+    /// Whether an undone change can be redone.
     #[must_use]
     pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }
 
-    /// Takes the last change back.
+    /// Undoes the last change.
     pub fn undo(&mut self) {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.text());
@@ -149,7 +143,7 @@ impl Document {
         }
     }
 
-    /// Makes the change again that was taken back.
+    /// Redoes the change undone last.
     pub fn redo(&mut self) {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.text());
@@ -158,57 +152,53 @@ impl Document {
     }
 
     fn restore(&mut self, text: &str) {
-        self.going = None;
+        self.current_change = None;
         if let Ok(document) = text.parse() {
             self.document = document;
         }
     }
 
     /// Remembers the text before a change, unless the same change goes on.
-    fn begin(&mut self, what: &str) {
-        if self.going.as_deref() == Some(what) {
+    fn record_undo(&mut self, change: &str) {
+        if self.current_change.as_deref() == Some(change) {
             return;
         }
-        self.going = Some(what.to_owned());
+        self.current_change = Some(change.to_owned());
         self.undo.push(self.text());
-        if self.undo.len() > MOST_UNDO {
+        if self.undo.len() > MAX_UNDO {
             self.undo.remove(0);
         }
         self.redo.clear();
     }
 
-    fn tables(&mut self, list: &str) -> Result<&mut ArrayOfTables, EditError> {
+    fn array_of_tables(&mut self, list: &'static str) -> Result<&mut ArrayOfTables, EditError> {
         self.document
             .entry(list)
             .or_insert(Item::ArrayOfTables(ArrayOfTables::new()))
             .as_array_of_tables_mut()
-            .ok_or_else(|| {
-                EditError::Missing(format!("`{list}` is no list: write [[{list}]] above each"))
-            })
+            .ok_or(EditError::NotAList(list))
     }
 
-    /// The table of a list whose key has a value; added if there is none.
-    fn named(&mut self, list: &str, key: &str, name: &str) -> Result<&mut Table, EditError> {
-        let tables = self.tables(list)?;
-        let known = tables
-            .iter()
-            .position(|table| table.get(key).and_then(Item::as_str) == Some(name));
-        let index = match known {
-            Some(index) => index,
-            None => {
-                let mut table = Table::new();
-                table.insert(key, value(name));
-                tables.push(table);
-                tables.len() - 1
-            }
-        };
-        tables
-            .get_mut(index)
-            .ok_or_else(|| EditError::Missing(format!("no {list} is named `{name}`")))
+    /// The table of a region; added if the text has none.
+    fn region_table(&mut self, region: &str) -> Result<&mut Table, EditError> {
+        const LIST: &str = "region";
+        let tables = self.array_of_tables(LIST)?;
+        let has_name = |table: &Table| table.get("name").and_then(Item::as_str) == Some(region);
+        let index = tables.iter().position(has_name).unwrap_or(tables.len());
+        if index == tables.len() {
+            let mut table = Table::new();
+            table.insert("name", value(region));
+            tables.push(table);
+        }
+        tables.get_mut(index).ok_or(EditError::NotAList(LIST))
     }
 }
 
-/// A number as people write it: whole ones without a point.
+fn rounded(fraction: f64) -> f64 {
+    (fraction * STEPS_PER_PAD).round() / STEPS_PER_PAD
+}
+
+/// A number without a decimal point if it is whole.
 fn number_item(number: f64) -> Item {
     value(number_value(number, false))
 }
@@ -222,20 +212,21 @@ fn number_value(number: f64, as_float: bool) -> Value {
     }
 }
 
-/// Sets a number and keeps the spaces and the comment around it, and whether it had a point.
-fn put(table: &mut Table, key: &str, number: f64) {
-    let had_point = table.get(key).is_some_and(Item::is_float);
-    if table.get(key).is_some_and(|item| {
-        item.as_float()
-            .or_else(|| item.as_integer().map(|i| i as f64))
-            == Some(number)
-    }) {
-        return;
+/// Sets a number; one written with a decimal point keeps it.
+fn set_number(table: &mut Table, key: &str, number: f64) {
+    let old = table.get(key);
+    let is_float = old.is_some_and(Item::is_float);
+    let old = old.and_then(|item| {
+        let integer = || item.as_integer().map(|integer| integer as f64);
+        item.as_float().or_else(integer)
+    });
+    if old != Some(number) {
+        set_value(table, key, number_value(number, is_float));
     }
-    set_keeping(table, key, number_value(number, had_point));
 }
 
-fn set_keeping(table: &mut Table, key: &str, mut new: Value) {
+/// Sets a value and keeps the spaces and the comment around it.
+fn set_value(table: &mut Table, key: &str, mut new: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *new.decor_mut() = old.decor().clone();
     }
@@ -248,10 +239,10 @@ mod tests {
     use crate::profile::{Profile, SHIPPED_PROFILES, shipped_profile};
 
     fn mario() -> Document {
-        Document::read(shipped_profile("super-mario").expect("shipped").toml).expect("sound")
+        Document::parse(shipped_profile("super-mario").expect("shipped").toml).expect("valid")
     }
 
-    /// Lines of two texts that differ, old and new.
+    /// The lines that differ, old and new.
     fn changed(before: &str, after: &str) -> Vec<(String, String)> {
         assert_eq!(before.lines().count(), after.lines().count());
         before
@@ -263,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn moving_a_region_changes_its_numbers_alone() {
+    fn moving_a_region_changes_only_its_numbers() {
         let mut document = mario();
         let before = document.text();
         document
@@ -276,9 +267,9 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_behind_a_value_stays_behind_it() {
+    fn comments_after_values_stay() {
         let text = "# head\nmin_hold_ms = 34   # two frames\n\n[[region]]\nname = \"r\" # mine\nx = 0.5 # left\n";
-        let mut document = Document::read(text).expect("TOML");
+        let mut document = Document::parse(text).expect("TOML");
         document.set_number("min_hold_ms", 50.0);
         document.set_region("r", &[("x", 0.25)]).expect("a region");
         assert_eq!(
@@ -288,18 +279,18 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_was_not_there_goes_to_the_top_and_the_text_stays_sound() {
+    fn a_new_key_is_added_at_the_top_level() {
         for shipped in SHIPPED_PROFILES {
-            let mut document = Document::read(shipped.toml).expect("TOML");
+            let mut document = Document::parse(shipped.toml).expect("TOML");
             document.set_number("bounce_keys_ms", 80.0);
             let text = document.text();
-            let profile = Profile::from_toml(shipped.name, &text).expect("still sound");
+            let profile = Profile::from_toml(shipped.name, &text).expect("still valid");
             assert_eq!(profile.settings.bounce_keys_ns, 80_000_000, "{text}");
         }
     }
 
     #[test]
-    fn a_region_is_bound_anew_and_one_without_a_binding_gets_one() {
+    fn a_binding_is_changed_or_added() {
         let mut document = mario();
         let before = document.text();
         document.bind("jump", "key:space").expect("bound");
@@ -314,21 +305,21 @@ mod tests {
             .add_region("fire", [0.1, 0.1, 0.2, 0.2])
             .expect("added");
         document.bind("fire", "key:x").expect("bound");
-        let profile = Profile::from_toml("p", &document.text()).expect("sound");
+        let profile = Profile::from_toml("p", &document.text()).expect("valid");
         let fire = profile.regions.iter().position(|r| r.name == "fire");
         let fire = fire.expect("a region");
         assert!(profile.bindings.iter().any(|b| b.regions == [fire]));
     }
 
     #[test]
-    fn everything_is_undone_and_done_again_and_a_drag_is_one_step() {
+    fn undo_and_redo_treat_a_drag_as_one_step() {
         let mut document = mario();
         let first = document.text();
         for step in 0..10 {
             let x = 0.5 + f64::from(step) * 0.01;
             document.set_region("jump", &[("x", x)]).expect("a region");
         }
-        document.settle();
+        document.end_change();
         let dragged = document.text();
         document.set_number("min_hold_ms", 60.0);
         document.undo();
@@ -339,13 +330,13 @@ mod tests {
         document.redo();
         assert_eq!(document.text(), dragged);
         document.set_number("min_hold_ms", 70.0);
-        assert!(!document.can_redo(), "another way was taken");
+        assert!(!document.can_redo(), "a new change clears redo");
     }
 
     #[test]
-    fn what_is_no_toml_is_told_and_what_is_no_list_too() {
-        assert!(matches!(Document::read("a = "), Err(EditError::Broken(_))));
-        let mut document = Document::read("region = 3\n").expect("TOML");
+    fn invalid_toml_and_a_wrong_list_are_errors() {
+        assert!(matches!(Document::parse("a = "), Err(EditError::Syntax(_))));
+        let mut document = Document::parse("region = 3\n").expect("TOML");
         let error = document
             .set_region("r", &[("x", 0.1)])
             .expect_err("no list");

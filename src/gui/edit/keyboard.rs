@@ -1,10 +1,10 @@
-//! A key that the player presses in the window, as profiles name it.
+//! Keys of the window toolkit under the names that profiles use.
 
 use crate::types;
 
-/// The output of a key of the window; none for one that profiles have no name for.
+/// The output for a key of the window; none for keys that profiles cannot name.
 #[must_use]
-pub fn output(key: egui::Key) -> Option<types::Output> {
+pub fn output_for_key(key: egui::Key) -> Option<types::Output> {
     let name = match key {
         egui::Key::ArrowLeft => "left".to_owned(),
         egui::Key::ArrowRight => "right".to_owned(),
@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_digits_arrows_and_words_have_their_names() {
+    fn keys_have_the_names_of_profiles() {
         for (key, name) in [
             (egui::Key::F, "key:f"),
             (egui::Key::Num7, "key:7"),
@@ -44,9 +44,9 @@ mod tests {
             (egui::Key::Backspace, "key:backspace"),
             (egui::Key::Comma, "key:comma"),
         ] {
-            let output = output(key).expect(name);
+            let output = output_for_key(key).expect(name);
             assert_eq!(output.to_string(), name);
         }
-        assert_eq!(output(egui::Key::F30), None);
+        assert_eq!(output_for_key(egui::Key::F30), None);
     }
 }

@@ -1,20 +1,20 @@
-//! Moving and resizing a region. Pure: shares of the pad in, shares out, always on the pad.
+//! Moving and resizing a region, in fractions of the pad. A region never leaves the pad.
 
 use crate::profile::Shape;
 
-/// A region is no smaller, share of the pad.
+/// Smallest width and height of a region, fraction of the pad.
 const SMALLEST: f64 = 0.03;
 
-/// What of a region is taken hold of.
+/// The part of a region that is dragged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grip {
-    /// All of it.
+    /// The whole region.
     Whole,
-    /// Its left or right and its lower or upper edge: -1, 0 or 1 each.
+    /// An edge or a corner: left -1 or right 1, bottom -1 or top 1, 0 for neither.
     Edge(i8, i8),
 }
 
-/// What is at a point of a region's box: its edges within `near`, else all of it. Shares of the pad.
+/// The part of a region at a point: an edge of its bounding box within `near`, else the whole. Fractions of the pad.
 #[must_use]
 pub fn grip_at([x, y]: [f64; 2], low: [f64; 2], high: [f64; 2], near: [f64; 2]) -> Option<Grip> {
     let inside =
@@ -23,7 +23,7 @@ pub fn grip_at([x, y]: [f64; 2], low: [f64; 2], high: [f64; 2], near: [f64; 2]) 
         return None;
     }
     let edge = |value: f64, low: f64, high: f64, near: f64| {
-        // Of a small region the middle must stay free to be moved.
+        // The middle of a small region still moves it.
         let near = near.min((high - low) / 4.0);
         if value <= low + near {
             -1
@@ -44,7 +44,7 @@ pub fn grip_at([x, y]: [f64; 2], low: [f64; 2], high: [f64; 2], near: [f64; 2]) 
     )
 }
 
-/// The numbers of a shape after its grip was dragged by a share of the pad; none for a shape that cannot be dragged.
+/// The numbers of a shape after a drag by a fraction of the pad; none for polygons.
 #[must_use]
 pub fn dragged(shape: &Shape, grip: Grip, [dx, dy]: [f64; 2]) -> Option<Vec<(&'static str, f64)>> {
     match (shape, grip) {
@@ -77,7 +77,7 @@ pub fn dragged(shape: &Shape, grip: Grip, [dx, dy]: [f64; 2]) -> Option<Vec<(&'s
     }
 }
 
-/// Start and length of a side whose lower (-1) or upper (1) end is dragged.
+/// Start and length of an interval whose lower (-1) or upper (1) end is dragged.
 fn stretched(start: f64, length: f64, edge: i8, by: f64) -> (f64, f64) {
     let end = start + length;
     match edge {
@@ -97,7 +97,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_rectangle_stays_on_the_pad_however_it_is_dragged(
+        fn a_dragged_rectangle_stays_on_the_pad(
             x in 0.0..0.9f64, y in 0.0..0.9f64, w in 0.05..0.5f64, h in 0.05..0.5f64,
             dx in -2.0..2.0f64, dy in -2.0..2.0f64, ex in -1..=1i8, ey in -1..=1i8,
         ) {
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn dragging_an_edge_leaves_the_opposite_one() {
+    fn the_opposite_edge_stays() {
         let shape = Shape::Rect {
             x: 0.2,
             y: 0.2,
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_edges_and_the_middle_are_told_apart() {
+    fn corners_edges_and_the_middle_are_different_grips() {
         let grip = |x, y| grip_at([x, y], [0.2, 0.2], [0.6, 0.6], [0.05, 0.05]);
         assert_eq!(grip(0.4, 0.4), Some(Grip::Whole));
         assert_eq!(grip(0.21, 0.4), Some(Grip::Edge(-1, 0)));

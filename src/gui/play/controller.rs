@@ -1,165 +1,123 @@
-//! What is held, drawn as what the game sees: a NES pad, an Xbox pad, keys.
-//!
-//! What is held is filled and pressed in; it does not depend on colour alone.
+//! The controller that the game sees, with held buttons filled and pressed in: an NES pad, an Xbox pad, or keys.
 
 use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 
 use crate::gui::playing::Playing;
-use crate::gui::regions::{outputs, short};
+use crate::gui::regions::{output_label, outputs_of_binding};
 use crate::gui::theme::{self, Palette};
 use crate::profile::Profile;
 use crate::types::{Axis, Button, Output};
 
-/// A button of the NES pad.
+/// The controller that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Nes {
-    /// Jumps.
-    A,
-    /// Runs.
-    B,
-    /// Select.
-    Select,
-    /// Start.
-    Start,
-    /// The cross.
-    Up,
-    /// The cross.
-    Down,
-    /// The cross.
-    Left,
-    /// The cross.
-    Right,
-}
-
-/// Which pad suits a profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
-    /// The regions are those of a NES pad.
+pub enum Controller {
+    /// The regions are those of an NES pad.
     Nes,
-    /// It drives a gamepad.
+    /// The profile has gamepad buttons.
     Xbox,
-    /// Keys alone.
+    /// Keys only.
     Keys,
 }
 
-/// The pad that suits a profile.
-#[must_use]
-pub fn face(profile: &Profile) -> Face {
+/// The controller that suits a profile.
+pub fn controller(profile: &Profile) -> Controller {
     let drives_pad = profile
         .outputs
         .iter()
         .any(|output| matches!(output, Output::Button(_)));
     if drives_pad {
-        return Face::Xbox;
+        return Controller::Xbox;
     }
-    let roles = profile
+    let nes_buttons = profile
         .outputs
         .iter()
-        .filter(|output| nes_role(profile, **output).is_some())
+        .filter(|output| nes_button(profile, **output).is_some())
         .count();
-    if roles >= 4 { Face::Nes } else { Face::Keys }
+    if nes_buttons >= 4 {
+        Controller::Nes
+    } else {
+        Controller::Keys
+    }
 }
 
-/// What an output is on a NES pad, by the name of the region that drives it.
-#[must_use]
-pub fn nes_role(profile: &Profile, output: Output) -> Option<Nes> {
+/// The NES button of an output, by the name of the region that presses it.
+pub fn nes_button(profile: &Profile, output: Output) -> Option<Button> {
     let binding = profile
         .bindings
         .iter()
-        .find(|binding| outputs(profile, binding).any(|driven| driven == output))?;
+        .find(|binding| outputs_of_binding(profile, binding).any(|driven| driven == output))?;
     let region = binding.regions.first()?;
     Some(match profile.regions.get(*region)?.name.as_str() {
-        "jump" | "a" => Nes::A,
-        "run" | "b" => Nes::B,
-        "select" => Nes::Select,
-        "start" => Nes::Start,
-        "up" => Nes::Up,
-        "down" => Nes::Down,
-        "left" => Nes::Left,
-        "right" => Nes::Right,
+        "jump" | "a" => Button::A,
+        "run" | "b" => Button::B,
+        "select" => Button::Select,
+        "start" => Button::Start,
+        "up" => Button::Up,
+        "down" => Button::Down,
+        "left" => Button::Left,
+        "right" => Button::Right,
         _ => return None,
     })
 }
 
-/// Draws what is held.
+/// Draws the controller, and every output as a keycap.
 pub fn draw(ui: &mut Ui, playing: &Playing) {
     let profile = &playing.view.profile;
     let held = &playing.view.held;
+    let palette = theme::palette_of(ui);
     let width = ui.available_width();
-    match face(profile) {
-        Face::Nes => {
-            let (rect, _) = ui.allocate_exact_size(
-                Vec2::new(width, (width * 0.4).min(112.0)),
-                egui::Sense::hover(),
-            );
-            let down: Vec<Nes> = held
-                .iter()
-                .filter_map(|output| nes_role(profile, *output))
-                .collect();
-            nes(ui.painter(), rect, &down, &theme::of(ui));
+    let allocate = |ui: &mut Ui, share: f32, max_height: f32| {
+        let size = Vec2::new(width, (width * share).min(max_height));
+        ui.allocate_exact_size(size, egui::Sense::hover()).0
+    };
+    match controller(profile) {
+        Controller::Nes => {
+            let room = allocate(ui, 0.4, 112.0);
+            let buttons = held.iter().filter_map(|held| nes_button(profile, *held));
+            nes(ui.painter(), room, &buttons.collect::<Vec<_>>(), &palette);
         }
-        Face::Xbox => {
-            let (rect, _) = ui.allocate_exact_size(
-                Vec2::new(width, (width * 0.52).min(150.0)),
-                egui::Sense::hover(),
-            );
-            xbox(
-                ui.painter(),
-                rect,
-                held,
-                &playing.story.axes,
-                &theme::of(ui),
-            );
+        Controller::Xbox => {
+            let room = allocate(ui, 0.52, 150.0);
+            xbox(ui.painter(), room, held, &playing.history.axes, &palette);
         }
-        Face::Keys => {}
+        Controller::Keys => {}
     }
-    caps(ui, playing);
-}
-
-/// Every output as a cap.
-fn caps(ui: &mut Ui, playing: &Playing) {
-    let palette = theme::of(ui);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = Vec2::splat(5.0);
-        for output in &playing.view.profile.outputs {
-            let down = playing.view.held.contains(output);
-            let name = short(*output);
-            let colour = if down {
-                palette.on_accent
-            } else {
-                palette.text
-            };
-            let font = FontId::monospace(12.5);
-            let galley = ui.painter().layout_no_wrap(name, font, colour);
-            let size = Vec2::new((galley.size().x + 14.0).max(28.0), 28.0);
-            let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
-            let words = format!("{output}, {}", if down { "held" } else { "up" });
-            response.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::Label, true, down, words.clone())
-            });
-            response.on_hover_text(output.to_string());
-            // A cap stands two points above the table; held, it lies on it.
-            let top = rect.translate(Vec2::new(0.0, if down { 0.0 } else { -2.0 }));
-            let fill = if down {
-                palette.accent
-            } else {
-                ui.visuals().widgets.inactive.bg_fill
-            };
-            ui.painter()
-                .rect_filled(rect, CornerRadius::same(5), palette.line);
-            ui.painter().rect(
-                top,
-                CornerRadius::same(5),
-                fill,
-                Stroke::new(1.0, if down { palette.accent } else { palette.line }),
-                egui::StrokeKind::Inside,
-            );
-            ui.painter()
-                .galley(top.center() - galley.size() / 2.0, galley, colour);
+        for output in &profile.outputs {
+            keycap(ui, &palette, *output, held.contains(output));
         }
     });
 }
 
+/// An output as a keycap, which rises by two points; a held one is pressed in.
+fn keycap(ui: &mut Ui, palette: &Palette, output: Output, down: bool) {
+    let (text, fill, edge, lift) = if down {
+        (palette.on_accent, palette.accent, palette.accent, 0.0)
+    } else {
+        let fill = ui.visuals().widgets.inactive.bg_fill;
+        (palette.text, fill, palette.line, 2.0)
+    };
+    let font = FontId::monospace(12.5);
+    let galley = ui
+        .painter()
+        .layout_no_wrap(output_label(output), font, text);
+    let size = Vec2::new((galley.size().x + 14.0).max(28.0), 28.0);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let label = format!("{output}, {}", if down { "held" } else { "up" });
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::Label, true, down, label.clone()));
+    response.on_hover_text(output.to_string());
+    let corners = CornerRadius::same(5);
+    let top = rect.translate(Vec2::new(0.0, -lift));
+    let line = Stroke::new(1.0, edge);
+    let painter = ui.painter();
+    painter.rect_filled(rect, corners, palette.line);
+    painter.rect(top, corners, fill, line, egui::StrokeKind::Inside);
+    painter.galley(top.center() - galley.size() / 2.0, galley, text);
+}
+
+/// Draws in units of the controller drawing.
 struct Pen<'a> {
     painter: &'a Painter,
     palette: &'a Palette,
@@ -180,11 +138,11 @@ impl Pen<'_> {
         }
     }
 
-    fn round(&self, x: f32, y: f32, radius: f32, down: bool, words: &str) {
+    fn round(&self, x: f32, y: f32, radius: f32, down: bool, label: &str) {
         let (fill, line) = self.colours(down);
         self.painter
             .circle(self.at(x, y), radius * self.unit, fill, line);
-        self.words(x, y, words, down, radius * 1.1);
+        self.label(x, y, label, down, radius * 1.1);
     }
 
     fn bar(&self, x: f32, y: f32, w: f32, h: f32, down: bool) {
@@ -199,7 +157,7 @@ impl Pen<'_> {
         );
     }
 
-    fn words(&self, x: f32, y: f32, words: &str, down: bool, size: f32) {
+    fn label(&self, x: f32, y: f32, label: &str, down: bool, size: f32) {
         let colour = if down {
             self.palette.on_accent
         } else {
@@ -207,13 +165,13 @@ impl Pen<'_> {
         };
         let font = FontId::proportional((size * self.unit).max(9.0));
         self.painter
-            .text(self.at(x, y), Align2::CENTER_CENTER, words, font, colour);
+            .text(self.at(x, y), Align2::CENTER_CENTER, label, font, colour);
     }
 
     fn cross(&self, x: f32, y: f32, arm: f32, down: [bool; 4]) {
         // Right, up, left, down.
-        let ways = [(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)];
-        for ((dx, dy), down) in ways.into_iter().zip(down) {
+        let directions = [(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)];
+        for ((dx, dy), down) in directions.into_iter().zip(down) {
             self.bar(x + dx * arm, y + dy * arm, arm, arm, down);
             let tip = self.at(x + dx * arm * 1.28, y + dy * arm * 1.28);
             let (along, across) = (Vec2::new(dx, dy), Vec2::new(-dy, dx));
@@ -236,7 +194,7 @@ impl Pen<'_> {
     }
 }
 
-/// A drawing of so many units, in the middle of a room.
+/// A pen for a drawing of `w` by `h` units, centred in `room`.
 fn pen<'a>(painter: &'a Painter, palette: &'a Palette, room: Rect, w: f32, h: f32) -> Pen<'a> {
     let unit = (room.width() / w).min(room.height() / h);
     let size = Vec2::new(w, h) * unit;
@@ -248,7 +206,7 @@ fn pen<'a>(painter: &'a Painter, palette: &'a Palette, room: Rect, w: f32, h: f3
     }
 }
 
-fn nes(painter: &Painter, room: Rect, down: &[Nes], palette: &Palette) {
+fn nes(painter: &Painter, room: Rect, down: &[Button], palette: &Palette) {
     let pen = pen(painter, palette, room, 26.0, 11.0);
     let body = Rect::from_min_max(pen.at(0.3, 0.3), pen.at(25.7, 10.7));
     painter.rect(
@@ -258,19 +216,19 @@ fn nes(painter: &Painter, room: Rect, down: &[Nes], palette: &Palette) {
         Stroke::new(1.2, palette.line),
         egui::StrokeKind::Inside,
     );
-    let is = |button: Nes| down.contains(&button);
+    let is = |button: Button| down.contains(&button);
     pen.cross(
         5.2,
         5.5,
         2.1,
-        [Nes::Right, Nes::Up, Nes::Left, Nes::Down].map(is),
+        [Button::Right, Button::Up, Button::Left, Button::Down].map(is),
     );
-    pen.bar(11.4, 7.0, 2.6, 1.2, is(Nes::Select));
-    pen.bar(15.0, 7.0, 2.6, 1.2, is(Nes::Start));
-    pen.words(11.4, 5.2, "select", false, 1.15);
-    pen.words(15.0, 5.2, "start", false, 1.15);
-    pen.round(19.0, 6.4, 1.7, is(Nes::B), "B");
-    pen.round(23.0, 6.4, 1.7, is(Nes::A), "A");
+    pen.bar(11.4, 7.0, 2.6, 1.2, is(Button::Select));
+    pen.bar(15.0, 7.0, 2.6, 1.2, is(Button::Start));
+    pen.label(11.4, 5.2, "select", false, 1.15);
+    pen.label(15.0, 5.2, "start", false, 1.15);
+    pen.round(19.0, 6.4, 1.7, is(Button::B), "B");
+    pen.round(23.0, 6.4, 1.7, is(Button::A), "A");
 }
 
 fn xbox(painter: &Painter, room: Rect, held: &[Output], axes: &[(Axis, f32)], palette: &Palette) {
@@ -328,20 +286,20 @@ mod tests {
     use crate::gui::still;
 
     #[test]
-    fn the_nes_pad_suits_the_nes_profiles_and_every_output_has_its_button() {
+    fn a_nes_profile_is_drawn_as_a_nes_pad() {
         let profile = still::profile();
-        assert_eq!(face(&profile), Face::Nes);
-        let role = |name: &str| nes_role(&profile, name.parse().expect("an output"));
-        assert_eq!(role("key:f"), Some(Nes::A));
-        assert_eq!(role("key:d"), Some(Nes::B));
-        assert_eq!(role("key:left"), Some(Nes::Left));
-        assert_eq!(role("key:q"), None);
+        assert_eq!(controller(&profile), Controller::Nes);
+        let button = |name: &str| nes_button(&profile, name.parse().expect("an output"));
+        assert_eq!(button("key:f"), Some(Button::A));
+        assert_eq!(button("key:d"), Some(Button::B));
+        assert_eq!(button("key:left"), Some(Button::Left));
+        assert_eq!(button("key:q"), None);
     }
 
     #[test]
-    fn a_profile_that_drives_a_gamepad_gets_one() {
+    fn a_gamepad_profile_is_drawn_as_an_xbox_pad() {
         let text = "schema = 1\nname = \"p\"\nabout = \"p\"\n[[region]]\nname = \"r\"\nshape = \"rect\"\nx = 0.0\ny = 0.0\nw = 0.5\nh = 0.5\n[[binding]]\nregion = \"r\"\noutput = \"pad:a\"\n";
         let profile = Profile::from_toml("p", text).expect("sound");
-        assert_eq!(face(&profile), Face::Xbox);
+        assert_eq!(controller(&profile), Controller::Xbox);
     }
 }

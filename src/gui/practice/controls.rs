@@ -1,14 +1,14 @@
-//! What a profile's outputs mean in the level.
+//! Maps the outputs of a profile to actions in the level.
 
 use crate::profile::{Profile, Target};
 use crate::types::{Axis, Output};
 
-/// An axis counts as held beyond this.
+/// An axis beyond this value counts as held.
 const AXIS_HELD: f32 = 0.4;
-/// Regions whose output jumps or runs, whatever it is, ...
+/// Names of regions that jump or run whatever their output is.
 const JUMP_REGIONS: &[&str] = &["jump", "a"];
 const RUN_REGIONS: &[&str] = &["run", "b", "action"];
-/// ... and outputs that do in games, the likeliest first.
+/// Outputs that jump, walk left or walk right in most games, the most common first.
 const JUMP_OUTPUTS: &[&str] = &[
     "pad:south",
     "key:space",
@@ -22,31 +22,30 @@ const JUMP_OUTPUTS: &[&str] = &[
 const LEFT_OUTPUTS: &[&str] = &["key:left", "pad:left", "key:a"];
 const RIGHT_OUTPUTS: &[&str] = &["key:right", "pad:right", "key:d"];
 
-/// What an output does.
+/// An action of the player in the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Deed {
-    /// Towards the start.
+pub(super) enum GameAction {
+    /// Walks towards the start.
     Left,
-    /// Towards the end.
+    /// Walks towards the flag.
     Right,
-    /// Faster.
+    /// Runs instead of walking.
     Run,
-    /// Up.
+    /// Jumps.
     Jump,
 }
 
-/// The outputs that do something.
+/// The outputs of a profile that act in the level.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Controls {
-    deeds: Vec<(Output, Deed)>,
-    /// Names of the first region whose output does it.
-    regions: Vec<(Deed, String)>,
+pub(super) struct Controls {
+    outputs: Vec<(Output, GameAction)>,
+    /// For each action, the first region bound to it.
+    regions: Vec<(GameAction, String)>,
 }
 
 impl Controls {
-    /// What a profile's outputs do: by the name of their region, else by what they do in most games.
-    #[must_use]
-    pub fn of(profile: &Profile) -> Self {
+    /// Assigns actions by the names of regions, then by what outputs do in most games.
+    pub(super) fn from_profile(profile: &Profile) -> Self {
         let mut controls = Self::default();
         for binding in &profile.bindings {
             let named = |names: &[&str]| {
@@ -55,23 +54,23 @@ impl Controls {
                     .iter()
                     .any(|region| names.contains(&profile.regions[*region].name.as_str()))
             };
-            let deed = if named(JUMP_REGIONS) {
-                Deed::Jump
+            let action = if named(JUMP_REGIONS) {
+                GameAction::Jump
             } else if named(RUN_REGIONS) {
-                Deed::Run
+                GameAction::Run
             } else {
                 continue;
             };
             for target in &binding.targets {
                 if let Target::Output(index) = target {
-                    controls.add(profile.outputs[*index], deed);
+                    controls.add(profile.outputs[*index], action);
                 }
             }
         }
-        for (names, deed) in [
-            (LEFT_OUTPUTS, Deed::Left),
-            (RIGHT_OUTPUTS, Deed::Right),
-            (JUMP_OUTPUTS, Deed::Jump),
+        for (names, action) in [
+            (LEFT_OUTPUTS, GameAction::Left),
+            (RIGHT_OUTPUTS, GameAction::Right),
+            (JUMP_OUTPUTS, GameAction::Jump),
         ] {
             for name in names {
                 let listed = profile
@@ -79,9 +78,9 @@ impl Controls {
                     .iter()
                     .find(|output| output.to_string() == *name);
                 if let Some(output) = listed
-                    && controls.output(deed).is_none()
+                    && controls.output(action).is_none()
                 {
-                    controls.add(*output, deed);
+                    controls.add(*output, action);
                 }
             }
         }
@@ -91,54 +90,50 @@ impl Controls {
 
     fn name_regions(&mut self, profile: &Profile) {
         for binding in &profile.bindings {
-            let deed = binding.targets.iter().find_map(|target| match target {
-                Target::Output(index) => self.deed(profile.outputs[*index]),
+            let action = binding.targets.iter().find_map(|target| match target {
+                Target::Output(index) => self.action(profile.outputs[*index]),
                 _ => None,
             });
-            if let (Some(deed), Some(region)) = (deed, binding.regions.first())
-                && self.region(deed).is_none()
+            if let (Some(action), Some(region)) = (action, binding.regions.first())
+                && self.region(action).is_none()
             {
                 let name = profile.regions[*region].name.clone();
-                self.regions.push((deed, name));
+                self.regions.push((action, name));
             }
         }
     }
 
-    /// What the player presses for it: the region's name, else the output's.
-    #[must_use]
-    pub fn told(&self, deed: Deed) -> Option<String> {
-        let region = self.region(deed).map(str::to_owned);
-        region.or_else(|| self.output(deed).map(|output| output.to_string()))
+    /// What the player presses for an action: the name of a region, else of an output.
+    pub(super) fn label(&self, action: GameAction) -> Option<String> {
+        let region = self.region(action).map(str::to_owned);
+        region.or_else(|| self.output(action).map(|output| output.to_string()))
     }
 
-    fn region(&self, deed: Deed) -> Option<&str> {
-        let found = self.regions.iter().find(|(other, _)| *other == deed);
+    fn region(&self, action: GameAction) -> Option<&str> {
+        let found = self.regions.iter().find(|(other, _)| *other == action);
         found.map(|(_, name)| name.as_str())
     }
 
-    fn add(&mut self, output: Output, deed: Deed) {
-        if self.deed(output).is_none() {
-            self.deeds.push((output, deed));
+    fn add(&mut self, output: Output, action: GameAction) {
+        if self.action(output).is_none() {
+            self.outputs.push((output, action));
         }
     }
 
-    /// What an output does.
-    #[must_use]
-    pub fn deed(&self, output: Output) -> Option<Deed> {
-        let found = self.deeds.iter().find(|(other, _)| *other == output);
-        found.map(|(_, deed)| *deed)
+    /// The action of an output.
+    pub(super) fn action(&self, output: Output) -> Option<GameAction> {
+        let found = self.outputs.iter().find(|(other, _)| *other == output);
+        found.map(|(_, action)| *action)
     }
 
-    /// The first output that does something.
-    #[must_use]
-    pub fn output(&self, deed: Deed) -> Option<Output> {
-        let found = self.deeds.iter().find(|(_, other)| *other == deed);
+    /// The first output of an action.
+    pub(super) fn output(&self, action: GameAction) -> Option<Output> {
+        let found = self.outputs.iter().find(|(_, other)| *other == action);
         found.map(|(output, _)| *output)
     }
 
-    /// What a value of an axis holds: left, right.
-    #[must_use]
-    pub fn axis(axis: Axis, value: f32) -> Option<[bool; 2]> {
+    /// Whether a value of an axis holds left and right; `None` for axes that do not walk.
+    pub(super) fn held_by_axis(axis: Axis, value: f32) -> Option<[bool; 2]> {
         (axis == Axis::LeftX).then_some([value < -AXIS_HELD, value > AXIS_HELD])
     }
 }
@@ -149,13 +144,14 @@ mod tests {
     use crate::profile::SHIPPED_PROFILES;
 
     #[test]
-    fn most_shipped_profiles_can_walk_right_and_jump() {
+    fn shipped_platform_profiles_walk_and_jump() {
         let playable: Vec<&str> = SHIPPED_PROFILES
             .iter()
             .filter(|shipped| {
-                let profile = Profile::from_toml(shipped.name, shipped.toml).expect("sound");
-                let controls = Controls::of(&profile);
-                controls.output(Deed::Right).is_some() && controls.output(Deed::Jump).is_some()
+                let profile = Profile::from_toml(shipped.name, shipped.toml).expect("valid");
+                let controls = Controls::from_profile(&profile);
+                controls.output(GameAction::Right).is_some()
+                    && controls.output(GameAction::Jump).is_some()
             })
             .map(|shipped| shipped.name)
             .collect();
@@ -171,17 +167,17 @@ mod tests {
     }
 
     #[test]
-    fn super_mario_jumps_and_runs_by_its_regions() {
+    fn actions_follow_the_names_of_regions() {
         let shipped = SHIPPED_PROFILES
             .iter()
             .find(|shipped| shipped.name == "super-mario")
             .expect("shipped");
-        let profile = Profile::from_toml(shipped.name, shipped.toml).expect("sound");
-        let controls = Controls::of(&profile);
-        let deed = |name: &str| controls.deed(name.parse().expect("an output"));
-        assert_eq!(deed("key:f"), Some(Deed::Jump));
-        assert_eq!(deed("key:d"), Some(Deed::Run));
-        assert_eq!(deed("key:left"), Some(Deed::Left));
-        assert_eq!(deed("key:down"), None);
+        let profile = Profile::from_toml(shipped.name, shipped.toml).expect("valid");
+        let controls = Controls::from_profile(&profile);
+        let action = |name: &str| controls.action(name.parse().expect("an output"));
+        assert_eq!(action("key:f"), Some(GameAction::Jump));
+        assert_eq!(action("key:d"), Some(GameAction::Run));
+        assert_eq!(action("key:left"), Some(GameAction::Left));
+        assert_eq!(action("key:down"), None);
     }
 }

@@ -1,12 +1,11 @@
-//! The level: tiles, coins, an end; drawn as text, so that it can be changed with a text editor.
+//! The level: tiles, coins, start, flag. Written as text, to be changed with a text editor.
 
-/// Edge of a tile, px.
-pub const TILE: f64 = 16.0;
-/// A fall ends this far below the level, px.
+/// Side of a tile, px.
+pub(super) const TILE: f64 = 16.0;
+/// Height at which a falling player starts again, px.
 pub(super) const BOTTOM: f64 = -40.0;
 
-/// `#` is ground, `=` a floating block, `o` a coin, `S` the start, `F` the flag at the end, `C` where one begins again after
-/// a fall.
+/// `#` ground, `=` floating block, `o` coin, `S` start, `F` flag, `C` checkpoint after a fall.
 const TEXT: &str = "
 ..................................................................................................................
 ..................................................................................................................
@@ -23,9 +22,8 @@ const TEXT: &str = "
 #####################..#################...############################...############....########....############
 ";
 
-/// A way through the level with right held all the time: when to press jump, after right, and for how long, ms. It shows
-/// that the level can be finished, and plays it in tests.
-pub const A_WAY: &[(u64, u64)] = &[
+/// A solution of the level with right held all the time: for each jump, when to press it after right, and how long, ms.
+pub const SOLUTION: &[(u64, u64)] = &[
     (100, 533),
     (1400, 533),
     (2600, 100),
@@ -51,53 +49,52 @@ pub const A_WAY: &[(u64, u64)] = &[
     (20583, 533),
 ];
 
-/// What a place holds.
+/// The contents of one cell of the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tile {
-    /// Nothing.
+pub(super) enum Tile {
+    /// Free.
     Air,
     /// Ground.
     Ground,
-    /// A block in the air.
+    /// Floating block.
     Block,
 }
 
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub(super) struct Level {
     columns: usize,
     rows: usize,
-    /// By rows from the bottom.
+    /// Row by row from the bottom.
     tiles: Vec<Tile>,
-    /// Middles of the coins, px.
-    pub coins: Vec<[f64; 2]>,
-    /// Where one begins: feet, px; the first is the start, the others follow a fall.
-    pub starts: Vec<[f64; 2]>,
+    /// Centres of the coins, px.
+    pub(super) coins: Vec<[f64; 2]>,
+    /// Start, then checkpoints: position of the feet, px.
+    pub(super) starts: Vec<[f64; 2]>,
     /// Foot of the flag, px.
-    pub flag: [f64; 2],
+    pub(super) flag: [f64; 2],
 }
 
 impl Level {
-    /// The level that is played.
-    #[must_use]
-    pub fn ours() -> Self {
-        Self::read(TEXT)
+    /// The only level.
+    pub(super) fn built_in() -> Self {
+        Self::parse(TEXT)
     }
 
-    /// Level ground of so many tiles.
+    /// Flat ground.
     #[cfg(test)]
     pub(super) fn flat(columns: usize) -> Self {
         let sky = format!("S{}F\n", ".".repeat(columns - 2));
-        Self::read(&format!("{}{}", sky, "#".repeat(columns)))
+        Self::parse(&format!("{}{}", sky, "#".repeat(columns)))
     }
 
-    /// Ground that ends.
+    /// Ground with an edge.
     #[cfg(test)]
     pub(super) fn ledge() -> Self {
-        Self::read("S..........................F\n########....................\n")
+        Self::parse("S..........................F\n########....................\n")
     }
 
-    fn read(text: &str) -> Self {
+    fn parse(text: &str) -> Self {
         let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
         let rows = lines.len();
         let columns = lines.iter().map(|line| line.len()).max().unwrap_or(0);
@@ -109,7 +106,7 @@ impl Level {
             starts: Vec::new(),
             flag: [0.0; 2],
         };
-        let mut begin = [0.0; 2];
+        let mut start = [0.0; 2];
         for (line, row) in lines.iter().zip((0..rows).rev()) {
             for (column, sign) in line.bytes().enumerate() {
                 let foot = [(column as f64 + 0.5) * TILE, row as f64 * TILE];
@@ -117,7 +114,7 @@ impl Level {
                     b'#' => level.tiles[row * columns + column] = Tile::Ground,
                     b'=' => level.tiles[row * columns + column] = Tile::Block,
                     b'o' => level.coins.push([foot[0], foot[1] + TILE / 2.0]),
-                    b'S' => begin = foot,
+                    b'S' => start = foot,
                     b'C' => level.starts.push(foot),
                     b'F' => level.flag = foot,
                     _ => {}
@@ -126,8 +123,7 @@ impl Level {
         }
         level.coins.sort_by(|a, b| a[0].total_cmp(&b[0]));
         level.starts.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        level.starts.insert(0, begin);
-        // What a player stands at stands on the ground.
+        level.starts.insert(0, start);
         level.flag = level.lowered(level.flag);
         level.starts = level
             .starts
@@ -137,7 +133,7 @@ impl Level {
         level
     }
 
-    /// The place below a place that has something solid under it.
+    /// The first point straight below with solid ground under it.
     fn lowered(&self, [x, mut y]: [f64; 2]) -> [f64; 2] {
         while y > 0.0 && !self.is_solid(x, y - 1.0) {
             y -= TILE;
@@ -145,27 +141,18 @@ impl Level {
         [x, y]
     }
 
-    /// Its length, px.
-    #[must_use]
-    pub fn width(&self) -> f64 {
+    /// Width, px.
+    pub(super) fn width(&self) -> f64 {
         self.columns as f64 * TILE
     }
 
-    /// Its height, px.
-    #[must_use]
-    pub fn height(&self) -> f64 {
+    /// Height, px.
+    pub(super) fn height(&self) -> f64 {
         self.rows as f64 * TILE
     }
 
-    /// Where the start stands, px.
-    #[must_use]
-    pub fn floor(&self) -> f64 {
-        self.starts[0][1]
-    }
-
-    /// What a place holds, in tiles; beyond the level, nothing.
-    #[must_use]
-    pub fn tile(&self, column: i64, row: i64) -> Tile {
+    /// The tile at a column and row; air outside the level.
+    pub(super) fn tile(&self, column: i64, row: i64) -> Tile {
         let inside =
             (0..self.columns as i64).contains(&column) && (0..self.rows as i64).contains(&row);
         if inside {
@@ -180,20 +167,20 @@ impl Level {
         self.tile(tile(x), tile(y)) != Tile::Air
     }
 
-    /// Whether a body whose feet are at a height meets something at its edge.
+    /// Whether a body of this height meets something solid at the x coordinate of its edge.
     pub(super) fn blocks_side(&self, edge: f64, feet: f64, size: f64) -> bool {
         [feet + 0.5, feet + size / 2.0, feet + size - 0.5]
             .into_iter()
             .any(|y| self.is_solid(edge, y))
     }
 
-    /// Where the tile that an edge has entered begins.
+    /// The near side of the tile that an edge has entered, px.
     pub(super) fn wall(&self, edge: f64, rightwards: bool) -> f64 {
         let tile = libm::floor(edge / TILE) * TILE;
         if rightwards { tile } else { tile + TILE }
     }
 
-    /// The lower side of what a head meets on its way up.
+    /// The lower side of the tile that a head meets on its way up, px.
     pub(super) fn ceiling(&self, x: f64, half: f64, from: f64, to: f64) -> Option<f64> {
         let row = libm::floor(to / TILE);
         let entered = row * TILE >= from - 1e-9;
@@ -203,9 +190,9 @@ impl Level {
         (entered && met).then_some(row * TILE)
     }
 
-    /// The upper side of what feet meet on their way down.
+    /// The upper side of the tile that feet meet on their way down, px.
     pub(super) fn ground(&self, x: f64, half: f64, from: f64, to: f64) -> Option<f64> {
-        // Feet that stand exactly on a tile's upper side are in the tile above.
+        // Feet exactly on the upper side of a tile count as in the tile above.
         let row = libm::floor(to / TILE);
         let top = (row + 1.0) * TILE;
         let entered = top <= from + 1e-9;
@@ -221,8 +208,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_level_has_a_start_an_end_and_coins_in_the_air() {
-        let level = Level::ours();
+    fn coins_are_free_and_starts_and_flag_stand_on_ground() {
+        let level = Level::built_in();
         assert!(level.flag[0] > level.width() - 6.0 * TILE);
         assert!(level.coins.len() >= 15, "{}", level.coins.len());
         for coin in &level.coins {
@@ -238,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn every_line_of_the_level_is_as_long() {
+    fn all_lines_have_the_same_length() {
         let lengths: Vec<usize> = TEXT.lines().skip(1).map(str::len).collect();
         assert!(
             lengths.iter().all(|length| *length == lengths[0]),

@@ -1,104 +1,105 @@
-//! How the player of the level moves: like the plumber of the NES, since that is what many will play next.
+//! Motion of the player, with the constants of Super Mario Bros on the NES.
 //!
-//! Once a step (60 a second) the velocity is added to the place, then gravity to the velocity. Gravity is light while the
-//! jump is held and the body rises, heavy else: so how long the pad is pressed is how high the jump goes, to the step.
-//! A jump from a run is stronger, and so is its gravity. Units are pixels (16 a tile) and steps; y is up.
+//! Each step (60 a second) adds the velocity to the position, then gravity to the velocity. Gravity is weak while jump is
+//! held and the body rises: the length of the press sets the height of the jump. A jump from a run is stronger, and so is
+//! its gravity. Units: pixels (16 a tile) and steps; y points up.
 //!
-//! Two mercies that players expect of a level of today: a jump that is pressed a little too early counts when the feet touch
-//! the ground, and one a little too late counts behind the edge.
+//! As in modern games, a jump pressed slightly before landing counts on landing (jump buffering), and one pressed slightly
+//! after walking off an edge still counts (coyote time).
 
 use super::level::Level;
 
-/// Steps a second.
-pub const STEPS_PER_S: f64 = 60.0;
+/// Steps per second.
+pub(super) const STEPS_PER_S: f64 = 60.0;
 
-/// Upward velocity of a jump, gravity while it is held, and else, px a step and step: standing or walking; running.
-const JUMP: Lift = Lift {
+/// Jump from standing or walking, and from running.
+const JUMP: JumpPhysics = JumpPhysics {
     velocity: 4.0,
     held: 0.125,
     free: 0.4375,
 };
-const RUNNING_JUMP: Lift = Lift {
+const RUNNING_JUMP: JumpPhysics = JumpPhysics {
     velocity: 5.0,
     held: 0.156_25,
     free: 0.5625,
 };
-/// A jump is a running one from this speed on, px a step.
+/// Speed from which a jump is a running jump, px per step.
 const RUNNING: f64 = 2.3125;
-/// Fastest walk, run and fall, px a step.
+/// Maximum speed of walking, running and falling, px per step.
 const WALK: f64 = 1.5625;
 const RUN: f64 = 2.5625;
 const FALL: f64 = 4.0;
-/// Gain of speed when walking and when running, and loss with nothing held, px a step and step.
+/// Acceleration when walking and running, and deceleration with nothing held, px per step^2.
 const WALK_GAIN: f64 = 0.037;
 const RUN_GAIN: f64 = 0.0557;
 const LOSS: f64 = 0.051;
 /// A jump pressed this many steps before landing, or after walking off an edge, still counts.
 const EARLY_STEPS: u32 = 5;
 const LATE_STEPS: u32 = 5;
-/// The player's size, px.
+/// Width and height of the player, px.
 pub(super) const SIZE: [f64; 2] = [12.0, 15.0];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Lift {
+struct JumpPhysics {
+    /// Initial velocity, px per step.
     velocity: f64,
+    /// Gravity while jump is held, and otherwise, px per step^2.
     held: f64,
     free: f64,
 }
 
-/// What is held in a step.
+/// Buttons held in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Buttons {
-    /// Towards the start.
-    pub left: bool,
-    /// Towards the end.
-    pub right: bool,
-    /// Faster.
-    pub run: bool,
-    /// Higher.
-    pub jump: bool,
+pub(super) struct Buttons {
+    /// Walk towards the start.
+    pub(super) left: bool,
+    /// Walk towards the flag.
+    pub(super) right: bool,
+    /// Run.
+    pub(super) run: bool,
+    /// Jump.
+    pub(super) jump: bool,
 }
 
 /// The player.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
-    /// Middle of the feet, px.
-    pub place: [f64; 2],
-    /// Velocity, px a step.
-    pub velocity: [f64; 2],
-    /// Whether it stands.
-    pub on_ground: bool,
-    /// Where the last jump began, px.
-    pub took_off: f64,
-    lift: Lift,
-    /// Steps since it stood, since jump was pressed.
+pub(super) struct Body {
+    /// Centre of the feet, px.
+    pub(super) place: [f64; 2],
+    /// Velocity, px per step.
+    pub(super) velocity: [f64; 2],
+    /// Whether the player stands on something.
+    pub(super) on_ground: bool,
+    /// Height of the feet when the last jump began, px.
+    pub(super) jumped_from: f64,
+    jump: JumpPhysics,
+    /// Steps since the player stood, and since jump was pressed.
     since_ground: u32,
     since_press: u32,
     was_held: bool,
     jumping: bool,
 }
 
-/// What a step has brought.
+/// Changes of the player's state in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Happened {
-    /// It has taken off.
-    pub jumped: bool,
-    /// It has begun to fall after a jump: as high as it gets.
-    pub peaked: bool,
-    /// It has landed.
-    pub landed: bool,
+pub(super) struct StepEvents {
+    /// A jump began.
+    pub(super) jumped: bool,
+    /// A jump reached its highest point.
+    pub(super) peaked: bool,
+    /// The player landed.
+    pub(super) landed: bool,
 }
 
 impl Body {
-    /// Stands at a place.
-    #[must_use]
-    pub fn new(place: [f64; 2]) -> Self {
+    /// A player who stands at a point.
+    pub(super) fn new(place: [f64; 2]) -> Self {
         Self {
             place,
             velocity: [0.0; 2],
             on_ground: true,
-            took_off: place[1],
-            lift: JUMP,
+            jumped_from: place[1],
+            jump: JUMP,
             since_ground: 0,
             since_press: u32::MAX,
             was_held: false,
@@ -106,26 +107,19 @@ impl Body {
         }
     }
 
-    /// Whether it rises from a jump.
-    #[must_use]
-    pub fn is_rising(&self) -> bool {
-        self.jumping
+    /// Whether the last jump began from a run.
+    pub(super) fn is_running_jump(&self) -> bool {
+        self.jump == RUNNING_JUMP
     }
 
-    /// Whether its last jump began from a run.
-    #[must_use]
-    pub fn is_running_jump(&self) -> bool {
-        self.lift == RUNNING_JUMP
-    }
-
-    /// The press that was seen last is over: the next is a new one, even if no step has seen the jump not held.
-    pub fn let_go(&mut self) {
+    /// Ends the press of jump, so that the next one counts even if no step runs in between.
+    pub(super) fn release_jump(&mut self) {
         self.was_held = false;
     }
 
-    /// One step.
-    pub fn step(&mut self, buttons: Buttons, level: &Level) -> Happened {
-        let mut happened = Happened::default();
+    /// Advances by one step.
+    pub(super) fn step(&mut self, buttons: Buttons, level: &Level) -> StepEvents {
+        let mut events = StepEvents::default();
         self.since_press = if buttons.jump && !self.was_held {
             0
         } else {
@@ -134,31 +128,31 @@ impl Body {
         self.was_held = buttons.jump;
         self.walk(buttons);
         if self.since_press <= EARLY_STEPS && self.since_ground <= LATE_STEPS && !self.jumping {
-            self.lift = if self.velocity[0].abs() >= RUNNING {
+            self.jump = if self.velocity[0].abs() >= RUNNING {
                 RUNNING_JUMP
             } else {
                 JUMP
             };
-            self.velocity[1] = self.lift.velocity;
-            self.took_off = self.place[1];
+            self.velocity[1] = self.jump.velocity;
+            self.jumped_from = self.place[1];
             self.jumping = true;
             self.since_press = u32::MAX;
             self.since_ground = u32::MAX;
-            happened.jumped = true;
+            events.jumped = true;
         }
-        self.slide(level);
+        self.move_sideways(level);
         let was_on_ground = self.on_ground;
         let rose = self.jumping;
-        self.fall(level);
-        happened.landed = self.on_ground && !was_on_ground;
+        self.move_vertically(level);
+        events.landed = self.on_ground && !was_on_ground;
         let gravity = if buttons.jump && self.velocity[1] > 0.0 {
-            self.lift.held
+            self.jump.held
         } else {
-            self.lift.free
+            self.jump.free
         };
         if self.on_ground {
             self.since_ground = 0;
-            self.lift = JUMP;
+            self.jump = JUMP;
         } else {
             self.since_ground = self.since_ground.saturating_add(1);
             self.velocity[1] = (self.velocity[1] - gravity).max(-FALL);
@@ -166,14 +160,14 @@ impl Body {
         if self.jumping && self.velocity[1] <= 0.0 {
             self.jumping = false;
         }
-        happened.peaked = rose && !self.jumping;
-        happened
+        events.peaked = rose && !self.jumping;
+        events
     }
 
     fn walk(&mut self, buttons: Buttons) {
-        let wish = f64::from(i8::from(buttons.right) - i8::from(buttons.left));
+        let direction = f64::from(i8::from(buttons.right) - i8::from(buttons.left));
         let speed = &mut self.velocity[0];
-        if wish == 0.0 {
+        if direction == 0.0 {
             let less = (speed.abs() - LOSS).max(0.0);
             *speed = less.copysign(*speed);
             return;
@@ -183,23 +177,23 @@ impl Body {
         } else {
             (WALK_GAIN, WALK)
         };
-        // Against the way it goes, both the loss and the gain slow it down.
-        let gain = if *speed * wish < 0.0 {
+        // Against the current direction, deceleration is added.
+        let gain = if *speed * direction < 0.0 {
             gain + LOSS
         } else {
             gain
         };
-        let faster = *speed + wish * gain;
+        let faster = *speed + direction * gain;
         *speed = if faster.abs() <= most {
             faster
         } else {
-            // From a run to a walk it slows down by and by.
+            // From a run to a walk the speed falls gradually.
             (speed.abs() - LOSS).max(most).copysign(faster)
         };
     }
 
-    /// Moves to the side, up to a wall.
-    fn slide(&mut self, level: &Level) {
+    /// Moves sideways, up to a wall.
+    fn move_sideways(&mut self, level: &Level) {
         let [speed, _] = self.velocity;
         if speed == 0.0 {
             return;
@@ -216,8 +210,8 @@ impl Body {
         }
     }
 
-    /// Moves up or down, to a ceiling or onto the ground.
-    fn fall(&mut self, level: &Level) {
+    /// Moves up to a ceiling or down to the ground.
+    fn move_vertically(&mut self, level: &Level) {
         let [x, y] = self.place;
         let next = y + self.velocity[1];
         let half = SIZE[0] / 2.0;
@@ -232,7 +226,7 @@ impl Body {
             }
             return;
         }
-        // Standing, the ground is looked for a little below.
+        // A standing player looks for ground 1 px below.
         let below = if self.on_ground { y - 1.0 } else { next };
         match level.ground(x, half, y, below) {
             Some(ground) => {
@@ -248,19 +242,18 @@ impl Body {
     }
 }
 
-/// How high a jump goes whose press is held for so many steps, px, from a standing or a running start.
-#[must_use]
-pub fn height(steps_held: u32, running: bool) -> f64 {
-    let lift = if running { RUNNING_JUMP } else { JUMP };
-    let (mut y, mut velocity) = (0.0, lift.velocity);
+/// Height of a jump, px, by the steps that jump is held.
+pub(super) fn jump_height(steps_held: u32, running: bool) -> f64 {
+    let jump = if running { RUNNING_JUMP } else { JUMP };
+    let (mut y, mut velocity) = (0.0, jump.velocity);
     let mut step = 0;
     while velocity > 0.0 {
         y += velocity;
         step += 1;
         velocity -= if step <= steps_held {
-            lift.held
+            jump.held
         } else {
-            lift.free
+            jump.free
         };
     }
     y
@@ -280,13 +273,13 @@ mod tests {
         (20, 60.0, 75.0),
         (31, 66.0, 83.0),
     ];
-    /// Whole pixels were counted there, from a place that was rounded too.
+    /// The table counts whole pixels.
     const TOLERANCE_PX: f64 = 1.0;
 
-    /// The height that a body reaches on level ground.
+    /// Height that a body reaches on flat ground, px.
     fn jumped(steps_held: u32, running: bool) -> f64 {
         let level = Level::flat(400);
-        let mut body = Body::new([40.0, level.floor()]);
+        let mut body = Body::new([40.0, level.starts[0][1]]);
         let ahead = Buttons {
             right: running,
             run: running,
@@ -299,14 +292,14 @@ mod tests {
         for step in 0..90 {
             let jump = step < steps_held;
             body.step(Buttons { jump, ..ahead }, &level);
-            highest = highest.max(body.place[1] - level.floor());
+            highest = highest.max(body.place[1] - level.starts[0][1]);
         }
         assert!(body.on_ground, "down again");
         highest
     }
 
     #[test]
-    fn jumps_are_as_high_as_on_the_nes() {
+    fn jump_heights_match_the_nes() {
         for (steps, standing, running) in NES {
             for (is_running, wanted) in [(false, standing), (true, running)] {
                 let reached = jumped(steps, is_running);
@@ -314,22 +307,22 @@ mod tests {
                     (reached - wanted).abs() <= TOLERANCE_PX,
                     "{steps} steps, running {is_running}: {reached:.1} for {wanted}"
                 );
-                assert!((height(steps, is_running) - reached).abs() < 1e-9);
+                assert!((jump_height(steps, is_running) - reached).abs() < 1e-9);
             }
         }
     }
 
     #[test]
-    fn a_longer_press_is_a_higher_jump_up_to_the_top() {
-        let heights: Vec<f64> = (1..=31).map(|steps| height(steps, false)).collect();
+    fn longer_presses_jump_higher_up_to_a_limit() {
+        let heights: Vec<f64> = (1..=31).map(|steps| jump_height(steps, false)).collect();
         assert!(heights.windows(2).all(|pair| pair[0] < pair[1]));
-        assert_eq!(height(40, false), height(60, false));
+        assert_eq!(jump_height(40, false), jump_height(60, false));
     }
 
     #[test]
     fn a_new_jump_needs_a_new_press() {
         let level = Level::flat(100);
-        let mut body = Body::new([40.0, level.floor()]);
+        let mut body = Body::new([40.0, level.starts[0][1]]);
         let held = Buttons {
             jump: true,
             ..Buttons::default()
@@ -339,10 +332,10 @@ mod tests {
     }
 
     #[test]
-    fn a_press_just_before_landing_jumps_on_landing() {
+    fn a_jump_is_buffered_before_landing() {
         for (early, jumps) in [(4, 2), (12, 1)] {
             let level = Level::flat(100);
-            let mut body = Body::new([40.0, level.floor()]);
+            let mut body = Body::new([40.0, level.starts[0][1]]);
             let mut landing = body;
             let press = |jump| Buttons {
                 jump,
@@ -362,10 +355,10 @@ mod tests {
     }
 
     #[test]
-    fn a_press_just_behind_an_edge_still_jumps() {
+    fn a_jump_just_after_an_edge_counts() {
         for (late, jumps) in [(3, true), (10, false)] {
             let level = Level::ledge();
-            let mut body = Body::new([40.0, level.floor()]);
+            let mut body = Body::new([40.0, level.starts[0][1]]);
             let ahead = Buttons {
                 right: true,
                 ..Buttons::default()

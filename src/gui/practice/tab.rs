@@ -1,14 +1,15 @@
-//! The practice view in the window: the level beside the pad, fed with what the game's events are.
+//! The practice view: the level beside the pad, played by the events of the running game.
 
 use egui::Ui;
 
-use super::{Practice, PracticeView};
+use super::game::Practice;
+use super::view::PracticeView;
 use crate::gui::picture::Picture;
 use crate::gui::play;
 use crate::gui::playing::Playing;
 use crate::runtime::View;
 
-/// The level, its view, and how far the events are known.
+/// The level, its view, and how many events were played.
 #[derive(Debug, Default)]
 pub struct PracticeTab {
     /// The level.
@@ -18,10 +19,10 @@ pub struct PracticeTab {
 }
 
 impl PracticeTab {
-    /// Gives the level what is new in a view.
-    pub fn take(&mut self, view: &View) {
-        self.practice.follow(&view.profile);
-        // Fewer than before: another game, whose events count from none.
+    /// Plays the events that are new in a view of the game.
+    pub fn play_new_events(&mut self, view: &View) {
+        self.practice.set_profile(&view.profile);
+        // Fewer than before: another game, which counts from 0.
         let fresh = view
             .events_so_far
             .checked_sub(self.events_seen)
@@ -29,13 +30,13 @@ impl PracticeTab {
         self.events_seen = view.events_so_far;
         let skip = (view.events.len() as u64).saturating_sub(fresh) as usize;
         for event in view.events.iter().skip(skip) {
-            self.practice.event(event);
+            self.practice.push_event(event);
         }
     }
 
     /// Draws the level and the pad.
     pub fn ui(&mut self, ui: &mut Ui, picture: &mut Picture, playing: &mut Playing) {
-        self.take(&playing.view);
+        self.play_new_events(&playing.view);
         self.view.paused = playing.view.paused;
         let mut pad = |ui: &mut Ui, room| {
             play::pad(ui, room, picture, playing, false);

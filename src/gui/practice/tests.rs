@@ -1,6 +1,8 @@
+use super::controls::{Controls, GameAction};
+use super::level::TILE;
 use super::*;
-use crate::profile::{DEFAULT_PROFILE, shipped_profile};
-use crate::types::{NANOS_PER_MS, Output};
+use crate::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
+use crate::types::{Action, Event, NANOS_PER_MS, Output};
 use proptest::prelude::*;
 
 fn profile() -> Profile {
@@ -10,16 +12,18 @@ fn profile() -> Profile {
 
 fn practice() -> Practice {
     let mut practice = Practice::default();
-    practice.follow(&profile());
+    practice.set_profile(&profile());
     practice
 }
 
-fn output(deed: Deed) -> Output {
-    Controls::of(&profile()).output(deed).expect("bound")
+fn output(game_action: GameAction) -> Output {
+    Controls::from_profile(&profile())
+        .output(game_action)
+        .expect("bound")
 }
 
-fn event(t_ms: u64, down: bool, deed: Deed) -> Event {
-    let output = output(deed);
+fn event(t_ms: u64, down: bool, game_action: GameAction) -> Event {
+    let output = output(game_action);
     let action = if down {
         Action::Press(output)
     } else {
@@ -31,17 +35,17 @@ fn event(t_ms: u64, down: bool, deed: Deed) -> Event {
     }
 }
 
-/// The script as events, in order.
-fn script() -> Vec<Event> {
-    let mut events = vec![event(1000, true, Deed::Right)];
-    for (at_ms, long_ms) in A_WAY {
-        events.push(event(1000 + at_ms, true, Deed::Jump));
-        events.push(event(1000 + at_ms + long_ms, false, Deed::Jump));
+/// The events of the solution.
+fn solution() -> Vec<Event> {
+    let mut events = vec![event(1000, true, GameAction::Right)];
+    for (at_ms, long_ms) in SOLUTION {
+        events.push(event(1000 + at_ms, true, GameAction::Jump));
+        events.push(event(1000 + at_ms + long_ms, false, GameAction::Jump));
     }
     events
 }
 
-/// Plays events with a window that is drawn so many times a second; the source begins a second before the first event.
+/// Plays events in a window that is repainted `draws_per_s` times a second.
 fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
     let mut practice = practice();
     let mut next = 0;
@@ -52,7 +56,7 @@ fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
             .get(next)
             .is_some_and(|event| event.t_ns as f64 * 1e-9 <= t_s)
         {
-            practice.event(&events[next]);
+            practice.push_event(&events[next]);
             next += 1;
         }
         practice.advance(1.0 / draws_per_s);
@@ -61,28 +65,27 @@ fn play(events: &[Event], draws_per_s: f64, seconds: f64) -> Practice {
 }
 
 #[test]
-fn a_script_of_presses_finishes_the_level() {
-    let practice = play(&script(), 60.0, 45.0);
-    let Stage::Done { best } = practice.stage() else {
+fn the_solution_finishes_the_level() {
+    let practice = play(&solution(), 60.0, 45.0);
+    let RunStage::Done { best } = practice.stage() else {
         panic!(
             "at {:?} after {} falls",
-            practice.body().place,
-            practice.falls()
+            practice.body.place, practice.falls
         );
     };
     assert!(best);
-    assert_eq!(practice.falls(), 0);
+    assert_eq!(practice.falls, 0);
     assert_eq!(practice.best_s(), Some(practice.time_s()));
-    let taken = practice.taken().iter().filter(|taken| **taken).count();
+    let taken = practice.coins_taken.iter().filter(|taken| **taken).count();
     assert!(taken > 3, "{taken} coins on the way");
 }
 
 #[test]
-fn the_length_of_a_press_is_told_beside_the_height_of_its_jump() {
+fn jumps_report_press_length_and_height() {
     for (long_ms, tiles) in [(83, 34.0 / 16.0), (333, 60.0 / 16.0), (600, 66.0 / 16.0)] {
         let events = [
-            event(500, true, Deed::Jump),
-            event(500 + long_ms, false, Deed::Jump),
+            event(500, true, GameAction::Jump),
+            event(500 + long_ms, false, GameAction::Jump),
         ];
         let practice = play(&events, 60.0, 3.0);
         let jump = *practice.jumps().next_back().expect("a jump");
@@ -93,10 +96,10 @@ fn the_length_of_a_press_is_told_beside_the_height_of_its_jump() {
 }
 
 #[test]
-fn a_press_that_is_over_before_the_window_is_drawn_still_jumps_by_its_length() {
+fn the_repaint_rate_does_not_change_jump_heights() {
     let events = [
-        event(1010, true, Deed::Jump),
-        event(1060, false, Deed::Jump),
+        event(1010, true, GameAction::Jump),
+        event(1060, false, GameAction::Jump),
     ];
     let often = play(&events, 60.0, 3.0)
         .jumps()
@@ -108,48 +111,48 @@ fn a_press_that_is_over_before_the_window_is_drawn_still_jumps_by_its_length() {
         .next_back()
         .expect("a jump")
         .height_px;
-    // A step more or less.
+    // One step of tolerance.
     assert!((often - seldom).abs() < 3.0, "{often} {seldom}");
 }
 
 #[test]
-fn after_the_end_a_jump_begins_anew_and_the_best_time_stays() {
-    let mut practice = play(&script(), 60.0, 45.0);
+fn a_jump_after_the_end_restarts_and_keeps_the_best_time() {
+    let mut practice = play(&solution(), 60.0, 45.0);
     let best = practice.best_s();
-    practice.event(&event(45_020, true, Deed::Jump));
+    practice.push_event(&event(45_020, true, GameAction::Jump));
     practice.advance(0.1);
-    assert_eq!(practice.stage(), Stage::Ready);
+    assert_eq!(practice.stage(), RunStage::Ready);
     assert_eq!(practice.best_s(), best);
-    assert!(practice.taken().iter().all(|taken| !taken));
+    assert!(practice.coins_taken.iter().all(|taken| !taken));
 }
 
 #[test]
-fn a_fall_begins_at_the_last_place_that_stands_and_the_clock_runs_on() {
-    let practice = play(&[event(500, true, Deed::Right)], 60.0, 12.0);
+fn a_fall_continues_at_a_checkpoint_with_the_clock_running() {
+    let practice = play(&[event(500, true, GameAction::Right)], 60.0, 12.0);
     assert!(
-        practice.falls() > 0 || practice.body().place[0] < 260.0,
+        practice.falls > 0 || practice.body.place[0] < 260.0,
         "{:?}",
-        practice.body().place
+        practice.body.place
     );
-    assert_eq!(practice.stage(), Stage::Running);
+    assert_eq!(practice.stage(), RunStage::Running);
 }
 
 proptest! {
     #[test]
-    fn no_events_and_no_pace_break_it(
+    fn any_events_at_any_rate_keep_the_player_in_the_level(
         presses in proptest::collection::vec((0u64..4000, 0usize..4, any::<bool>()), 0..80),
         draws in proptest::collection::vec(0.0..0.5f64, 1..80),
     ) {
-        let deeds = [Deed::Left, Deed::Right, Deed::Run, Deed::Jump];
+        let actions = [GameAction::Left, GameAction::Right, GameAction::Run, GameAction::Jump];
         let mut practice = practice();
         let mut presses = presses.into_iter();
         for dt_s in draws {
-            if let Some((t_ms, deed, down)) = presses.next() {
-                practice.event(&event(t_ms, down, deeds[deed]));
+            if let Some((t_ms, game_action, down)) = presses.next() {
+                practice.push_event(&event(t_ms, down, actions[game_action]));
             }
             practice.advance(dt_s);
-            let [x, y] = practice.body().place;
-            prop_assert!(x.is_finite() && y > level::BOTTOM - 20.0 && x <= practice.level().width());
+            let [x, y] = practice.body.place;
+            prop_assert!(x.is_finite() && y > level::BOTTOM - 20.0 && x <= practice.level.width());
         }
     }
 }

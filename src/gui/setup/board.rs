@@ -1,10 +1,10 @@
-//! The first step: which board, which pad, and how good its readings are.
+//! The first step: choose the board and the pad, and see the quality of the readings.
 
 use egui::Ui;
 
-use super::say;
-use crate::gui::desk::{Desk, From};
-use crate::gui::play::{Names, Wish, file_name};
+use super::paragraph;
+use crate::app::services::{AppServices, SourceChoice};
+use crate::gui::play::{Names, UiAction, file_name};
 use crate::gui::playing::Playing;
 use crate::gui::signals;
 
@@ -12,42 +12,42 @@ use crate::gui::signals;
 pub(super) fn ui(
     ui: &mut Ui,
     playing: &Playing,
-    desk: &dyn Desk,
+    services: &dyn AppServices,
     names: &mut Names,
-) -> Option<Wish> {
-    say(
+) -> Option<UiAction> {
+    paragraph(
         ui,
-        "Plug the board in, then choose its port. Without a board, the simulated pad plays: press it with the mouse.",
+        "Plug the board in, then choose its port. Without a board, use the simulated pad: press it with the mouse.",
     );
-    let mut wanted = playing.choice.clone();
-    ui.radio_value(&mut wanted.from, From::Hand, "Simulated pad");
+    let mut wanted = playing.request.clone();
+    ui.radio_value(&mut wanted.source, SourceChoice::Simulated, "Simulated pad");
     for port in &names.ports {
-        ui.radio_value(&mut wanted.from, From::Serial(port.clone()), port);
+        ui.radio_value(&mut wanted.source, SourceChoice::Serial(port.clone()), port);
     }
     if names.ports.is_empty() {
-        ui.weak("No serial port is there. If the board is plugged in: does the cable carry data?");
+        ui.weak("No serial port found. If the board is plugged in, check that its cable carries data and not only power.");
     }
-    if ui.button("⟲ Look again").clicked() {
-        names.ports = desk.ports();
+    if ui.button("⟲ Search again").clicked() {
+        names.ports = services.ports();
     }
     egui::ComboBox::from_label("Pad")
-        .selected_text(file_name(&playing.choice.pad))
+        .selected_text(file_name(&playing.request.pad))
         .show_ui(ui, |ui| {
             for name in &names.pads {
                 ui.selectable_value(&mut wanted.pad, name.clone(), file_name(name));
             }
         });
-    if wanted != playing.choice {
-        // Another pad has another calibration.
+    if wanted != playing.request {
+        // A calibration belongs to one pad.
         wanted.calibration = None;
-        return Some(Wish::Play(wanted));
+        return Some(UiAction::Play(wanted));
     }
     ui.separator();
-    let figures = signals::health::health(
+    let figures = signals::health::from_signals(
         &playing.view.signals,
         &playing.first_reference,
         &playing.pad.protocol,
     );
-    signals::rows(ui, playing, &figures);
+    signals::health_table(ui, playing, &figures);
     None
 }

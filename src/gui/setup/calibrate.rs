@@ -1,114 +1,124 @@
-//! Calibration: the player presses shown places, and what the model had missed is learned.
+//! The calibration step: the player presses shown places, and gelpad learns how far the model is off at each.
 
 use egui::Ui;
 
-use super::presses::{PressTaker, Taken};
-use super::{notice, say};
-use crate::calibrate::Press;
-use crate::gui::desk::{Choice, Desk};
-use crate::gui::play::Wish;
+use super::presses::ViewPresses;
+use super::{draw_notice, paragraph};
+use crate::app::services::{AppServices, PlayRequest};
+use crate::calibrate::{Press, RecordedPress};
+use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
 use crate::types::PointMm;
 
-/// How many places are pressed, at least, at most, and unless asked.
-const PLACES: (usize, usize, usize) = (12, 60, 25);
+/// Numbers of places that can be chosen.
+const PLACES: std::ops::RangeInclusive<usize> = 12..=60;
+const DEFAULT_PLACES: usize = 25;
 
-/// The step's state.
-pub(super) struct Calibrating {
-    wanted: usize,
+/// State of the step.
+pub(super) struct CalibrationStep {
+    place_count: usize,
     places: Vec<PointMm>,
     presses: Vec<Press>,
-    taker: PressTaker,
+    recorder: ViewPresses,
     notice: Option<String>,
     saved: Option<std::path::PathBuf>,
 }
 
-impl Default for Calibrating {
+impl Default for CalibrationStep {
     fn default() -> Self {
         Self {
-            wanted: PLACES.2,
+            place_count: DEFAULT_PLACES,
             places: Vec::new(),
             presses: Vec::new(),
-            taker: PressTaker::default(),
+            recorder: ViewPresses::default(),
             notice: None,
             saved: None,
         }
     }
 }
 
-impl Calibrating {
-    /// Takes the newest view; where to press now.
-    pub(super) fn look(&mut self, playing: &Playing, desk: &dyn Desk) -> Option<PointMm> {
+impl CalibrationStep {
+    /// Takes the newest view; returns the place to press next.
+    pub(super) fn take_view(
+        &mut self,
+        playing: &Playing,
+        services: &dyn AppServices,
+    ) -> Option<PointMm> {
         let place = *self.places.get(self.presses.len())?;
-        match self.taker.view(&playing.view, place) {
-            Taken::Nothing => {}
-            Taken::Unfit(why) => self.notice = Some(why.to_owned()),
-            Taken::Press(press) => {
+        match self.recorder.take_view(&playing.view, place) {
+            RecordedPress::Pending => {}
+            RecordedPress::Refused(why) => self.notice = Some(why.to_owned()),
+            RecordedPress::Complete(press) => {
                 self.notice = None;
                 self.presses.push(press);
                 if self.presses.len() == self.places.len() {
-                    self.learn(playing, desk);
+                    self.learn(playing, services);
                 }
             }
         }
         self.places.get(self.presses.len()).copied()
     }
 
-    fn learn(&mut self, playing: &Playing, desk: &dyn Desk) {
+    fn learn(&mut self, playing: &Playing, services: &dyn AppServices) {
         let presses = std::mem::take(&mut self.presses);
         self.places.clear();
-        match desk.calibrate(&playing.pad, presses) {
-            Ok((path, told)) => {
+        match services.calibrate(&playing.pad, presses) {
+            Ok((path, summary)) => {
                 self.saved = Some(path);
-                self.notice = Some(told);
+                self.notice = Some(summary);
             }
             Err(why) => self.notice = Some(why),
         }
     }
 
-    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &Playing, desk: &dyn Desk) -> Option<Wish> {
-        say(
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        playing: &Playing,
+        services: &dyn AppServices,
+    ) -> Option<UiAction> {
+        paragraph(
             ui,
-            "Press each shown place once, as you usually do. gelpad learns where your pad differs from its drawing. You can leave this out.",
+            "Press each shown place once, as you usually do. gelpad learns where your pad differs from its drawing. This step is optional.",
         );
         let mut wish = None;
         if self.places.is_empty() {
-            ui.add(egui::Slider::new(&mut self.wanted, PLACES.0..=PLACES.1).text("places"));
+            ui.add(egui::Slider::new(&mut self.place_count, PLACES).text("places"));
             if ui.button("Begin").clicked() {
-                self.places = desk.places(&playing.pad, self.wanted);
+                self.places = services.calibration_places(&playing.pad, self.place_count);
                 self.presses.clear();
                 self.saved = None;
                 self.notice = None;
             }
         } else {
             let done = self.presses.len() as f32 / self.places.len() as f32;
-            let words = format!("{} of {}", self.presses.len(), self.places.len());
-            ui.add(egui::ProgressBar::new(done).text(words));
+            let text = format!("{} of {}", self.presses.len(), self.places.len());
+            ui.add(egui::ProgressBar::new(done).text(text));
             if ui.button("Stop").clicked() {
                 self.places.clear();
                 self.presses.clear();
             }
         }
         if let Some(path) = &self.saved
-            && playing.choice.calibration.as_ref() != Some(path)
+            && playing.request.calibration.as_ref() != Some(path)
             && theme::primary(ui, "Use it").clicked()
         {
-            wish = Some(Wish::Play(Choice {
+            wish = Some(UiAction::Play(PlayRequest {
                 calibration: Some(path.clone()),
-                ..playing.choice.clone()
+                ..playing.request.clone()
             }));
         }
-        if playing.choice.calibration.is_some() {
-            ui.colored_label(theme::of(ui).good, "✔ a calibration is in use");
+        if playing.request.calibration.is_some() {
+            ui.colored_label(theme::palette_of(ui).good, "✔ a calibration is in use");
             if ui.button("Play without it").clicked() {
-                wish = Some(Wish::Play(Choice {
+                wish = Some(UiAction::Play(PlayRequest {
                     calibration: None,
-                    ..playing.choice.clone()
+                    ..playing.request.clone()
                 }));
             }
         }
-        notice(ui, &self.notice);
+        draw_notice(ui, &self.notice);
         wish
     }
 }

@@ -1,40 +1,39 @@
-//! The last step: whether what the pad presses arrives in the system. Keys come back to this window while it checks.
+//! The last step: checks that pressed keys arrive in the system. During the check they are sent to this window.
 
 use egui::{Event, Ui};
 
-use super::say;
-use crate::gui::desk::{Choice, To};
+use super::paragraph;
+use crate::app::services::{OutputChoice, PlayRequest};
 use crate::gui::edit::keyboard;
-use crate::gui::play::Wish;
+use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
-use crate::gui::regions::short;
+use crate::gui::regions::output_label;
 use crate::gui::theme;
 use crate::types::Output;
 
-/// The step's state.
+/// State of the step.
 #[derive(Default)]
-pub(super) struct Check {
-    /// Whether keys are let through to this window, to be seen.
-    checks: bool,
-    seen: Vec<Output>,
+pub(super) struct OutputCheck {
+    /// Whether keys are sent to this window.
+    is_running: bool,
+    received: Vec<Output>,
 }
 
-impl Check {
-    /// Whether keys are looked at now.
-    pub(super) fn checks(&self) -> bool {
-        self.checks
+impl OutputCheck {
+    pub(super) fn is_running(&self) -> bool {
+        self.is_running
     }
 
-    /// Takes the keys that come back to this window, so that nothing here acts on them.
+    /// Takes the keys that arrive in this window before a widget acts on them.
     pub(super) fn take_keys(&mut self, ui: &Ui) {
         ui.input_mut(|input| {
             input.events.retain(|event| match event {
                 Event::Key { key, pressed, .. } => {
                     if *pressed
-                        && let Some(output) = keyboard::output(*key)
-                        && !self.seen.contains(&output)
+                        && let Some(output) = keyboard::output_for_key(*key)
+                        && !self.received.contains(&output)
                     {
-                        self.seen.push(output);
+                        self.received.push(output);
                     }
                     false
                 }
@@ -44,46 +43,42 @@ impl Check {
         });
     }
 
-    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &Playing) -> Option<Wish> {
-        let palette = theme::of(ui);
-        if playing.choice.to == To::Nothing {
-            say(
+    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &Playing) -> Option<UiAction> {
+        let palette = theme::palette_of(ui);
+        if playing.request.output == OutputChoice::Nothing {
+            paragraph(
                 ui,
-                "Nothing is sent yet. Let gelpad press the keys of this desktop, then check that they arrive.",
+                "No keys are sent yet. Let gelpad press keys on this desktop, then check that they arrive.",
             );
             return theme::primary(ui, "Send to this desktop")
                 .clicked()
                 .then(|| {
-                    Wish::Play(Choice {
-                        to: To::Auto,
-                        ..playing.choice.clone()
+                    UiAction::Play(PlayRequest {
+                        output: OutputChoice::Auto,
+                        ..playing.request.clone()
                     })
                 });
         }
-        say(ui, &format!("Events go to: {}.", playing.output));
-        let words = if self.checks {
+        paragraph(ui, &format!("Keys go to: {}.", playing.output));
+        let label = if self.is_running {
             "Stop the check"
         } else {
-            "Check: press the pad"
+            "Start the check"
         };
-        if ui.button(words).clicked() {
-            self.checks = !self.checks;
-            self.seen.clear();
+        if ui.button(label).clicked() {
+            self.is_running = !self.is_running;
+            self.received.clear();
         }
-        if self.checks {
+        if self.is_running {
             for output in &playing.view.profile.outputs {
-                let seen = self.seen.contains(output);
-                let words = format!(
-                    "{} {}",
-                    if seen { "✔ the system saw" } else { "…" },
-                    short(*output)
-                );
-                let colour = if seen { palette.good } else { palette.weak };
-                ui.colored_label(colour, words);
+                let (mark, colour) = if self.received.contains(output) {
+                    ("✔ received", palette.good)
+                } else {
+                    ("… press the pad for", palette.weak)
+                };
+                ui.colored_label(colour, format!("{mark} {}", output_label(*output)));
             }
-            ui.weak(
-                "A gamepad's buttons do not come to windows: look at them with `gelpad doctor`.",
-            );
+            ui.weak("Gamepad buttons do not reach this window: check them with `gelpad doctor`.");
         }
         None
     }

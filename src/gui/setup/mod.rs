@@ -1,53 +1,52 @@
-//! The wizard from port to play: find the board, which way round, zero, calibrate, settings from the player's own presses, a
-//! profile, and whether the output arrives.
+//! The setup wizard: board, orientation, zero, calibration, personal settings, profile, output check.
 
 mod board;
 mod calibrate;
 mod check;
+mod orientation;
 pub mod presses;
 mod recommend;
-mod way;
 
 use std::sync::Arc;
 
 use egui::{Rect, Ui};
 
-use super::desk::Desk;
-use super::picture::{Picture, Shown};
-use super::play::{Names, Wish};
+use super::picture::{Picture, PictureLayers};
+use super::play::{Names, UiAction};
 use super::playing::Playing;
 use super::theme;
-use crate::runtime::Command;
+use crate::app::services::AppServices;
+use crate::runtime::PlayCommand;
 use crate::types::PointMm;
 
-/// The picture's share of the width.
+/// Share of the width for the picture.
 const PICTURE: f32 = 0.46;
 
-/// The steps.
+/// A step of the wizard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Step {
-    /// Port, pad, health of the readings.
+    /// Port, pad, quality of the readings.
     #[default]
     Board,
-    /// Three corners.
-    WayRound,
-    /// The untouched pad.
+    /// How the pad is turned, from three corner presses.
+    Orientation,
+    /// The reference of the untouched pad.
     Zero,
     /// Presses at shown places.
     Calibrate,
-    /// Settings from the player's own presses.
+    /// Settings for one person, from their presses.
     Recommend,
-    /// What is played.
+    /// The profile to play.
     Profile,
-    /// Whether the system sees it.
+    /// Whether keys arrive.
     Check,
 }
 
 impl Step {
-    /// All, in order.
+    /// All steps in order.
     pub const ALL: [Self; 7] = [
         Self::Board,
-        Self::WayRound,
+        Self::Orientation,
         Self::Zero,
         Self::Calibrate,
         Self::Recommend,
@@ -57,13 +56,13 @@ impl Step {
 
     /// Its title.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn title(self) -> &'static str {
         match self {
             Self::Board => "Board",
-            Self::WayRound => "Which way round",
+            Self::Orientation => "Orientation",
             Self::Zero => "Zero",
             Self::Calibrate => "Calibrate",
-            Self::Recommend => "Your presses",
+            Self::Recommend => "Personal settings",
             Self::Profile => "Profile",
             Self::Check => "Output",
         }
@@ -73,66 +72,66 @@ impl Step {
         Self::ALL.iter().position(|s| *s == self).unwrap_or(0)
     }
 
-    fn beside(self, by: isize) -> Option<Self> {
+    fn neighbour(self, by: isize) -> Option<Self> {
         let index = self.index().checked_add_signed(by)?;
         Self::ALL.get(index).copied()
     }
 }
 
-/// The wizard's state.
+/// State of the wizard.
 #[derive(Default)]
 pub struct SetUpView {
-    /// The step that is shown.
+    /// The current step.
     pub step: Step,
     picture: Picture,
-    way: way::Way,
-    calibrate: calibrate::Calibrating,
-    recommend: recommend::Recommending,
-    check: check::Check,
+    way: orientation::OrientationStep,
+    calibrate: calibrate::CalibrationStep,
+    recommend: recommend::RecommendStep,
+    check: check::OutputCheck,
 }
 
 impl SetUpView {
-    /// Whether the keys that come to this window are its own, to be looked at.
+    /// Whether keys are sent to this window for the output check.
     #[must_use]
-    pub fn checks_keys(&self) -> bool {
-        self.step == Step::Check && self.check.checks()
+    pub fn captures_keys(&self) -> bool {
+        self.step == Step::Check && self.check.is_running()
     }
 
-    /// Takes those keys, before anything acts on them.
+    /// Takes those keys before a widget acts on them.
     pub fn take_keys(&mut self, ui: &Ui) {
         self.check.take_keys(ui);
     }
 
-    /// Draws the wizard; returns what the player wants.
+    /// Draws the wizard; returns what the application should do.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
         playing: &mut Playing,
-        desk: &Arc<dyn Desk>,
+        services: &Arc<dyn AppServices>,
         names: &mut Names,
-    ) -> Option<Wish> {
+    ) -> Option<UiAction> {
         let mut wish = None;
-        self.steps(ui);
+        self.draw_steps(ui);
         ui.add_space(4.0);
         let room = ui.available_rect_before_wrap();
         let split = room.left() + room.width() * PICTURE;
         let pad_room = Rect::from_min_max(room.min, egui::pos2(split - 8.0, room.bottom()));
         let side_room = Rect::from_min_max(egui::pos2(split + 4.0, room.top()), room.max);
-        // What is gathered is gathered before anything is drawn: the picture shows where to press now.
+        // Steps are updated first: the picture shows where to press next.
         let mark = match self.step {
-            Step::WayRound => self.way.look(playing),
-            Step::Calibrate => self.calibrate.look(playing, desk.as_ref()),
+            Step::Orientation => self.way.take_view(playing),
+            Step::Calibrate => self.calibrate.take_view(playing, services.as_ref()),
             Step::Recommend => {
-                self.recommend.look(playing);
+                self.recommend.update(playing);
                 None
             }
             _ => None,
         };
-        let asked = match self.step {
-            Step::Recommend => self.recommend.asked_region(),
+        let target_region = match self.step {
+            Step::Recommend => self.recommend.target_region(),
             _ => None,
         };
-        self.pad(ui, pad_room, playing, mark, asked.as_deref());
+        self.draw_pad(ui, pad_room, playing, mark, target_region.as_deref());
         ui.scope_builder(egui::UiBuilder::new().max_rect(side_room), |ui| {
             egui::ScrollArea::vertical()
                 .id_salt("set-up side")
@@ -141,19 +140,19 @@ impl SetUpView {
                     ui.set_width(side_room.width() - 8.0);
                     theme::card(ui).show(ui, |ui| {
                         ui.set_width(ui.available_width());
-                        ui.heading(self.step.name());
+                        ui.heading(self.step.title());
                         wish = match self.step {
-                            Step::Board => board::ui(ui, playing, desk.as_ref(), names),
-                            Step::WayRound => self.way.ui(ui, playing, desk.as_ref()),
-                            Step::Zero => zero(ui, playing),
-                            Step::Calibrate => self.calibrate.ui(ui, playing, desk.as_ref()),
-                            Step::Recommend => self.recommend.ui(ui, playing, desk),
-                            Step::Profile => profile(ui, playing, names),
+                            Step::Board => board::ui(ui, playing, services.as_ref(), names),
+                            Step::Orientation => self.way.ui(ui, playing, services.as_ref()),
+                            Step::Zero => draw_zero(ui, playing),
+                            Step::Calibrate => self.calibrate.ui(ui, playing, services.as_ref()),
+                            Step::Recommend => self.recommend.ui(ui, playing, services),
+                            Step::Profile => draw_profiles(ui, playing, names),
                             Step::Check => self.check.ui(ui, playing),
                         };
                         ui.add_space(6.0);
                         ui.separator();
-                        self.turn(ui, &mut wish);
+                        self.draw_navigation(ui, &mut wish);
                     });
                 });
         });
@@ -161,22 +160,22 @@ impl SetUpView {
         wish
     }
 
-    /// The steps as a row; each can be gone to.
-    fn steps(&mut self, ui: &mut Ui) {
+    /// The steps as a row of tabs.
+    fn draw_steps(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for step in Step::ALL {
-                let words = format!("{} {}", step.index() + 1, step.name());
-                if ui.selectable_label(self.step == step, words).clicked() {
+                let label = format!("{} {}", step.index() + 1, step.title());
+                if ui.selectable_label(self.step == step, label).clicked() {
                     self.step = step;
                 }
             }
         });
     }
 
-    fn turn(&mut self, ui: &mut Ui, wish: &mut Option<Wish>) {
+    fn draw_navigation(&mut self, ui: &mut Ui, wish: &mut Option<UiAction>) {
         ui.horizontal(|ui| {
-            let back = self.step.beside(-1);
+            let back = self.step.neighbour(-1);
             if ui
                 .add_enabled(back.is_some(), egui::Button::new("◀ Back"))
                 .clicked()
@@ -184,7 +183,7 @@ impl SetUpView {
             {
                 self.step = back;
             }
-            match self.step.beside(1) {
+            match self.step.neighbour(1) {
                 Some(next) => {
                     if theme::primary(ui, "Next ▶").clicked() {
                         self.step = next;
@@ -192,25 +191,25 @@ impl SetUpView {
                 }
                 None => {
                     if theme::primary(ui, "Play").clicked() {
-                        *wish = Some(Wish::ShowPlay);
+                        *wish = Some(UiAction::Show(crate::gui::Tab::Play));
                     }
                 }
             }
         });
     }
 
-    /// The pad, pressable; a place to press is marked on it.
-    fn pad(
+    /// The pad, which can be pressed, with a mark where to press next.
+    fn draw_pad(
         &mut self,
         ui: &mut Ui,
         room: Rect,
         playing: &mut Playing,
         mark: Option<PointMm>,
-        asked: Option<&str>,
+        target_region: Option<&str>,
     ) {
-        let shown = Shown {
+        let shown = PictureLayers {
             regions: matches!(self.step, Step::Recommend | Step::Profile | Step::Check),
-            electrodes: matches!(self.step, Step::Board | Step::WayRound | Step::Zero),
+            electrodes: matches!(self.step, Step::Board | Step::Orientation | Step::Zero),
             scale: false,
         };
         let place = self
@@ -218,17 +217,17 @@ impl SetUpView {
             .draw(ui, room, playing, &playing.view.profile, shown);
         let id = ui.scope_id().with("set-up pad");
         let response = ui.interact(place.rect, id, egui::Sense::click_and_drag());
-        let words = match (mark, asked) {
+        let label = match (mark, target_region) {
             (Some([x, y]), _) => format!("Pad: press at {x:.0}, {y:.0} mm"),
             (None, Some(region)) => format!("Pad: press {region}"),
             (None, None) => "Pad".to_owned(),
         };
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, words.clone()));
-        super::press::press(ui, &response, &place, playing);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, label.clone()));
+        super::press::handle_input(ui, &response, &place, playing);
         if let Some(mark) = mark {
-            target(ui, place.of_pad(mark));
+            draw_target(ui, place.screen_from_pad(mark));
         }
-        if let Some(region) = asked
+        if let Some(region) = target_region
             && let Some(region) = playing
                 .view
                 .profile
@@ -237,13 +236,13 @@ impl SetUpView {
                 .find(|r| r.name == region)
         {
             let placed = region.placed(place.seen_mm, &playing.view.profile.settings.area);
-            target(ui, place.of_seen(placed.centre_mm()));
+            draw_target(ui, place.screen_from_seen(placed.centre_mm()));
         }
     }
 }
 
-/// A target: rings and a cross, seen on any ground.
-fn target(ui: &Ui, at: egui::Pos2) {
+/// Rings and a cross, visible on any background.
+fn draw_target(ui: &Ui, at: egui::Pos2) {
     let painter = ui.painter();
     for (radius, width, colour) in [
         (22.0, 5.0, egui::Color32::BLACK),
@@ -257,48 +256,47 @@ fn target(ui: &Ui, at: egui::Pos2) {
     painter.vline(at.x, at.y - 30.0..=at.y + 30.0, line);
 }
 
-/// A sentence that may be long.
-fn say(ui: &mut Ui, words: &str) {
+/// A paragraph of text.
+fn paragraph(ui: &mut Ui, words: &str) {
     ui.add(egui::Label::new(words).wrap());
 }
 
-/// A notice: what went wrong, or where something went.
-fn notice(ui: &mut Ui, words: &Option<String>) {
+/// An error, or where something was saved.
+fn draw_notice(ui: &mut Ui, words: &Option<String>) {
     if let Some(words) = words {
-        let colour = theme::of(ui).warn;
+        let colour = theme::palette_of(ui).warn;
         ui.add(egui::Label::new(egui::RichText::new(words).color(colour)).wrap());
     }
 }
 
-fn zero(ui: &mut Ui, playing: &mut Playing) -> Option<Wish> {
-    say(
+fn draw_zero(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
+    paragraph(
         ui,
-        "Take your hands off the pad, then set it to zero: what it reads then counts as untouched. It follows slow drift by itself; zero it again when something was laid on it or taken off.",
+        "Take your hands off the pad, then set it to zero: the current readings become those of the untouched pad. Slow drift is corrected automatically. Set it to zero again after placing something on the pad or removing it.",
     );
-    if ui.button("Zero now").clicked() {
-        playing.ask(Command::Rezero);
+    if ui.button("Set to zero").clicked() {
+        playing.send_command(PlayCommand::Rezero);
     }
-    let count = playing.view.touches.len();
-    if count > 0 {
-        let words = format!("{count} touched places are seen: is the pad free?");
-        ui.colored_label(theme::of(ui).warn, words);
+    let palette = theme::palette_of(ui);
+    if playing.view.touches.is_empty() {
+        ui.colored_label(palette.good, "✔ no touches");
     } else {
-        ui.colored_label(theme::of(ui).good, "✔ nothing touches it");
+        ui.colored_label(palette.warn, "A touch is detected: is the pad free?");
     }
     None
 }
 
-fn profile(ui: &mut Ui, playing: &Playing, names: &Names) -> Option<Wish> {
-    say(
+fn draw_profiles(ui: &mut Ui, playing: &Playing, names: &Names) -> Option<UiAction> {
+    paragraph(
         ui,
-        "What do you play? A profile says which part of the pad presses what.",
+        "Which game do you play? A profile defines which part of the pad presses which key.",
     );
-    let mut wanted = playing.choice.clone();
+    let mut wanted = playing.request.clone();
     for name in &names.profiles {
-        let words = super::play::file_name(name);
-        ui.radio_value(&mut wanted.profile, name.clone(), words);
+        let label = super::play::file_name(name);
+        ui.radio_value(&mut wanted.profile, name.clone(), label);
     }
     ui.add_space(4.0);
-    say(ui, &playing.view.profile.about.clone());
-    (wanted != playing.choice).then_some(Wish::Play(wanted))
+    paragraph(ui, &playing.view.profile.about.clone());
+    (wanted != playing.request).then_some(UiAction::Play(wanted))
 }

@@ -1,104 +1,39 @@
-//! Presses that the set-up asks for, gathered from views. Pure: views in, presses and changes of touches out.
-//!
-//! A calibration's press counts while exactly one touch is down; its first views are left out, as the finger still sinks in.
+//! Presses and touches gathered from the views of a running game. Pure.
 
-use crate::calibrate::{Modelled, Press};
+use crate::calibrate::{PressRecorder, RecordedPress, Touching};
 use crate::runtime::View;
 use crate::types::{Nanos, Phase, PointMm, Touch};
 
-/// Views of a press that are left out, and those whose mean is taken.
-const SETTLE: usize = 4;
-const TAKEN: usize = 15;
-
-/// What a view has brought.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Taken {
-    /// Nothing yet.
-    Nothing,
-    /// A press that cannot be used, and why.
-    Unfit(&'static str),
-    /// A press.
-    Press(Press),
-}
-
-/// Takes the press at a shown place.
+/// Records presses at shown places from views.
 #[derive(Clone, Debug, Default)]
-pub struct PressTaker {
-    seen: usize,
-    sums: Vec<f64>,
-    place: [f64; 2],
-    force: f64,
-    count: usize,
-    several: bool,
+pub struct ViewPresses {
+    recorder: PressRecorder,
     last_ns: Nanos,
 }
 
-impl PressTaker {
-    /// Takes a view while this place is shown.
-    pub fn view(&mut self, view: &View, shown_mm: PointMm) -> Taken {
+impl ViewPresses {
+    /// Takes a view while `shown_mm` is shown; a view that was taken before is ignored.
+    pub fn take_view(&mut self, view: &View, shown_mm: PointMm) -> RecordedPress {
         if view.t_ns == self.last_ns {
-            return Taken::Nothing;
+            return RecordedPress::Pending;
         }
         self.last_ns = view.t_ns;
-        match view.touches.as_slice() {
-            [] if self.seen == 0 => Taken::Nothing,
-            [] => {
-                let done = std::mem::take(self);
-                self.last_ns = done.last_ns;
-                done.press(shown_mm)
-            }
-            touches => {
-                self.seen += 1;
-                self.several |= touches.len() > 1;
-                if self.seen > SETTLE && self.count < TAKEN {
-                    self.add(view, &touches[0]);
-                }
-                Taken::Nothing
-            }
-        }
-    }
-
-    fn add(&mut self, view: &View, touch: &Touch) {
-        self.sums.resize(view.signals.changes.len(), 0.0);
-        for (sum, change) in self.sums.iter_mut().zip(&view.signals.changes) {
-            *sum += f64::from(*change);
-        }
-        for (sum, place) in self.place.iter_mut().zip(touch.contact.centre_mm) {
-            *sum += place;
-        }
-        self.force += touch.contact.force;
-        self.count += 1;
-    }
-
-    fn press(self, place_mm: PointMm) -> Taken {
-        if self.several {
-            return Taken::Unfit("several touches at once: press with one finger");
-        }
-        if self.count == 0 {
-            return Taken::Unfit("too short: press a little longer");
-        }
-        let share = 1.0 / self.count as f64;
-        Taken::Press(Press {
-            place_mm,
-            modelled: Some(Modelled {
-                force: self.force * share,
-                place_mm: self.place.map(|sum| sum * share),
-            }),
-            changes: self.sums.iter().map(|sum| sum * share).collect(),
-        })
+        let touching = Touching::from_contacts(view.touches.len(), &view.signals.contacts);
+        let changes = view.signals.changes.iter().copied().map(f64::from);
+        self.recorder.take_frame(touching, changes, shown_mm)
     }
 }
 
-/// What becomes of touches from view to view.
+/// Turns views, which hold the touches that are down, into touches that go down, move and go up.
 #[derive(Clone, Debug, Default)]
-pub struct Changes {
+pub struct TouchChanges {
     down: Vec<Touch>,
     last_ns: Nanos,
 }
 
-impl Changes {
-    /// What this view changes; nothing if it has been seen.
-    pub fn view(&mut self, view: &View) -> Vec<Touch> {
+impl TouchChanges {
+    /// The touches that this view changes; none if the view was taken before.
+    pub fn take_view(&mut self, view: &View) -> Vec<Touch> {
         if view.t_ns == self.last_ns {
             return Vec::new();
         }
@@ -125,6 +60,7 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::Press;
     use crate::gui::still::{self, touch};
     use crate::types::NANOS_PER_MS;
 
@@ -148,42 +84,27 @@ mod tests {
     }
 
     #[test]
-    fn a_press_is_taken_when_it_is_over() {
-        let mut taker = PressTaker::default();
-        let all = in_time(vec![
-            views(5, vec![]),
-            views(20, vec![touch(1, [41.0, 52.0], 0.6)]),
-            views(1, vec![]),
-        ]);
-        let taken: Vec<Taken> = all.iter().map(|v| taker.view(v, [40.0, 50.0])).collect();
-        assert!(taken[..25].iter().all(|t| *t == Taken::Nothing));
-        let Taken::Press(press) = &taken[25] else {
-            panic!("{:?}", taken[25]);
-        };
-        assert_eq!(press.place_mm, [40.0, 50.0]);
-        let modelled = press.modelled.expect("modelled");
-        assert!((modelled.place_mm[0] - 41.0).abs() < 1e-9);
-        assert!((press.changes[1] + 0.25).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_brush_and_two_fingers_are_refused() {
-        for (fingers, frames, told) in [
-            (vec![touch(1, [1.0, 1.0], 0.5)], 3, "too short"),
-            (
-                vec![touch(1, [1.0, 1.0], 0.5), touch(2, [60.0, 60.0], 0.5)],
-                20,
-                "several",
-            ),
-        ] {
-            let mut taker = PressTaker::default();
-            let all = in_time(vec![views(frames, fingers), views(1, vec![])]);
-            let last = all.iter().map(|v| taker.view(v, [1.0, 1.0])).last();
-            let Some(Taken::Unfit(why)) = last else {
-                panic!("{last:?}");
-            };
-            assert!(why.starts_with(told));
+    fn a_calibration_learns_from_uncorrected_contacts_and_takes_each_view_once() {
+        let mut pressed = views(20, vec![touch(1, [60.0, 70.0], 0.6)]);
+        for view in &mut pressed {
+            view.signals.contacts = vec![touch(1, [41.0, 52.0], 0.6).contact];
         }
+        let all = in_time(vec![views(5, vec![]), pressed, views(2, vec![])]);
+        let mut presses = ViewPresses::default();
+        let recorded: Vec<Press> = all
+            .iter()
+            .flat_map(|view| [view, view])
+            .filter_map(|view| match presses.take_view(view, [40.0, 50.0]) {
+                RecordedPress::Complete(press) => Some(press),
+                _ => None,
+            })
+            .collect();
+        let [press] = &recorded[..] else {
+            panic!("{recorded:?}");
+        };
+        let modelled = press.modelled.expect("located");
+        assert!((modelled.place_mm[0] - 41.0).abs() < 1e-9, "{modelled:?}");
+        assert!((press.changes[1] + 0.25).abs() < 1e-9);
     }
 
     #[test]
@@ -193,9 +114,11 @@ mod tests {
             views(3, vec![touch(7, [10.0, 10.0], 0.5)]),
             views(30, vec![]),
         ]);
-        let mut changes = Changes::default();
-        // Every view is seen twice: nothing comes of the second time.
-        let changed = all.iter().flat_map(|v| [changes.view(v), changes.view(v)]);
+        let mut changes = TouchChanges::default();
+        // Each view is taken twice; the second time changes nothing.
+        let changed = all
+            .iter()
+            .flat_map(|v| [changes.take_view(v), changes.take_view(v)]);
         let phases: Vec<Phase> = changed.flatten().map(|touch| touch.phase).collect();
         assert_eq!(phases, [Phase::Down, Phase::Move, Phase::Move, Phase::Up]);
     }

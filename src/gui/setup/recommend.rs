@@ -1,63 +1,64 @@
-//! Settings from the player's own presses: the wizard asks for presses, looks how they came out, and recommends timing, force
-//! and accessibility settings as a text about this person.
+//! Personal settings: the player makes guided presses, and timing, force and accessibility settings are recommended from
+//! them as a settings file for this person.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Ui;
 
-use super::presses::Changes;
-use super::{notice, say};
-use crate::calibrate::recommend::{FEWEST_TRIALS, Recommendation, Session, Trial};
-use crate::gui::desk::{Choice, Desk};
-use crate::gui::edit::write_beside;
-use crate::gui::play::Wish;
+use super::presses::TouchChanges;
+use super::{draw_notice, paragraph};
+use crate::app::services::{AppServices, PlayRequest};
+use crate::calibrate::recommend::{FEWEST_TRIALS, PressSession, PressTrial, Recommendation};
+use crate::gui::edit::write_atomically;
+use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
 
-/// Presses that are asked for.
+/// Guided presses.
 const PRESSES: usize = 24;
 
-/// The step's state.
+/// State of the step.
 #[derive(Default)]
-pub(super) struct Recommending {
+pub(super) struct RecommendStep {
     name: String,
-    session: Option<Session>,
-    changes: Changes,
-    thinking: Option<Receiver<Result<Recommendation, String>>>,
-    found: Option<Recommendation>,
+    session: Option<PressSession>,
+    changes: TouchChanges,
+    search: Option<Receiver<Result<Recommendation, String>>>,
+    recommendation: Option<Recommendation>,
     notice: Option<String>,
 }
 
-impl Recommending {
-    /// The region that is to be pressed now.
-    pub(super) fn asked_region(&self) -> Option<String> {
-        let (_, asked) = self.session.as_ref()?.asked()?;
+impl RecommendStep {
+    /// The region to press next.
+    pub(super) fn target_region(&self) -> Option<String> {
+        let (_, asked) = self.session.as_ref()?.current_request()?;
         Some(asked.region.clone())
     }
 
-    /// Takes the newest view.
-    pub(super) fn look(&mut self, playing: &Playing) {
-        if let Some(receiver) = &self.thinking {
+    /// Takes the result of a search, and the touches of the newest view.
+    pub(super) fn update(&mut self, playing: &Playing) {
+        if let Some(receiver) = &self.search {
             match receiver.try_recv() {
-                Ok(Ok(found)) => {
-                    self.found = Some(found);
-                    self.thinking = None;
+                Ok(Ok(recommendation)) => {
+                    self.recommendation = Some(recommendation);
+                    self.search = None;
                 }
                 Ok(Err(why)) => {
                     self.notice = Some(why);
-                    self.thinking = None;
+                    self.search = None;
                 }
                 Err(TryRecvError::Empty) => {}
                 Err(TryRecvError::Disconnected) => {
-                    self.notice = Some("a bug in gelpad kept it from thinking".to_owned());
-                    self.thinking = None;
+                    self.notice =
+                        Some("internal error: the search stopped without a result".to_owned());
+                    self.search = None;
                 }
             }
         }
-        let changed = self.changes.view(&playing.view);
+        let changed = self.changes.take_view(&playing.view);
         if let Some(session) = &mut self.session {
-            session.frame(playing.view.t_ns, &changed);
+            session.take_frame(playing.view.t_ns, &changed);
         }
     }
 
@@ -65,11 +66,11 @@ impl Recommending {
         &mut self,
         ui: &mut Ui,
         playing: &Playing,
-        desk: &Arc<dyn Desk>,
-    ) -> Option<Wish> {
-        say(
+        services: &Arc<dyn AppServices>,
+    ) -> Option<UiAction> {
+        paragraph(
             ui,
-            "Press what is asked for, in your own way and time. gelpad then recommends times, force and help that suit how you press.",
+            "Make the presses shown here in your own way and at your own pace. gelpad then recommends timing, force and accessibility settings that suit you.",
         );
         ui.horizontal(|ui| {
             let label = ui.label("Your name");
@@ -78,8 +79,8 @@ impl Recommending {
         });
         let mut wish = None;
         let asked = self.session.as_ref().and_then(|session| {
-            let (number, asked) = session.asked()?;
-            Some((number, session.count(), asked.to_string()))
+            let (number, asked) = session.current_request()?;
+            Some((number, session.request_count(), asked.to_string()))
         });
         if let Some((number, count, words)) = asked {
             ui.label(egui::RichText::new(words).size(19.0));
@@ -89,64 +90,71 @@ impl Recommending {
                 self.session = None;
             }
         } else if let Some(session) = self.session.take() {
-            self.think(session.finish(), playing, desk);
-        } else if self.thinking.is_some() {
+            self.start_search(session.finish(), playing, services);
+        } else if self.search.is_some() {
             ui.horizontal(|ui| {
                 ui.spinner();
-                ui.label("looking at your presses …");
+                ui.label("analysing your presses …");
             });
-        } else if ui.button("Begin").clicked() {
-            self.begin(playing);
+        } else if ui.button("Start").clicked() {
+            self.start(playing);
         }
-        if let Some(found) = self.found.clone() {
-            wish = self.told(ui, &found, playing, desk.as_ref());
+        if let Some(found) = self.recommendation.clone() {
+            wish = self.draw_recommendation(ui, &found, playing, services.as_ref());
         }
-        notice(ui, &self.notice);
+        draw_notice(ui, &self.notice);
         wish
     }
 
-    fn begin(&mut self, playing: &Playing) {
-        self.found = None;
+    fn start(&mut self, playing: &Playing) {
+        self.recommendation = None;
         self.notice = None;
-        let session = Session::new(Session::usual(&playing.view.profile, PRESSES));
-        if session.count() < FEWEST_TRIALS {
+        let session = PressSession::new(PressSession::default_requests(
+            &playing.view.profile,
+            PRESSES,
+        ));
+        if session.request_count() < FEWEST_TRIALS {
             self.notice = Some(
-                "this profile has no region that a plain press is bound to: choose another one"
-                    .to_owned(),
+                "this profile has no region with a plain press: choose another profile".to_owned(),
             );
             return;
         }
         self.session = Some(session);
     }
 
-    fn think(&mut self, trials: Vec<Trial>, playing: &Playing, desk: &Arc<dyn Desk>) {
+    fn start_search(
+        &mut self,
+        trials: Vec<PressTrial>,
+        playing: &Playing,
+        services: &Arc<dyn AppServices>,
+    ) {
         let (sender, receiver) = sync_channel(1);
-        let (desk, choice) = (Arc::clone(desk), playing.choice.clone());
+        let (services, request) = (Arc::clone(services), playing.request.clone());
         let pad_mm = playing.pad.outline.size_mm();
         let spawned = std::thread::Builder::new()
             .name("recommend".to_owned())
             .spawn(move || {
-                // Whoever wanted it may have gone.
-                let _ = sender.send(desk.recommend(&trials, &choice, pad_mm));
+                // The window may have been closed.
+                let _ = sender.send(services.recommend(&trials, &request, pad_mm));
             });
         match spawned {
-            Ok(_) => self.thinking = Some(receiver),
-            Err(error) => self.notice = Some(format!("no thread to think on: {error}")),
+            Ok(_) => self.search = Some(receiver),
+            Err(error) => self.notice = Some(format!("cannot start a thread: {error}")),
         }
     }
 
-    fn told(
+    fn draw_recommendation(
         &mut self,
         ui: &mut Ui,
         found: &Recommendation,
         playing: &Playing,
-        desk: &dyn Desk,
-    ) -> Option<Wish> {
-        let palette = theme::of(ui);
+        services: &dyn AppServices,
+    ) -> Option<UiAction> {
+        let palette = theme::palette_of(ui);
         ui.colored_label(
             palette.good,
             format!(
-                "✔ right presses: {:.0} % as it was, {:.0} % with these settings",
+                "✔ correct presses: {:.0} % before, {:.0} % with these settings",
                 found.before.share() * 100.0,
                 found.after.share() * 100.0
             ),
@@ -159,27 +167,27 @@ impl Recommending {
                 .desired_width(f32::INFINITY),
         );
         let name = self.name.trim().to_owned();
-        let named = !name.is_empty() && !name.contains(['/', '\\', '.']);
-        if !named {
-            ui.weak("Write your name above to save them.");
+        let is_valid = !name.is_empty() && !name.contains(['/', '\\', '.']);
+        if !is_valid {
+            ui.weak("Enter your name above to save them.");
         }
-        let save = ui.add_enabled(named, egui::Button::new("Save and use"));
+        let save = ui.add_enabled(is_valid, egui::Button::new("Save and use"));
         if !save.clicked() {
             return None;
         }
-        let Some(folder) = desk.own_folder() else {
-            self.notice = Some("there is no folder for settings of your own: set HOME".to_owned());
+        let Some(folder) = services.own_folder() else {
+            self.notice = Some("no folder for your own settings: set HOME".to_owned());
             return None;
         };
         let path = folder.join("users").join(format!("{name}.toml"));
-        if let Err(error) = write_beside(&path, &text) {
+        if let Err(error) = write_atomically(&path, &text) {
             self.notice = Some(format!("{}: {error}", path.display()));
             return None;
         }
         self.notice = Some(format!("saved: {}", path.display()));
-        Some(Wish::Play(Choice {
+        Some(UiAction::Play(PlayRequest {
             user: Some(path.display().to_string()),
-            ..playing.choice.clone()
+            ..playing.request.clone()
         }))
     }
 }

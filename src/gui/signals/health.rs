@@ -1,33 +1,33 @@
-//! How good the readings are, in the field's figures. Pure: signals and the pad's protocol in, numbers out.
+//! Signal quality: noise, reciprocity error, drift and residual. No drawing.
 
 use crate::pad::Protocol;
 use crate::runtime::Signals;
+use crate::stats::quantile;
 
-/// A channel below this ratio is called bad, dB.
+/// A channel with a lower signal-to-noise ratio is poor, dB.
 pub const POOR_SNR_DB: f64 = 40.0;
-/// Reciprocity worse than this share hints at a wrong order or a loose electrode.
+/// A larger reciprocity error suggests a wrong order of channels or a loose electrode.
 pub const POOR_RECIPROCITY: f64 = 0.05;
 
-/// Figures of the untouched pad's readings.
+/// Signal quality of a pad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
-    /// Signal-to-noise ratio of each channel, dB; none for one that is left out.
+    /// Signal-to-noise ratio of each channel, dB; none for an excluded channel.
     pub snr_db: Vec<Option<f64>>,
-    /// Median of these, dB.
+    /// Median of `snr_db`, dB.
     pub median_snr_db: Option<f64>,
-    /// Median of |a - b| / mean(|a|, |b|) over reciprocal pairs of channels; none where the protocol has no such pair.
+    /// Median of `reciprocity_of`; none if the protocol has no reciprocal pairs.
     pub reciprocity: Option<f64>,
-    /// The same for each channel that has a partner.
+    /// |a - b| / mean(|a|, |b|) of each channel and its reciprocal one.
     pub reciprocity_of: Vec<Option<f64>>,
-    /// Relative change of the untouched pad since it was first read, a channel each.
+    /// Relative change of the reference of each channel since the start.
     pub drift: Vec<f64>,
-    /// Root mean square of what touches do not explain over that of the change, 0 to 1 and more; none while nothing changes.
+    /// Root mean square of the unexplained change over that of the whole change; none without any change.
     pub residual: Option<f64>,
 }
 
-/// The figures of signals.
-#[must_use]
-pub fn health(signals: &Signals, first_reference: &[f32], protocol: &Protocol) -> Health {
+/// Computes the signal quality; `first_reference` is the reference at the start.
+pub fn from_signals(signals: &Signals, first_reference: &[f32], protocol: &Protocol) -> Health {
     let snr_db: Vec<Option<f64>> = signals
         .noise
         .iter()
@@ -50,16 +50,16 @@ pub fn health(signals: &Signals, first_reference: &[f32], protocol: &Protocol) -
         })
         .collect();
     Health {
-        median_snr_db: median(snr_db.iter().flatten().copied()),
+        median_snr_db: quantile(snr_db.iter().flatten().copied(), 0.5),
         snr_db,
-        reciprocity: median(reciprocity_of.iter().flatten().copied()),
+        reciprocity: quantile(reciprocity_of.iter().flatten().copied(), 0.5),
         reciprocity_of,
         drift,
         residual: residual(signals),
     }
 }
 
-/// Driving where one reads and reading where one drives gives the same voltage (Geselowitz 1971).
+/// Swapping drive and measurement gives the same voltage (Geselowitz 1971).
 fn reciprocity_of(reference: &[f32], protocol: &Protocol) -> Vec<Option<f64>> {
     if reference.len() != protocol.channels.len() {
         return Vec::new();
@@ -94,13 +94,7 @@ fn residual(signals: &Signals) -> Option<f64> {
     (whole > 0.0).then(|| (rest / whole).sqrt())
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
-}
-
-/// Channels that want looking at, worst first: left out, then noisy.
+/// At most `most` poor channels, worst first: excluded ones, then noisy ones.
 #[must_use]
 pub fn worst_channels(health: &Health, most: usize) -> Vec<usize> {
     let mut bad: Vec<(f64, usize)> = health
@@ -120,21 +114,21 @@ mod tests {
     use crate::gui::still;
 
     #[test]
-    fn a_thousandth_of_noise_is_sixty_decibels_and_a_muted_channel_has_none() {
+    fn noise_of_a_thousandth_is_60_db_and_an_excluded_channel_has_no_ratio() {
         let signals = Signals {
             noise: vec![1e-3, 1e-3, f32::INFINITY, 0.1],
             ..Signals::default()
         };
-        let health = health(&signals, &[], &still::pad().protocol);
+        let health = from_signals(&signals, &[], &still::pad().protocol);
         assert!((health.snr_db[0].expect("a ratio") - 60.0).abs() < 1e-4);
         assert_eq!(health.snr_db[2], None);
         assert_eq!(worst_channels(&health, 9), [2, 3]);
     }
 
     #[test]
-    fn swapped_pairs_read_the_same_and_one_that_does_not_is_found() {
+    fn a_channel_that_violates_reciprocity_is_found() {
         let pad = still::pad();
-        // A voltage that depends on the two pairs alike.
+        // Symmetric in drive and measurement.
         let mut reference: Vec<f32> = pad
             .protocol
             .channels
@@ -145,28 +139,28 @@ mod tests {
             reference: reference.to_vec(),
             ..Signals::default()
         };
-        let sound = health(&signals(&reference), &[], &pad.protocol);
-        assert_eq!(sound.reciprocity, Some(0.0));
+        let exact = from_signals(&signals(&reference), &[], &pad.protocol);
+        assert_eq!(exact.reciprocity, Some(0.0));
         reference[7] *= 1.5;
-        let askew = health(&signals(&reference), &[], &pad.protocol);
-        let off = askew.reciprocity_of[7].expect("a partner");
-        assert!((off - 0.4).abs() < 1e-6, "{off}");
+        let wrong = from_signals(&signals(&reference), &[], &pad.protocol);
+        let error = wrong.reciprocity_of[7].expect("a partner");
+        assert!((error - 0.4).abs() < 1e-6, "{error}");
     }
 
     #[test]
-    fn what_the_touches_explain_leaves_the_rest() {
+    fn the_residual_is_the_unexplained_share() {
         let signals = Signals {
             changes: vec![3.0, 4.0],
             explained: vec![3.0, 1.0],
             ..Signals::default()
         };
-        let health = health(&signals, &[], &still::pad().protocol);
+        let health = from_signals(&signals, &[], &still::pad().protocol);
         assert_eq!(health.residual, Some(0.6));
     }
 
     #[test]
-    fn nothing_measured_gives_no_figures() {
-        let health = health(&Signals::default(), &[], &still::pad().protocol);
+    fn without_measurements_there_are_no_figures() {
+        let health = from_signals(&Signals::default(), &[], &still::pad().protocol);
         assert_eq!(health, Health::default());
     }
 }

@@ -8,7 +8,7 @@ use evdev::{AttributeSet, BusType, EventType, InputId, KeyCode};
 use super::{Report, builder};
 use crate::types::Key;
 
-/// What the kernel calls it.
+/// Name of the device.
 const NAME: &str = "gelpad keyboard";
 
 pub(super) struct Keyboard {

@@ -1,10 +1,10 @@
-//! Devices of the Linux kernel, made through `/dev/uinput`: a gamepad, a keyboard and a mouse.
+//! Devices of the Linux kernel, created through `/dev/uinput`: gamepad, keyboard and mouse.
 //!
-//! They reach every program, whatever the display. What is down on them is released by the kernel when the process that made
-//! them ends, however it ends: they need no watcher.
+//! They work in every program, with any display. When gelpad ends, however it ends, the kernel removes the
+//! devices and releases what is down: no watcher is needed.
 //!
-//! Invariant: a batch of events goes out as one report a device (one `SYN_REPORT`), so that no reader sees half of a state; a
-//! key or button that changes twice in a batch gets two reports.
+//! Invariant: a batch of events is one report for each device (one `SYN_REPORT`), so that no reader sees half
+//! of a state. A key or button that changes twice in a batch gets two reports.
 
 mod keyboard;
 mod mouse;
@@ -16,7 +16,7 @@ use std::io;
 
 use evdev::uinput::{VirtualDevice, VirtualDeviceBuilder};
 
-use super::{Device, OutputError};
+use super::{OutputDevice, OutputError};
 use crate::types::{Action, Event, Output};
 use keyboard::Keyboard;
 use mouse::Mouse;
@@ -24,19 +24,19 @@ use pad::Pad;
 pub use pad::{PAD_NAME, PAD_PRODUCT, PAD_VENDOR, PAD_VERSION};
 use report::Report;
 
-/// Where the kernel makes devices.
+/// The file through which devices are created.
 pub const UINPUT: &str = "/dev/uinput";
 
-/// Why `/dev/uinput` makes no device.
+/// The reason why no device can be created.
 #[derive(Debug, thiserror::Error)]
 pub enum UinputError {
-    /// It is not there, or nothing is behind it.
-    #[error("the kernel module uinput is not loaded: sudo modprobe uinput")]
+    /// The file is missing or has no driver.
+    #[error("the kernel module uinput is not loaded: run `sudo modprobe uinput`")]
     NoModule,
-    /// It is there, and not for this user.
-    #[error("{UINPUT} is not yours to write: gelpad doctor --install-rule")]
+    /// This user may not write to it.
+    #[error("no permission to write {UINPUT}: run `gelpad doctor --install-rule`")]
     NoPermission,
-    /// Something else.
+    /// Another error.
     #[error("{UINPUT}: {0}")]
     Other(#[source] io::Error),
 }
@@ -63,9 +63,9 @@ impl From<UinputError> for OutputError {
     }
 }
 
-/// A gamepad, a keyboard and a mouse, which one profile may drive together.
+/// A gamepad, a keyboard and a mouse, which one profile may use together.
 ///
-/// They are made at the start and live until this is dropped: games miss a pad that comes later.
+/// They are created at the start and exist until this is dropped: games do not notice a gamepad that appears later.
 pub struct Uinput {
     name: &'static str,
     pad: Option<Pad>,
@@ -74,7 +74,7 @@ pub struct Uinput {
 }
 
 impl Uinput {
-    /// Makes all three.
+    /// Creates all three.
     ///
     /// # Errors
     /// No module, no permission, or the kernel refuses.
@@ -87,7 +87,7 @@ impl Uinput {
         })
     }
 
-    /// Makes a keyboard and a mouse.
+    /// Creates a keyboard and a mouse.
     ///
     /// # Errors
     /// No module, no permission, or the kernel refuses.
@@ -101,12 +101,12 @@ impl Uinput {
     }
 }
 
-impl Device for Uinput {
+impl OutputDevice for Uinput {
     fn name(&self) -> &str {
         self.name
     }
 
-    fn takes(&self, output: Output) -> bool {
+    fn supports(&self, output: Output) -> bool {
         match output {
             Output::Key(_) | Output::Mouse(_) => true,
             Output::Button(_) => self.pad.is_some(),
@@ -118,7 +118,7 @@ impl Device for Uinput {
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
-        let outcome = match event.action {
+        let result = match event.action {
             Action::Press(Output::Key(key)) => self.keyboard.key(key, true),
             Action::Release(Output::Key(key)) => self.keyboard.key(key, false),
             Action::Press(Output::Mouse(button)) => self.mouse.button(button, true),
@@ -128,11 +128,11 @@ impl Device for Uinput {
             Action::Press(Output::Button(_))
             | Action::Release(Output::Button(_))
             | Action::Axis(..) => match &mut self.pad {
-                Some(pad) => pad.take(&event.action),
+                Some(pad) => pad.add(&event.action),
                 None => Ok(()),
             },
         };
-        outcome.map_err(refused)
+        result.map_err(refused)
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
@@ -148,7 +148,6 @@ impl Device for Uinput {
     }
 }
 
-/// A builder of a device.
 fn builder<'a>() -> io::Result<VirtualDeviceBuilder<'a>> {
     VirtualDevice::builder()
 }

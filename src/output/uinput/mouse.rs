@@ -1,4 +1,4 @@
-//! A mouse with five buttons and a wheel that turns both ways.
+//! A mouse with five buttons and a wheel with two axes.
 
 use std::io;
 
@@ -8,10 +8,10 @@ use evdev::{AttributeSet, BusType, EventType, InputId, KeyCode, RelativeAxisCode
 use super::{Report, builder};
 use crate::types::MouseButton;
 
-/// What the kernel calls it.
+/// Name of the device.
 const NAME: &str = "gelpad mouse";
-/// Steps of a high-resolution wheel in a notch (kernel: `REL_WHEEL_HI_RES`).
-const STEPS_A_NOTCH: i32 = 120;
+/// Steps of a high-resolution wheel per notch (kernel: `REL_WHEEL_HI_RES`).
+const STEPS_PER_NOTCH: i32 = 120;
 
 pub(super) struct Mouse {
     device: VirtualDevice,
@@ -21,7 +21,7 @@ pub(super) struct Mouse {
 impl Mouse {
     pub(super) fn create() -> io::Result<Self> {
         let buttons: AttributeSet<KeyCode> = MouseButton::ALL.iter().map(|b| code(*b)).collect();
-        let ways = AttributeSet::from_iter([
+        let axes = AttributeSet::from_iter([
             RelativeAxisCode::REL_X,
             RelativeAxisCode::REL_Y,
             RelativeAxisCode::REL_WHEEL,
@@ -33,7 +33,7 @@ impl Mouse {
             .name(NAME)
             .input_id(InputId::new(BusType::BUS_VIRTUAL, 0, 0, 1))
             .with_keys(&buttons)?
-            .with_relative_axes(&ways)?
+            .with_relative_axes(&axes)?
             .build()?;
         Ok(Self {
             device,
@@ -46,15 +46,15 @@ impl Mouse {
     }
 
     pub(super) fn motion(&mut self, dx: i32, dy: i32) -> io::Result<()> {
-        self.way(RelativeAxisCode::REL_X, dx)?;
-        self.way(RelativeAxisCode::REL_Y, dy)
+        self.relative(RelativeAxisCode::REL_X, dx)?;
+        self.relative(RelativeAxisCode::REL_Y, dy)
     }
 
     pub(super) fn wheel(&mut self, dx: i32, dy: i32) -> io::Result<()> {
-        self.way(RelativeAxisCode::REL_HWHEEL, dx)?;
-        self.way(RelativeAxisCode::REL_HWHEEL_HI_RES, dx * STEPS_A_NOTCH)?;
-        self.way(RelativeAxisCode::REL_WHEEL, dy)?;
-        self.way(RelativeAxisCode::REL_WHEEL_HI_RES, dy * STEPS_A_NOTCH)
+        self.relative(RelativeAxisCode::REL_HWHEEL, dx)?;
+        self.relative(RelativeAxisCode::REL_HWHEEL_HI_RES, dx * STEPS_PER_NOTCH)?;
+        self.relative(RelativeAxisCode::REL_WHEEL, dy)?;
+        self.relative(RelativeAxisCode::REL_WHEEL_HI_RES, dy * STEPS_PER_NOTCH)
     }
 
     pub(super) fn flush(&mut self) -> io::Result<()> {
@@ -64,7 +64,7 @@ impl Mouse {
         self.device.emit(&self.report.take())
     }
 
-    fn way(&mut self, axis: RelativeAxisCode, by: i32) -> io::Result<()> {
+    fn relative(&mut self, axis: RelativeAxisCode, by: i32) -> io::Result<()> {
         if by == 0 {
             return Ok(());
         }

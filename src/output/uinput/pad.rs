@@ -1,4 +1,4 @@
-//! An Xbox 360 pad, as the kernel's own driver shows one: every game knows it.
+//! An Xbox 360 pad as the kernel's own driver shows one: every game supports it.
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,22 +13,22 @@ use super::rumble::Rumble;
 use super::{Report, builder};
 use crate::types::{Action, Axis, Button, Output};
 
-/// What the kernel's driver calls a wired pad.
+/// Name of a wired pad in the kernel's driver.
 pub const PAD_NAME: &str = "Microsoft X-Box 360 pad";
 /// Microsoft.
 pub const PAD_VENDOR: u16 = 0x045e;
 /// The wired Xbox 360 pad.
 pub const PAD_PRODUCT: u16 = 0x028e;
-/// As the kernel's driver tells it.
+/// As in the kernel's driver.
 pub const PAD_VERSION: u16 = 0x0110;
-/// Ends of a stick, as the kernel's driver tells them.
+/// Range of a stick, as in the kernel's driver.
 const STICK: (i32, i32) = (-32768, 32767);
-/// A trigger that is pulled.
+/// Value of a fully pulled trigger.
 const TRIGGER: i32 = 255;
-/// Jitter and rest of a stick, as the kernel's driver tells them.
+/// Fuzz and flat range of a stick, as in the kernel's driver.
 const FUZZ: i32 = 16;
 const FLAT: i32 = 128;
-/// Rumble effects that games may upload at once, as the kernel keeps for pads without a memory of their own.
+/// Rumble effects that games may upload, as many as the kernel keeps for pads without own memory.
 const EFFECTS: u32 = 16;
 
 pub(super) struct Pad {
@@ -41,7 +41,7 @@ pub(super) struct Pad {
 impl Pad {
     pub(super) fn create() -> io::Result<Self> {
         let keys: AttributeSet<KeyCode> = Button::ALL.iter().filter_map(|b| code(*b)).collect();
-        let mut made = builder()?
+        let mut device = builder()?
             .name(PAD_NAME)
             .input_id(InputId::new(
                 BusType::BUS_USB,
@@ -53,9 +53,9 @@ impl Pad {
             .with_ff(&AttributeSet::from_iter([FFEffectCode::FF_RUMBLE]))?
             .with_ff_effects_max(EFFECTS);
         for (axis, range) in axes() {
-            made = made.with_absolute_axis(&UinputAbsSetup::new(axis, range))?;
+            device = device.with_absolute_axis(&UinputAbsSetup::new(axis, range))?;
         }
-        let device = Arc::new(Mutex::new(made.build()?));
+        let device = Arc::new(Mutex::new(device.build()?));
         Ok(Self {
             rumble: Rumble::listen(&device)?,
             device,
@@ -65,7 +65,7 @@ impl Pad {
     }
 
     /// Adds a press, a release or an axis to the report.
-    pub(super) fn take(&mut self, action: &Action) -> io::Result<()> {
+    pub(super) fn add(&mut self, action: &Action) -> io::Result<()> {
         let (kind, code, value) = match *action {
             Action::Press(Output::Button(button)) => self.button(button, true),
             Action::Release(Output::Button(button)) => self.button(button, false),
@@ -89,23 +89,23 @@ impl Pad {
         emit(&self.device, &self.report.take())
     }
 
-    /// How hard a game shakes the pad: the strong motor and the weak one, 0..1.
+    /// Rumble that the game requests: strong and weak motor, 0..1.
     pub(super) fn rumble(&self) -> [f32; 2] {
-        self.rumble.now()
+        self.rumble.strength()
     }
 
     fn button(&mut self, button: Button, is_down: bool) -> (EventType, u16, i32) {
         match code(button) {
             Some(code) => (EventType::KEY, code.0, i32::from(is_down)),
             None => {
-                let (axis, value) = self.dpad.turn(button, is_down);
+                let (axis, value) = self.dpad.set(button, is_down);
                 (EventType::ABSOLUTE, axis.0, value)
             }
         }
     }
 }
 
-/// Which ways of the d-pad are down.
+/// Which directions of the d-pad are down.
 #[derive(Debug, Default)]
 struct Dpad {
     up: bool,
@@ -115,8 +115,8 @@ struct Dpad {
 }
 
 impl Dpad {
-    /// The axis of the hat on which a button lies, and where it is now: opposite ways rest in the middle.
-    fn turn(&mut self, button: Button, is_down: bool) -> (AbsoluteAxisCode, i32) {
+    /// The axis of the hat for a button, and its value: opposite directions cancel out.
+    fn set(&mut self, button: Button, is_down: bool) -> (AbsoluteAxisCode, i32) {
         match button {
             Button::Up => self.up = is_down,
             Button::Down => self.down = is_down,
@@ -124,24 +124,24 @@ impl Dpad {
             _ => self.right = is_down,
         }
         if matches!(button, Button::Up | Button::Down) {
-            let way = i32::from(self.down) - i32::from(self.up);
-            (AbsoluteAxisCode::ABS_HAT0Y, way)
+            let value = i32::from(self.down) - i32::from(self.up);
+            (AbsoluteAxisCode::ABS_HAT0Y, value)
         } else {
-            let way = i32::from(self.right) - i32::from(self.left);
-            (AbsoluteAxisCode::ABS_HAT0X, way)
+            let value = i32::from(self.right) - i32::from(self.left);
+            (AbsoluteAxisCode::ABS_HAT0X, value)
         }
     }
 }
 
 fn emit(device: &Mutex<VirtualDevice>, changes: &[evdev::InputEvent]) -> io::Result<()> {
-    // A panic while it was held leaves the device as it was.
+    // A panic while the lock was held leaves the device as it was.
     let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
     device.emit(changes)
 }
 
 /// The kernel's code of a button; none for the d-pad, which is a hat.
 ///
-/// The kernel's X is `BTN_NORTH` and its Y `BTN_WEST` (`BTN_X`, `BTN_Y`), whatever their places: games expect it so.
+/// The kernel's X is `BTN_NORTH` and its Y `BTN_WEST` (`BTN_X`, `BTN_Y`), regardless of their places: games expect this.
 fn code(button: Button) -> Option<KeyCode> {
     Some(match button {
         Button::A => KeyCode::BTN_SOUTH,
@@ -178,7 +178,7 @@ fn axes() -> [(AbsoluteAxisCode, AbsInfo); 8] {
     ]
 }
 
-/// The kernel's axis, and where it stands for a value of ours: down is positive there.
+/// The kernel's axis and its value; its y axes point down.
 fn position(axis: Axis, value: f32) -> (AbsoluteAxisCode, i32) {
     use AbsoluteAxisCode as Abs;
 
@@ -232,17 +232,17 @@ mod tests {
     }
 
     #[test]
-    fn opposite_ways_of_the_dpad_rest_in_the_middle() {
+    fn opposite_directions_of_the_dpad_cancel_out() {
         let mut dpad = Dpad::default();
-        let mut turn = |button, is_down| {
-            let (axis, value) = dpad.turn(button, is_down);
+        let mut set = |button, is_down| {
+            let (axis, value) = dpad.set(button, is_down);
             (axis.0, value)
         };
-        assert_eq!(turn(Button::Up, true), (17, -1));
-        assert_eq!(turn(Button::Right, true), (16, 1));
-        assert_eq!(turn(Button::Down, true), (17, 0));
-        assert_eq!(turn(Button::Up, false), (17, 1));
-        assert_eq!(turn(Button::Left, true), (16, 0));
-        assert_eq!(turn(Button::Right, false), (16, -1));
+        assert_eq!(set(Button::Up, true), (17, -1));
+        assert_eq!(set(Button::Right, true), (16, 1));
+        assert_eq!(set(Button::Down, true), (17, 0));
+        assert_eq!(set(Button::Up, false), (17, 1));
+        assert_eq!(set(Button::Left, true), (16, 0));
+        assert_eq!(set(Button::Right, false), (16, -1));
     }
 }

@@ -1,15 +1,15 @@
-//! What changed since the last report of a device.
+//! Changes since the last report of a device.
 
 use evdev::{EventType, InputEvent};
 
-/// Changes that go out together.
+/// Changes that are sent together.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     changes: Vec<InputEvent>,
 }
 
 impl Report {
-    /// Adds a change; gives the report so far if it must go out first, because it has that key already.
+    /// Adds a change. If the key is in the report already, returns that report, which must be sent first.
     pub(super) fn add(
         &mut self,
         kind: EventType,
@@ -37,7 +37,7 @@ impl Report {
         before
     }
 
-    /// The changes, if there are any; nothing is left.
+    /// The changes; the report is empty afterwards.
     pub(super) fn take(&mut self) -> Vec<InputEvent> {
         std::mem::take(&mut self.changes)
     }
@@ -52,7 +52,7 @@ impl Report {
 mod tests {
     use super::*;
 
-    fn told(changes: &[InputEvent]) -> Vec<(u16, i32)> {
+    fn changes_of(changes: &[InputEvent]) -> Vec<(u16, i32)> {
         changes
             .iter()
             .map(|change| (change.code(), change.value()))
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_changes_once_a_report_and_ways_add_up() {
+    fn a_key_changes_once_a_report_and_motions_add_up() {
         let mut report = Report::default();
         assert!(report.add(EventType::KEY, 30, 1).is_none());
         assert!(report.add(EventType::KEY, 31, 1).is_none());
@@ -71,8 +71,8 @@ mod tests {
         let first = report
             .add(EventType::KEY, 30, 0)
             .expect("must go out first");
-        assert_eq!(told(&first), [(30, 1), (31, 1), (30, 3), (0, 90)]);
-        assert_eq!(told(&report.take()), [(30, 0)]);
+        assert_eq!(changes_of(&first), [(30, 1), (31, 1), (30, 3), (0, 90)]);
+        assert_eq!(changes_of(&report.take()), [(30, 0)]);
         assert!(report.is_empty());
     }
 }

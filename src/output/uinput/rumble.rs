@@ -1,6 +1,7 @@
-//! What a game makes the pad's motors do. The pad has none: it is accepted, told, and can be asked for.
+//! Rumble effects of games. The pad has no motors: effects are accepted, logged, and their strength can be queried.
 //!
-//! A game that uploads an effect waits until it is taken, so a thread of its own answers. It ends when its pipe closes.
+//! A game that uploads an effect waits for the answer, so a separate thread gives it. The thread ends when
+//! its pipe closes.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -14,11 +15,13 @@ use evdev::uinput::VirtualDevice;
 use evdev::{EventSummary, FFEffectKind, FFStatusCode, InputEvent, UInputCode};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use crate::output::now;
+
 /// Full strength of a motor.
 const FULL: f32 = u16::MAX as f32;
 const PLAYING: i32 = FFStatusCode::FF_STATUS_PLAYING.0 as i32;
 
-/// The motors' state, and the thread that keeps it.
+/// The motors' state and the thread that maintains it.
 pub(super) struct Rumble {
     state: Arc<AtomicU32>,
     thread: Option<(OwnedFd, JoinHandle<()>)>,
@@ -33,7 +36,7 @@ struct Effect {
 }
 
 impl Rumble {
-    /// Starts to answer for a device.
+    /// Starts the thread for a device.
     pub(super) fn listen(device: &Arc<Mutex<VirtualDevice>>) -> io::Result<Self> {
         let state = Arc::new(AtomicU32::new(0));
         let fd = {
@@ -67,8 +70,8 @@ impl Rumble {
         })
     }
 
-    /// The strong motor and the weak one, 0..1.
-    pub(super) fn now(&self) -> [f32; 2] {
+    /// Strength of the strong and the weak motor, 0..1.
+    pub(super) fn strength(&self) -> [f32; 2] {
         let state = self.state.load(Ordering::Relaxed);
         [state >> 16, state & 0xffff].map(|strength| strength as f32 / FULL)
     }
@@ -78,7 +81,7 @@ impl Drop for Rumble {
     fn drop(&mut self) {
         if let Some((end, thread)) = self.thread.take() {
             drop(end);
-            // It had nothing to say.
+            // The thread returns nothing; a panic was already reported.
             let _ = thread.join();
         }
     }
@@ -87,12 +90,12 @@ impl Drop for Rumble {
 struct Motors {
     effects: BTreeMap<u16, Effect>,
     shown: Arc<AtomicU32>,
-    /// When the effect that plays is over by itself.
+    /// When the effect that plays ends, if it has a length.
     ends: Option<Instant>,
 }
 
 impl Motors {
-    /// Waits until a game says something or an effect is over; whether to go on.
+    /// Waits until a game sends something or an effect ends; returns whether to continue.
     fn wait(&mut self, fd: &OwnedFd, ending: &OwnedFd) -> bool {
         let left = self.ends.map(|ends| ends.saturating_duration_since(now()));
         let left = left.and_then(|left| Timespec::try_from(left).ok());
@@ -100,11 +103,11 @@ impl Motors {
             PollFd::new(fd, PollFlags::IN),
             PollFd::new(ending, PollFlags::IN),
         ];
-        // An interrupted wait has found nothing, and is tried again.
+        // An interrupted wait is simply repeated.
         let _ = poll(&mut waited, left.as_ref());
         let is_over = !waited[1].revents().is_empty();
         if self.ends.is_some_and(|ends| ends <= now()) {
-            self.rest();
+            self.stop();
         }
         !is_over
     }
@@ -152,30 +155,22 @@ impl Motors {
 
     fn play(&mut self, id: u16, is_on: bool) {
         let Some(effect) = self.effects.get(&id).copied().filter(|_| is_on) else {
-            return self.rest();
+            return self.stop();
         };
         let state = u32::from(effect.strong) << 16 | u32::from(effect.weak);
         self.shown.store(state, Ordering::Relaxed);
-        // No length is until it is stopped.
+        // Without a length the effect plays until it is stopped.
         self.ends = (!effect.length.is_zero()).then(|| now() + effect.length);
         tracing::info!(
-            "the game shakes the pad: strong {:.2}, weak {:.2}, {} ms",
+            "rumble: strong {:.2}, weak {:.2}, {} ms",
             f32::from(effect.strong) / FULL,
             f32::from(effect.weak) / FULL,
             effect.length.as_millis()
         );
     }
 
-    fn rest(&mut self) {
+    fn stop(&mut self) {
         self.shown.store(0, Ordering::Relaxed);
         self.ends = None;
     }
-}
-
-#[allow(
-    clippy::disallowed_methods,
-    reason = "a game gives the length of an effect by the clock"
-)]
-fn now() -> Instant {
-    Instant::now()
 }

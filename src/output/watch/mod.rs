@@ -1,14 +1,28 @@
-//! Keys come up even if this process is killed or stopped: a small watcher process knows what is down, and releases it.
+//! A watcher process that releases keys when gelpad is killed, stopped or hangs.
+//!
+//! Displays keep a key down when the client that pressed it is killed (X11) or stopped (X11 and Wayland). Therefore
+//! gelpad starts `gelpad watch`, a small process that keeps a list of the outputs that are down. (Devices of the
+//! kernel are released by the kernel, they need no watcher.)
 //!
 //! ```text
-//! gelpad ──press key:f, beat, release key:f──▶ watcher      told before a press goes out, after a release has gone out
-//!        ◀─────────ready, released───────────
+//! gelpad ──"press key:f", "beat", "release key:f"──▶ watcher
+//!        ◀───────"ready", "released"────────────────
 //! ```
-//! For displays, which keep what is down when a client is killed (X11) or stopped (both). The kernel's own devices need none.
+//! The two share a socket, which is the watcher's standard input. A message is one line of text:
 //!
-//! Invariants: what may be down is known to the watcher. The beats come from the thread that sends events, so that one which
-//! hangs counts as stopped. The watcher ends when its parent does, whatever ends that, and by nothing else
-//! (`process.rs`). It lets go of what the *virtual* device holds: what the player holds on a real keyboard stays.
+//! | line | sender | meaning |
+//! | --- | --- | --- |
+//! | `ready` | watcher | it watches from now on |
+//! | `press OUTPUT` | gelpad | the output is about to go down: sent before the press itself |
+//! | `release OUTPUT` | gelpad | the output is up: sent after the release itself |
+//! | `beat` | gelpad | alive: at least every 200 ms, from the thread that sends events, so that a hanging thread shows |
+//! | `released` | watcher | gelpad was silent for 2 s, so everything was released |
+//!
+//! If the socket closes, gelpad has ended: the watcher releases what is down and ends too. If gelpad continues after
+//! `released`, it reconnects if necessary and presses again what is still held.
+//!
+//! Invariants: the watcher's list contains every output that may be down. The watcher ends only after gelpad has
+//! (`process.rs`). It releases only what gelpad's virtual device holds, never a key of a real keyboard.
 
 mod link;
 mod process;
@@ -17,55 +31,55 @@ use std::os::fd::OwnedFd;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use super::{Device, OutputError};
+use super::{HeldOutputs, OutputDevice, OutputError, now};
 use crate::types::{Action, Event, Output};
-use link::Link;
-pub use process::watch;
+use link::WatcherLink;
+pub use process::run_watcher;
 
-/// Longest silence of a parent that is well; then what it holds is released.
+/// A parent that is silent for longer counts as stopped, and what it holds is released.
 const STOPPED: Duration = Duration::from_secs(2);
-/// From one beat to the next: so many must be missed that a busy computer is not taken for a stopped process.
+/// Time between two beats: a tenth of [`STOPPED`], so that a busy computer is not taken for a stopped process.
 const BEAT: Duration = Duration::from_millis(200);
-/// After a stop the engine catches up for so long before what is still held is sent anew.
+/// After a stop the engine gets this much time to catch up before what is still held is pressed again.
 const CATCH_UP: Duration = Duration::from_millis(100);
-/// A watcher that could not be started, or is gone, is started again after this.
-const AGAIN: Duration = Duration::from_secs(5);
+/// Time until a watcher that could not be started, or has ended, is started again.
+const RESTART: Duration = Duration::from_secs(5);
 
-/// How a watcher lets go.
+/// How a watcher releases what is down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// By releases of its own, over its own connection to the X11 display that `DISPLAY` names.
+pub enum ReleaseMethod {
+    /// It sends releases over its own connection to the X11 display that `DISPLAY` names.
     X11 {
-        /// A window of the parent's connection: while it is there, a press of the parent may still be on its way.
+        /// A window of the parent's connection: while it exists, a press of the parent may still be on its way.
         window: u32,
     },
-    /// By cutting its parent's connection, which it shares: the compositor releases what a client held.
-    Cut,
+    /// It shuts down the parent's connection, which it shares: the compositor then releases what the client held.
+    CutConnection,
 }
 
-/// What a watcher is given.
+/// What a watcher needs to release the outputs of a device.
 #[derive(Debug)]
-pub enum Grip {
+pub enum ReleaseHandle {
     /// An X11 display, and a window of the connection to it.
     X11 {
-        /// Its name.
+        /// Name of the display.
         display: String,
         /// The window.
         window: u32,
     },
-    /// The connection to cut.
-    Cut(OwnedFd),
+    /// The connection to shut down.
+    Connection(OwnedFd),
 }
 
-/// A device whose keys need a watcher.
-pub trait Watchable: Device {
-    /// What a watcher lets go by.
+/// A device that needs a watcher.
+pub trait Watchable: OutputDevice {
+    /// What a watcher needs to release this device's outputs.
     ///
     /// # Errors
     /// The connection cannot be shared.
-    fn grip(&self) -> std::io::Result<Grip>;
+    fn release_handle(&self) -> std::io::Result<ReleaseHandle>;
 
-    /// Connects again after the connection was cut. Nothing is down then.
+    /// Connects again after the watcher has shut down the connection. Nothing is down then.
     ///
     /// # Errors
     /// The display is gone.
@@ -73,111 +87,111 @@ pub trait Watchable: Device {
 }
 
 /// A device with its watcher.
-pub struct Watched<D: Watchable> {
+pub struct WatchedDevice<D: Watchable> {
     device: D,
     program: PathBuf,
-    link: Option<Link>,
-    down: Vec<Output>,
-    /// Releases that are sent with the next flush, and told then.
-    releasing: Vec<Output>,
-    said_at: Instant,
+    link: Option<WatcherLink>,
+    held: HeldOutputs,
+    /// Releases that go out with the next flush; the watcher learns of them after it.
+    releasing: HeldOutputs,
+    last_message: Instant,
     /// When to start a watcher again.
-    again_at: Option<Instant>,
-    /// Whether the player knows that there is no watcher.
-    loss_told: bool,
-    /// When to send anew what is still held of what the watcher has released.
-    anew_at: Option<Instant>,
-    anew: Vec<Output>,
+    restart_at: Option<Instant>,
+    /// Whether the missing watcher was logged.
+    logged_loss: bool,
+    /// When to press again what the watcher has released.
+    repress_at: Option<Instant>,
+    repress: HeldOutputs,
 }
 
-impl<D: Watchable> Watched<D> {
-    /// Starts a watcher: `program` is gelpad's own binary.
+impl<D: Watchable> WatchedDevice<D> {
+    /// Starts a watcher; `program` is gelpad's own binary.
     ///
-    /// A watcher that does not start is told as a warning, and tried again.
+    /// If that fails, a warning is logged and the start is tried again later.
     pub fn new(device: D, program: PathBuf) -> Self {
         let mut watched = Self {
             device,
             program,
             link: None,
-            down: Vec::new(),
-            releasing: Vec::new(),
-            said_at: now(),
-            again_at: None,
-            loss_told: false,
-            anew_at: None,
-            anew: Vec::new(),
+            held: HeldOutputs::default(),
+            releasing: HeldOutputs::default(),
+            last_message: now(),
+            restart_at: None,
+            logged_loss: false,
+            repress_at: None,
+            repress: HeldOutputs::default(),
         };
         watched.start();
-        let ready = watched.link.as_mut().map_or(Ok(()), Link::wait);
+        let ready = watched.link.as_mut().map_or(Ok(()), WatcherLink::wait);
         if let Err(error) = ready {
-            watched.lost(&error);
+            watched.drop_watcher(&error);
         }
         watched
     }
 
-    /// Starts a watcher and tells it what is down. It hears that once it is ready: events do not wait.
+    /// Starts a watcher and sends it what is down, without waiting until it is ready.
     fn start(&mut self) {
-        self.again_at = None;
-        let grip = self.device.grip();
-        let started = grip.and_then(|grip| Link::start(&self.program, grip));
-        match started {
+        self.restart_at = None;
+        let handle = self.device.release_handle();
+        match handle.and_then(|handle| WatcherLink::start(&self.program, handle)) {
             Ok(link) => {
                 self.link = Some(link);
-                for index in 0..self.down.len() {
-                    self.say("press", Some(self.down[index]));
+                for output in self.held.clone().iter() {
+                    self.say("press", Some(output));
                 }
             }
-            Err(error) => self.lost(&error),
+            Err(error) => self.drop_watcher(&error),
         }
     }
 
-    fn lost(&mut self, error: &std::io::Error) {
-        if !std::mem::replace(&mut self.loss_told, true) {
+    fn drop_watcher(&mut self, error: &std::io::Error) {
+        if !std::mem::replace(&mut self.logged_loss, true) {
             tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
         }
         if let Some(link) = self.link.take() {
             link.kill();
         }
-        self.again_at = Some(now() + AGAIN);
+        self.restart_at = Some(now() + RESTART);
     }
 
-    fn say(&mut self, what: &str, output: Option<Output>) {
+    /// Sends a line to the watcher.
+    fn say(&mut self, word: &str, output: Option<Output>) {
         let Some(link) = &mut self.link else {
             return;
         };
         let line = match output {
-            Some(output) => format!("{what} {output}\n"),
-            None => format!("{what}\n"),
+            Some(output) => format!("{word} {output}\n"),
+            None => format!("{word}\n"),
         };
         match link.say(&line) {
-            Ok(()) => self.said_at = now(),
-            Err(error) => self.lost(&error),
+            Ok(()) => self.last_message = now(),
+            Err(error) => self.drop_watcher(&error),
         }
     }
 
-    /// Hears whether the watcher has let go of everything meanwhile.
-    fn listen(&mut self) -> Result<(), OutputError> {
-        if !self.link.as_mut().is_some_and(Link::has_released) {
+    /// If the watcher has released everything, prepares to press again what is still held.
+    fn check_released(&mut self) -> Result<(), OutputError> {
+        if !self.link.as_mut().is_some_and(WatcherLink::has_released) {
             return Ok(());
         }
         tracing::warn!(
             "gelpad was stopped for over {} s: its keys were released",
             STOPPED.as_secs()
         );
-        if self.link.as_ref().is_some_and(Link::cuts) {
+        if self.link.as_ref().is_some_and(WatcherLink::cuts_connection) {
             self.device.reconnect()?;
             self.link = None;
             self.start();
         }
-        self.anew.clone_from(&self.down);
-        self.anew_at = Some(now() + CATCH_UP);
+        self.repress.clone_from(&self.held);
+        self.repress_at = Some(now() + CATCH_UP);
         Ok(())
     }
 
-    /// Presses again what is still held, after the watcher had let go of it.
-    fn send_anew(&mut self) -> Result<(), OutputError> {
-        self.anew_at = None;
-        for output in std::mem::take(&mut self.anew) {
+    /// Presses again what is still held of what the watcher has released.
+    fn press_again(&mut self) -> Result<(), OutputError> {
+        self.repress_at = None;
+        for output in self.repress.take() {
             self.say("press", Some(output));
             self.device.send(&Event {
                 t_ns: 0,
@@ -187,83 +201,72 @@ impl<D: Watchable> Watched<D> {
         self.device.flush()
     }
 
-    /// Tries once more where the watcher has cut the connection in this very moment.
-    fn or_once_more(
+    /// After a failure, tries once more if the cause was that the watcher had just shut down the connection.
+    fn or_retry(
         &mut self,
-        outcome: Result<(), OutputError>,
+        result: Result<(), OutputError>,
         again: impl FnOnce(&mut D) -> Result<(), OutputError>,
     ) -> Result<(), OutputError> {
-        let Err(error) = outcome else {
+        let Err(error) = result else {
             return Ok(());
         };
-        self.listen()?;
-        if self.anew_at.is_none() {
+        self.check_released()?;
+        if self.repress_at.is_none() {
             return Err(error);
         }
         again(&mut self.device)
     }
 }
 
-impl<D: Watchable> Device for Watched<D> {
+impl<D: Watchable> OutputDevice for WatchedDevice<D> {
     fn name(&self) -> &str {
         self.device.name()
     }
 
-    fn takes(&self, output: Output) -> bool {
-        self.device.takes(output)
+    fn supports(&self, output: Output) -> bool {
+        self.device.supports(output)
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
-        self.listen()?;
+        self.check_released()?;
+        self.held.record(&event.action);
         match event.action {
             Action::Press(output) => {
-                self.anew.retain(|one| *one != output);
-                self.releasing.retain(|one| *one != output);
-                if !self.down.contains(&output) {
-                    self.down.push(output);
-                }
+                self.repress.release(output);
+                self.releasing.release(output);
                 self.say("press", Some(output));
             }
             Action::Release(output) => {
-                self.anew.retain(|one| *one != output);
-                self.down.retain(|one| *one != output);
-                self.releasing.push(output);
+                self.repress.release(output);
+                self.releasing.press(output);
             }
             Action::Axis(..) | Action::Motion { .. } | Action::Wheel { .. } => {}
         }
-        let outcome = self.device.send(event);
-        self.or_once_more(outcome, |device| device.send(event))
+        let result = self.device.send(event);
+        self.or_retry(result, |device| device.send(event))
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
-        let outcome = self.device.flush();
-        self.or_once_more(outcome, Device::flush)?;
-        for output in std::mem::take(&mut self.releasing) {
+        let result = self.device.flush();
+        self.or_retry(result, OutputDevice::flush)?;
+        for output in self.releasing.take() {
             self.say("release", Some(output));
         }
         Ok(())
     }
 
     fn idle(&mut self) -> Result<(), OutputError> {
-        self.listen()?;
+        self.check_released()?;
         let now = now();
-        if self.anew_at.is_some_and(|at| at <= now) {
-            self.send_anew()?;
+        if self.repress_at.is_some_and(|at| at <= now) {
+            self.press_again()?;
         }
-        if self.again_at.is_some_and(|at| at <= now) {
+        if self.restart_at.is_some_and(|at| at <= now) {
             self.start();
         }
-        if now.saturating_duration_since(self.said_at) >= BEAT {
+        if now.saturating_duration_since(self.last_message) >= BEAT {
             self.say("beat", None);
         }
         self.device.idle()
     }
-}
-
-#[allow(
-    clippy::disallowed_methods,
-    reason = "a watcher measures silence by the clock"
-)]
-fn now() -> Instant {
-    Instant::now()
 }

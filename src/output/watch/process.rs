@@ -1,8 +1,8 @@
-//! The watcher itself: `gelpad watch`, started by gelpad and by nobody else.
+//! The watcher process: `gelpad watch`, started by gelpad only. The protocol is described in `mod.rs`.
 //!
-//! It reads lines on its standard input until that closes, which is when its parent has ended. It is in a session of its own
-//! and deaf to the signals that end its parent, so that one Ctrl-C does not end both. Nothing keeps it: what it waits for
-//! after its parent's end has a limit.
+//! It reads lines from its standard input until that closes, which means that the parent has ended. It runs
+//! in a session of its own and ignores the signals that end its parent, so that one Ctrl-C does not end both.
+//! Every wait after the parent's end is limited.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::Shutdown;
@@ -16,163 +16,169 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2};
 
 use super::link::{READY, RELEASED};
-use super::{STOPPED, Way, now};
-use crate::output::{Device as _, OutputError, X11};
+use super::{ReleaseMethod, STOPPED};
+use crate::output::{HeldOutputs, OutputDevice as _, OutputError, X11, now};
 use crate::types::{Action, Event, Output};
 
-/// Signals that are meant for the parent.
-const DEAF_TO: [i32; 8] = [
+/// Signals that are meant for the parent and ignored here.
+const IGNORED_SIGNALS: [i32; 8] = [
     SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGALRM, SIGUSR1, SIGUSR2,
 ];
-/// A display that does not answer keeps a watcher without a parent for so long at most.
+/// Longest life after the parent's end, in case the display does not answer.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
 /// Watches until standard input closes.
 ///
 /// # Errors
 /// The display does not answer.
-pub fn watch(way: Way) -> Result<(), OutputError> {
-    // It fails where this is a session's first process already: then it has its own.
+pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
+    // This fails if the process leads a session already, which is just as well.
     let _ = rustix::process::setsid();
-    let heard = Arc::new(AtomicBool::new(false));
-    for signal in DEAF_TO {
-        signal_hook::flag::register(signal, Arc::clone(&heard)).map_err(lost)?;
+    let received = Arc::new(AtomicBool::new(false));
+    for signal in IGNORED_SIGNALS {
+        signal_hook::flag::register(signal, Arc::clone(&received)).map_err(socket_error)?;
     }
-    let mut hands = Hands::reach(way)?;
-    let line = io::stdin().as_fd().try_clone_to_owned().map_err(lost)?;
+    let mut releaser = Releaser::connect(way)?;
+    let line = io::stdin()
+        .as_fd()
+        .try_clone_to_owned()
+        .map_err(socket_error)?;
     let mut line = UnixStream::from(line);
-    line.write_all(READY).map_err(lost)?;
-    let mut known = Known::default();
+    line.write_all(READY).map_err(socket_error)?;
+    let mut parent_state = ParentState::default();
     loop {
-        match known.hear(&mut line).map_err(lost)? {
-            Heard::Lines => {}
-            Heard::Silence => {
-                hands.let_go(&known.down)?;
-                known.down.clear();
-                // A parent that is gone by now is noticed next.
+        match parent_state.read_lines(&mut line).map_err(socket_error)? {
+            Received::Lines => {}
+            Received::Silence => {
+                releaser.release(&parent_state.held)?;
+                parent_state.held.take();
+                // If the parent has ended, the next read shows it.
                 let _ = line.write_all(RELEASED);
             }
-            Heard::End => {
-                if known.down.is_empty() {
+            Received::ParentEnded => {
+                if parent_state.held.is_empty() {
                     return Ok(());
                 }
-                end_in_time();
-                hands.let_go(&known.down)?;
+                exit_after_last_wait();
+                releaser.release(&parent_state.held)?;
                 // A press that the parent sent just before its end may still be on its way.
-                hands.wait_for_the_last_event()?;
-                return hands.let_go(&known.down);
+                releaser.wait_for_last_event()?;
+                return releaser.release(&parent_state.held);
             }
         }
     }
 }
 
-/// What the parent has said.
+/// What the parent has reported.
 #[derive(Default)]
-struct Known {
-    down: Vec<Output>,
-    /// The beginning of a line that is not yet whole.
+struct ParentState {
+    held: HeldOutputs,
+    /// The beginning of an incomplete line.
     partial: Vec<u8>,
-    heard_at: Option<Instant>,
+    last_read: Option<Instant>,
 }
 
-enum Heard {
+enum Received {
     Lines,
     Silence,
-    End,
+    ParentEnded,
 }
 
-impl Known {
-    /// Waits for something to happen.
-    fn hear(&mut self, line: &mut UnixStream) -> io::Result<Heard> {
-        let since = now().saturating_duration_since(*self.heard_at.get_or_insert_with(now));
-        // What is not down needs no watch.
-        let left = (!self.down.is_empty()).then(|| STOPPED.saturating_sub(since));
+impl ParentState {
+    /// Waits for lines, silence or the end of the parent.
+    fn read_lines(&mut self, line: &mut UnixStream) -> io::Result<Received> {
+        let since = now().saturating_duration_since(*self.last_read.get_or_insert_with(now));
+        // While nothing is down, silence does not matter.
+        let left = (!self.held.is_empty()).then(|| STOPPED.saturating_sub(since));
         let timeout = left.and_then(|left| Timespec::try_from(left).ok());
         let mut waited = [PollFd::new(line, PollFlags::IN)];
         match poll(&mut waited, timeout.as_ref()) {
             Ok(0) => {
-                self.heard_at = None;
-                return Ok(Heard::Silence);
+                self.last_read = None;
+                return Ok(Received::Silence);
             }
             Ok(_) => {}
-            Err(rustix::io::Errno::INTR) => return Ok(Heard::Lines),
+            Err(rustix::io::Errno::INTR) => return Ok(Received::Lines),
             Err(error) => return Err(error.into()),
         }
         let mut bytes = [0; 4096];
         let count = match line.read(&mut bytes) {
-            Ok(0) => return Ok(Heard::End),
+            Ok(0) => return Ok(Received::ParentEnded),
             Ok(count) => count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(Heard::Lines),
-            // A parent that was killed with lines unread may reset the line.
-            Err(_) => return Ok(Heard::End),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(Received::Lines),
+            // If the parent was killed with lines unread, the socket may be reset.
+            Err(_) => return Ok(Received::ParentEnded),
         };
-        self.heard_at = Some(now());
+        self.last_read = Some(now());
         for byte in &bytes[..count] {
             if *byte == b'\n' {
                 let text = String::from_utf8_lossy(&self.partial).into_owned();
                 self.partial.clear();
-                self.note(&text);
+                self.take_line(&text);
             } else {
                 self.partial.push(*byte);
             }
         }
-        Ok(Heard::Lines)
+        Ok(Received::Lines)
     }
 
-    fn note(&mut self, line: &str) {
-        let Some((what, output)) = line.split_once(' ') else {
+    fn take_line(&mut self, line: &str) {
+        let Some((word, output)) = line.split_once(' ') else {
             return;
         };
         let Ok(output) = output.parse::<Output>() else {
             return;
         };
-        self.down.retain(|one| *one != output);
-        if what == "press" {
-            self.down.push(output);
+        match word {
+            "press" => self.held.press(output),
+            _ => self.held.release(output),
         }
     }
 }
 
-/// What lets go.
-enum Hands {
+/// Releases what is down.
+enum Releaser {
     X11 { display: Box<X11>, window: u32 },
     Cut(UnixStream),
 }
 
-impl Hands {
-    fn reach(way: Way) -> Result<Self, OutputError> {
+impl Releaser {
+    fn connect(way: ReleaseMethod) -> Result<Self, OutputError> {
         match way {
-            Way::X11 { window } => {
+            ReleaseMethod::X11 { window } => {
                 let mut display = Box::new(X11::connect()?);
                 display.follow(window)?;
                 Ok(Self::X11 { display, window })
             }
-            Way::Cut => {
-                let shared = io::stdout().as_fd().try_clone_to_owned().map_err(lost)?;
+            ReleaseMethod::CutConnection => {
+                let shared = io::stdout()
+                    .as_fd()
+                    .try_clone_to_owned()
+                    .map_err(socket_error)?;
                 Ok(Self::Cut(UnixStream::from(shared)))
             }
         }
     }
 
-    fn wait_for_the_last_event(&mut self) -> Result<(), OutputError> {
+    fn wait_for_last_event(&mut self) -> Result<(), OutputError> {
         match self {
             Self::X11 { display, window } => display.wait_for_end_of(*window, LAST_WAIT),
             Self::Cut(_) => Ok(()),
         }
     }
 
-    fn let_go(&mut self, down: &[Output]) -> Result<(), OutputError> {
+    fn release(&mut self, held: &HeldOutputs) -> Result<(), OutputError> {
         match self {
             Self::X11 { display, .. } => {
-                for output in down {
+                for output in held.iter() {
                     display.send(&Event {
                         t_ns: 0,
-                        action: Action::Release(*output),
+                        action: Action::Release(output),
                     })?;
                 }
                 display.sync()
             }
-            // One that the compositor has closed is as good as cut.
+            // If the compositor has closed the connection already, nothing is left to do.
             Self::Cut(shared) => {
                 let _ = shared.shutdown(Shutdown::Both);
                 Ok(())
@@ -181,8 +187,8 @@ impl Hands {
     }
 }
 
-/// Ends this process after a while, whatever the display does.
-fn end_in_time() {
+/// Ends this process after [`LAST_WAIT`], even if the display does not answer.
+fn exit_after_last_wait() {
     let started = std::thread::Builder::new()
         .name("end".to_owned())
         .spawn(|| {
@@ -190,13 +196,13 @@ fn end_in_time() {
             std::process::exit(1);
         });
     if started.is_err() {
-        tracing::debug!("no thread to end by");
+        tracing::debug!("cannot start the thread that limits the wait");
     }
 }
 
-fn lost(error: io::Error) -> OutputError {
+fn socket_error(error: io::Error) -> OutputError {
     OutputError::Refused {
-        device: "watcher's line",
+        device: "watcher's socket",
         reason: error.to_string(),
     }
 }
@@ -206,24 +212,37 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_down_is_what_was_pressed_and_not_released() {
+    fn held_is_what_was_pressed_and_not_released() {
         let (mut parent, mut line) = UnixStream::pair().expect("a line");
-        let mut known = Known::default();
-        let mut told = |text: &str| {
-            parent.write_all(text.as_bytes()).expect("told");
-            assert!(matches!(known.hear(&mut line), Ok(Heard::Lines)));
-            known.down.iter().map(Output::to_string).collect::<Vec<_>>()
+        let mut parent_state = ParentState::default();
+        let mut held_after = |text: &str| {
+            parent.write_all(text.as_bytes()).expect("sent");
+            assert!(matches!(
+                parent_state.read_lines(&mut line),
+                Ok(Received::Lines)
+            ));
+            parent_state
+                .held
+                .iter()
+                .map(|output| output.to_string())
+                .collect::<Vec<_>>()
         };
         assert_eq!(
-            told("press key:f\npress mouse:left\npre"),
+            held_after("press key:f\npress mouse:left\npre"),
             ["key:f", "mouse:left"]
         );
         assert_eq!(
-            told("ss key:d\nbeat\nrelease key:f\n"),
+            held_after("ss key:d\nbeat\nrelease key:f\n"),
             ["mouse:left", "key:d"]
         );
-        assert_eq!(told("press key:d\nnonsense\n"), ["mouse:left", "key:d"]);
+        assert_eq!(
+            held_after("press key:d\nnonsense\n"),
+            ["mouse:left", "key:d"]
+        );
         drop(parent);
-        assert!(matches!(known.hear(&mut line), Ok(Heard::End)));
+        assert!(matches!(
+            parent_state.read_lines(&mut line),
+            Ok(Received::ParentEnded)
+        ));
     }
 }

@@ -1,8 +1,9 @@
-//! A pad as written: the TOML, and its checks.
+//! A pad as written in TOML, and its checks.
 //!
-//! Two stages: serde reads the text into the structs below (spans kept), then [`read`] turns them into a
-//! [`Pad`] or says, at the place, why that pad cannot be built or measured.
+//! Two stages: serde reads the text into the structs below, with spans; [`read`] then turns them into a [`Pad`] or reports
+//! why the pad cannot be built or measured.
 
+mod electrodes;
 mod geometry;
 mod protocol;
 
@@ -10,10 +11,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Pad, TouchSign};
-use crate::types::{Fault, Faulty, Method};
+use crate::types::{Diagnostic, Method, SourceErrors};
 
-/// The version of the format that this reads.
+/// The supported version of the format.
 const SCHEMA: i64 = 1;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PadSpec {
@@ -114,23 +116,24 @@ enum ReadingsSpec {
 }
 
 /// Reads and checks a pad. See [`Pad::from_toml`].
-pub(super) fn read(name: &str, text: &str) -> Result<Pad, Faulty> {
-    let spec: PadSpec = toml::from_str(text).map_err(|e| Faulty::from_toml(name, text, &e))?;
-    build(&spec).map_err(|fault| Faulty::new(name, text, vec![fault]))
+pub(super) fn read(name: &str, text: &str) -> Result<Pad, SourceErrors> {
+    let spec: PadSpec =
+        toml::from_str(text).map_err(|e| SourceErrors::from_toml(name, text, &e))?;
+    build(&spec).map_err(|error| SourceErrors::new(name, text, vec![error]))
 }
 
-fn build(spec: &PadSpec) -> Result<Pad, Fault> {
+fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
     if *spec.schema.get_ref() != SCHEMA {
-        return Err(Fault::new(
+        return Err(Diagnostic::new(
             spec.schema.span(),
-            format!("schema {} is not known", spec.schema.get_ref()),
+            format!("unknown schema {}", spec.schema.get_ref()),
             "here",
         )
-        .help(format!("this gelpad reads schema = {SCHEMA}")));
+        .help(format!("this version of gelpad reads schema = {SCHEMA}")));
     }
     let outline = geometry::outline(&spec.outline)?;
     let conductor = geometry::conductor(spec.lattice.as_ref(), &outline)?;
-    let places = geometry::electrodes(&spec.electrodes, &outline, &conductor)?;
+    let places = electrodes::electrodes(&spec.electrodes, &outline, &conductor)?;
     let numbering = geometry::numbering(&spec.electrodes, places.len())?;
     let electrodes: Vec<_> = (0..places.len())
         .map(|electrode| places[numbering.place(electrode, places.len())])
@@ -158,12 +161,12 @@ fn build(spec: &PadSpec) -> Result<Pad, Fault> {
     })
 }
 
-fn positive(value: &Spanned<f64>, what: &str) -> Result<f64, Fault> {
+fn positive(value: &Spanned<f64>, what: &str) -> Result<f64, Diagnostic> {
     let number = *value.get_ref();
     if number.is_finite() && number > 0.0 {
         Ok(number)
     } else {
-        Err(Fault::new(
+        Err(Diagnostic::new(
             value.span(),
             format!("{what} must be a number above zero"),
             "not above zero",
@@ -176,25 +179,25 @@ mod tests {
     use super::*;
     use crate::pad::{DEFAULT_PAD, Pair, shipped_pad};
 
-    /// The default pad's text with one passage replaced.
-    fn edited(from: &str, to: &str) -> Result<Pad, Faulty> {
+    /// The default pad with one passage of its text replaced.
+    fn edited(from: &str, to: &str) -> Result<Pad, SourceErrors> {
         let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
-        assert!(text.contains(from), "the pad's text holds `{from}`");
+        assert!(text.contains(from), "the pad contains `{from}`");
         Pad::from_toml("pad.toml", &text.replacen(from, to, 1))
     }
 
     fn refusal(from: &str, to: &str) -> (String, String) {
-        let faulty = edited(from, to).expect_err("refused");
-        let fault = &faulty.faults[0];
+        let errors = edited(from, to).expect_err("refused");
+        let first = &errors.diagnostics[0];
         (
-            fault.message.clone(),
-            faulty.text[fault.span.clone()].to_owned(),
+            first.message.clone(),
+            errors.text[first.span.clone()].to_owned(),
         )
     }
 
     #[test]
     fn the_papers_pad_has_four_electrodes_a_side() {
-        let pad = edited("schema = 1", "schema = 1").expect("sound");
+        let pad = edited("schema = 1", "schema = 1").expect("valid");
         let centres: Vec<_> = pad
             .electrodes
             .iter()
@@ -208,12 +211,12 @@ mod tests {
     }
 
     #[test]
-    fn a_board_numbers_the_places_its_own_way() {
+    fn a_board_may_number_places_differently() {
         let pad = edited(
             "width_mm = 3.0",
             "width_mm = 3.0\nfirst_electrode = 4\ndirection = \"clockwise\"",
         )
-        .expect("sound");
+        .expect("valid");
         let centre = |electrode: usize| pad.electrodes[electrode].centre_mm(&pad.outline);
         assert_eq!(centre(0), [100.0, 12.5]);
         assert_eq!(centre(1), [87.5, 0.0]);
@@ -221,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_pads_are_refused_at_the_word() {
+    fn impossible_pads_are_refused_at_their_place_in_the_text() {
         let cases: &[(&str, &str, &str, &str)] = &[
             (
                 "width_mm = 2.0\nx",
@@ -232,13 +235,13 @@ mod tests {
             (
                 "margin_mm = 0.0",
                 "margin_mm = 3.0",
-                "electrode 1 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor",
+                "electrode 2 at (37.5, 0.0) mm lies between channels: 0 % of it touches conductor",
                 "16",
             ),
             (
                 "width_mm = 3.0",
                 "width_mm = 25.5",
-                "electrodes 0 and 1 overlap by 0.50 mm",
+                "electrodes 1 and 2 overlap by 0.50 mm",
                 "25.5",
             ),
             (
@@ -250,13 +253,13 @@ mod tests {
             (
                 "width_mm = 3.0",
                 "width_mm = 3.0\nfirst_electrode = 16",
-                "`first_electrode` is a place, 0 to 15, not 16",
+                "`first_electrode` is a place counted from 0: 0 to 15, not 16",
                 "16",
             ),
             (
                 "width_mm = 3.0",
                 "width_mm = 3.0\nfirst_mm = 1.0",
-                "electrode 0 would bend round the corner at (0, 0) mm: off the outline",
+                "electrode 1 would bend round the corner at (0, 0) mm",
                 "16",
             ),
             (
@@ -294,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn pads_that_cannot_be_solved_are_refused_before_they_are_meshed() {
+    fn pads_that_cannot_be_solved_are_refused_before_meshing() {
         let cases: &[(&str, &str, &str)] = &[
             (
                 "height_mm = 100.0",
@@ -332,8 +335,8 @@ mod tests {
                 "`skip-18446744073709551615` is no stimulation pattern",
             ),
         ];
-        for (from, to, said) in cases {
-            assert_eq!(&refusal(from, to).0, said, "{to}");
+        for (from, to, message) in cases {
+            assert_eq!(&refusal(from, to).0, message, "{to}");
         }
     }
 

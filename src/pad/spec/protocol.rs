@@ -1,14 +1,18 @@
-//! Stimulation and measurement of a pad as written: by name, by pairs, or reading by reading.
+//! The protocol of a pad as written: patterns by name or by pairs, or a list of readings.
 
 use toml::Spanned;
 
 use super::{ProtocolSpec, ReadingsSpec};
 use crate::pad::{Channel, Pair, Protocol};
-use crate::types::Fault;
+use crate::types::Diagnostic;
 
-/// More readings than this are no frame of a pad.
+/// Most readings of a frame.
 const MOST_CHANNELS: usize = 5000;
-pub(super) fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Result<Protocol, Fault> {
+
+pub(super) fn protocol(
+    spec: &Spanned<ProtocolSpec>,
+    electrodes: usize,
+) -> Result<Protocol, Diagnostic> {
     let written = spec.get_ref();
     let half = written.readings == ReadingsSpec::Half;
     let made = if let Some(list) = &written.channels {
@@ -18,9 +22,9 @@ pub(super) fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Resul
             || written.measures.is_some()
             || half;
         if others {
-            return Err(Fault::new(
+            return Err(Diagnostic::new(
                 spec.span(),
-                "`channels` lists every reading and goes without other patterns",
+                "`channels` lists every reading: remove the other patterns",
                 "in this table",
             ));
         }
@@ -31,7 +35,7 @@ pub(super) fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Resul
                 measure: Pair(*p, *q),
             })
             .collect();
-        Protocol::listed(electrodes, channels)
+        Protocol::from_channels(electrodes, channels)
     } else {
         let drives = pattern(
             spec,
@@ -47,12 +51,12 @@ pub(super) fn protocol(spec: &Spanned<ProtocolSpec>, electrodes: usize) -> Resul
             "measurement",
             electrodes,
         )?;
-        Protocol::crossed(electrodes, &drives, &measures, half)
+        Protocol::from_patterns(electrodes, &drives, &measures, half)
     };
     let protocol =
-        made.map_err(|error| Fault::new(spec.span(), error.to_string(), "in this table"))?;
+        made.map_err(|error| Diagnostic::new(spec.span(), error.to_string(), "in this table"))?;
     if protocol.channels.len() > MOST_CHANNELS {
-        return Err(Fault::new(
+        return Err(Diagnostic::new(
             spec.span(),
             format!(
                 "{} readings: a frame has at most {MOST_CHANNELS}",
@@ -71,24 +75,24 @@ fn pattern(
     listed: &Option<Vec<[usize; 2]>>,
     key: &str,
     electrodes: usize,
-) -> Result<Vec<Pair>, Fault> {
+) -> Result<Vec<Pair>, Diagnostic> {
     match (named, listed) {
         (Some(name), None) => {
             let step = step_of(name.get_ref(), electrodes).ok_or_else(|| {
-                Fault::new(
+                Diagnostic::new(
                     name.span(),
                     format!("`{}` is no {key} pattern", name.get_ref()),
-                    "not known",
+                    "unknown",
                 )
                 .help(format!(
                     "write adjacent, opposite, or skip-K with K electrodes between the two (skip-2), K at most {}",
                     electrodes - 2
                 ))
             })?;
-            Ok(Protocol::stepped(electrodes, step))
+            Ok(Protocol::pairs_with_step(electrodes, step))
         }
         (None, Some(list)) => Ok(list.iter().map(|[a, b]| Pair(*a, *b)).collect()),
-        _ => Err(Fault::new(
+        _ => Err(Diagnostic::new(
             table.span(),
             format!("the protocol needs either `{key}` or its list of pairs"),
             "in this table",

@@ -1,90 +1,148 @@
-//! Bindings: their regions, and how their outputs are driven.
+//! Bindings: where they are played, and what they drive.
 
-use super::Check;
-use crate::profile::keys::Table;
-use crate::profile::text::{Entries, Place, Text};
-use crate::profile::{Binding, Latch, Mode, Profile, Target};
-use crate::types::{Nanos, Output, nanos_from_ms, nearest};
+use super::modes;
+use crate::profile::entries::{Entries, Place, Text};
+use crate::profile::gestures::{self, BindingReader, Listed};
+use crate::profile::keys::{FlagKey, Key, KeyKind, Table, WordKey, flag, word};
+use crate::profile::reader::Reader;
+use crate::profile::{Binding, Mode, Region, Target};
+use crate::types::{Output, nearest};
 
-/// Frames a second of the NES (NTSC).
-const NES_FRAMES_PER_S: f64 = 60.0988;
-/// Gestures that drive their outputs themselves, moment by moment.
-const SELF_DRIVEN: &[&str] = &["dpad", "stick", "trigger", "pointer", "tap-hold"];
+const GESTURE: WordKey<Listed> = word(
+    "gesture",
+    Table::Binding,
+    gestures::WORDS,
+    gestures::LISTED,
+    "what the touch must do",
+);
+const MODE: WordKey<modes::Listed> = word(
+    "mode",
+    Table::Binding,
+    modes::WORDS,
+    modes::LISTED,
+    "how the output is driven",
+);
+const OFF: FlagKey = flag(
+    "off",
+    Table::Binding,
+    false,
+    "removes a binding of the base",
+);
+const fn key(name: &'static str, kind: KeyKind, about: &'static str) -> Key {
+    Key::new(name, Table::Binding, kind, about)
+}
+pub(in crate::profile) const KEYS: &[Key] = &[
+    key("region", KeyKind::Texts, "the region, or several").or("the pad"),
+    key(
+        "from",
+        KeyKind::Texts,
+        "part of a gamepad or switch (pad:a, pad:left-trigger, stick:left, ...), or several: beside the region, or instead of one",
+    ),
+    key("layer", KeyKind::Text, "works only while this layer is on").or("always"),
+    GESTURE.key,
+    MODE.key,
+    key(
+        "output",
+        KeyKind::Texts,
+        "key:NAME, pad:NAME, mouse:NAME, layer:NAME, gelpad:pause; or several",
+    ),
+    OFF.key,
+];
 
-impl Check {
-    /// The layers that bindings lie on, each once, in the order of the text.
-    pub(super) fn layers(&mut self, tables: &[Entries]) -> Vec<String> {
-        let mut layers = Vec::new();
-        for entries in tables {
-            if let Some((name, _)) = self.text(entries, "layer")
-                && !layers.contains(&name)
-            {
-                layers.push(name);
+/// The keys of gestures and modes, each once, with the words of those that take it.
+pub(in crate::profile) fn shared_keys() -> Vec<(Key, Vec<&'static str>)> {
+    let gestures = gestures::LISTED.iter().map(|one| (one.word, one.keys));
+    let modes = modes::LISTED.iter().map(|one| (one.word, one.keys));
+    let mut shared: Vec<(Key, Vec<&'static str>)> = Vec::new();
+    for (word, keys) in gestures.chain(modes) {
+        for key in keys {
+            match shared.iter_mut().find(|(known, _)| known.name == key.name) {
+                Some((_, only)) => only.push(word),
+                None => shared.push((*key, vec![word])),
             }
         }
-        layers
+    }
+    shared
+}
+
+/// Regions that bindings may name although they are not there.
+struct Absent {
+    /// Taken out by `off`.
+    off: Vec<String>,
+    /// Grids, of which only the cells have names.
+    grids: Vec<String>,
+}
+
+impl Reader {
+    /// All bindings, and where each was written.
+    pub(super) fn bindings(
+        &mut self,
+        text: &Text,
+        regions: &[Region],
+    ) -> (Vec<Binding>, Vec<Place>) {
+        for entries in &text.bindings {
+            if let Some((name, _)) = self.text(entries, "layer")
+                && !self.layers.contains(&name)
+            {
+                self.layers.push(name);
+            }
+        }
+        let absent = self.absent_regions(&text.regions);
+        let (mut bindings, mut places) = (Vec::new(), Vec::new());
+        for entries in &text.bindings {
+            let names = self.texts(entries, "region");
+            let is_off = names.iter().any(|(name, _)| absent.off.contains(name));
+            if is_off || self.flag(entries, &OFF) {
+                continue;
+            }
+            let own = self.named_regions(&names, &absent.grids, regions);
+            if let Some(binding) = self.binding(&text.top, entries, own) {
+                bindings.push(binding);
+                places.push(entries.place.clone());
+            }
+        }
+        (bindings, places)
     }
 
-    /// Fills in the bindings, and the outputs that they drive.
-    pub(super) fn bindings(&mut self, text: &Text, profile: &mut Profile) {
+    fn absent_regions(&mut self, tables: &[Entries]) -> Absent {
         let (mut off, mut grids) = (Vec::new(), Vec::new());
-        for entries in &text.regions {
+        for entries in tables {
             let Some((name, _)) = self.text(entries, "name") else {
                 continue;
             };
-            if self.flag(entries, "off") == Some(true) {
+            if self.flag(entries, &super::region::OFF) {
                 off.push(name);
-            } else if entries.values.contains_key("columns") {
+            } else if entries.has("columns") {
                 grids.push(name);
             }
         }
-        for entries in &text.bindings {
-            let names = self.placed_texts(entries, "region");
-            let gone = names.iter().any(|(name, _)| off.contains(name));
-            if gone || self.flag(entries, "off") == Some(true) {
-                continue;
-            }
-            let regions = self.named_regions(&names, &grids, profile);
-            if let Some(binding) = self.binding(&text.top, entries, regions, profile) {
-                profile.bindings.push(binding);
-                self.binding_places.push(entries.place.clone());
-            }
-        }
+        Absent { off, grids }
     }
 
     fn named_regions(
         &mut self,
         names: &[(String, Place)],
         grids: &[String],
-        profile: &Profile,
+        regions: &[Region],
     ) -> Vec<usize> {
-        let mut regions = Vec::new();
+        let mut found = Vec::new();
         for (name, place) in names {
-            match profile
-                .regions
-                .iter()
-                .position(|region| region.name == *name)
-            {
-                Some(region) => regions.push(region),
-                None => {
-                    let known = profile.regions.iter().map(|region| region.name.as_str());
-                    let help = match nearest(name, known) {
-                        _ if grids.contains(name) => {
-                            format!("cells of the grid are named `{name}-1`, `{name}-2`, ...")
-                        }
-                        Some(name) => format!("did you mean `{name}`?"),
-                        None => format!("add a [[region]] with `name = \"{name}\"`"),
-                    };
-                    self.faults.help(
-                        place,
-                        format!("no region is named `{name}`"),
-                        "not a region of this profile",
-                        help,
-                    );
-                }
+            if let Some(index) = regions.iter().position(|region| region.name == *name) {
+                found.push(index);
+                continue;
             }
+            let known = regions.iter().map(|region| region.name.as_str());
+            let help = match nearest(name, known) {
+                _ if grids.contains(name) => {
+                    format!("the cells of the grid are named `{name}-1`, `{name}-2`, ...")
+                }
+                Some(name) => format!("did you mean `{name}`?"),
+                None => format!("add a [[region]] with `name = \"{name}\"`"),
+            };
+            let message = format!("no region is named `{name}`");
+            self.errors.help(place, message, "unknown region", help);
         }
-        regions
+        found
     }
 
     fn binding(
@@ -92,170 +150,77 @@ impl Check {
         top: &Entries,
         entries: &Entries,
         regions: Vec<usize>,
-        profile: &mut Profile,
     ) -> Option<Binding> {
-        let word = self
-            .choice(entries, "gesture", Table::Binding)
-            .unwrap_or("press");
-        let way = self
-            .choice(entries, "mode", Table::Binding)
-            .unwrap_or("direct");
+        let gesture = self.choice_or_default(entries, &GESTURE);
+        let mode = self.choice_or_default(entries, &MODE);
+        let keys = shared_keys();
         self.refuse_foreign(
             entries,
-            Table::Binding,
-            &[word, way],
-            &format!("a {word} in mode {way}"),
+            keys.iter().map(|(key, only)| (key, only.as_slice())),
+            &[gesture.word, mode.word],
+            &format!("the gesture {} in mode {}", gesture.word, mode.word),
         );
-        let self_driven = SELF_DRIVEN.contains(&word);
-        if self_driven
-            && way != "direct"
-            && let Some(value) = entries.values.get("mode")
-        {
-            self.faults.push(
-                &value.place,
-                format!("a {word} drives its outputs itself: it has no mode"),
-                "take this out",
-            );
-        }
-        let targets = match word {
-            "tap-hold" => self.targets(entries, "tap", profile),
-            _ => self.targets(entries, "output", profile),
+        self.check_needs(entries, &gesture, &mode);
+        let targets = self.targets(entries, gesture.output.unwrap_or("output"));
+        let parts = self.parts(entries, &gesture);
+        let sticky = self.flag(top, &super::settings::STICKY_KEYS);
+        let mut binding = BindingReader {
+            reader: self,
+            top,
+            entries,
+            places: regions.len() + parts.len(),
         };
-        let needed = match word {
-            "tap-hold" => Some("tap"),
-            "dpad" | "stick" | "trigger" | "pointer" => None,
-            _ if way == "macro" => None,
-            _ => Some("output"),
-        };
-        if let Some(key) = needed
-            && !entries.values.contains_key(key)
-        {
-            self.faults.help(
-                &entries.place,
-                format!("the binding has no `{key}`"),
-                "this binding",
-                format!("write `{key} = \"key:space\"` in it"),
-            );
-        }
-        let placed = ["region", "from"].map(|key| entries.values.contains_key(key));
-        if matches!(word, "dpad" | "stick") && placed == [false, false] {
-            self.faults.push(
-                &entries.place,
-                format!(
-                    "a {word} needs a `region`: its middle is the region's (or `from` a stick)"
-                ),
-                "this binding",
-            );
-        }
-        let parts = self.parts(entries, word, profile);
-        let gesture = self.gesture(word, top, entries, regions.len() + parts.len(), profile);
-        let mode = self.mode(way, top, entries, profile);
-        let layer = self
-            .text(entries, "layer")
-            .and_then(|(name, _)| profile.layers.iter().position(|layer| *layer == name));
-        let sticky = self.flag(top, "sticky_keys").unwrap_or(false);
-        let modifiers = !targets.is_empty()
-            && targets
-                .iter()
-                .all(|target| is_modifier(*target, &profile.outputs));
+        let pattern = (gesture.read)(&mut binding);
+        let driven = (mode.read)(&mut binding);
+        let layer = self.text(entries, "layer");
+        let layer = layer.and_then(|(name, _)| self.layers.iter().position(|layer| *layer == name));
+        let sticks = sticky && gesture.takes_mode && are_modifiers(&targets, &self.outputs);
         Some(Binding {
             regions,
             parts,
             layer,
-            gesture: gesture?,
-            mode: match mode? {
-                Mode::Direct if sticky && modifiers && !self_driven => Mode::Sticky,
+            gesture: pattern?,
+            mode: match driven? {
+                Mode::Direct if sticks => Mode::Sticky,
                 mode => mode,
             },
             targets,
         })
     }
 
-    /// A time of the binding, else of the profile, else the default.
-    pub(super) fn own_ms(
-        &mut self,
-        top: &Entries,
-        entries: &Entries,
-        key: &str,
-        default_ms: f64,
-    ) -> Nanos {
-        self.time(entries, key, Table::Binding)
-            .or_else(|| self.time(top, key, Table::User))
-            .unwrap_or_else(|| nanos_from_ms(default_ms))
-    }
-
-    pub(super) fn own_number(
-        &mut self,
-        top: &Entries,
-        entries: &Entries,
-        key: &str,
-        default: f64,
-    ) -> f64 {
-        self.number(entries, key, Table::Binding)
-            .or_else(|| self.number(top, key, Table::User))
-            .unwrap_or(default)
-    }
-
-    fn mode(
-        &mut self,
-        word: &str,
-        top: &Entries,
-        entries: &Entries,
-        profile: &mut Profile,
-    ) -> Option<Mode> {
-        Some(match word {
-            "classified" => {
-                let frames = |count: f64| nanos_from_ms(count * 1000.0 / NES_FRAMES_PER_S);
-                Mode::Classified(Latch {
-                    short_ns: frames(self.own_number(top, entries, "short_frames", 5.0)),
-                    long_ns: frames(self.own_number(top, entries, "long_frames", 32.0)),
-                    long_after_ns: self.own_ms(top, entries, "long_ms", 200.0),
-                    when_decided: self.choice(top, "classify", Table::User) == Some("decided"),
-                })
-            }
-            "latch" => Mode::Latch(self.own_ms(top, entries, "length_ms", 100.0)),
-            "tap" => Mode::Latch(self.own_ms(top, entries, "tap_ms", 34.0)),
-            "toggle" => Mode::Toggle,
-            "turbo" => {
-                let hz = self
-                    .number(entries, "turbo_hz", Table::Binding)
-                    .unwrap_or(8.0);
-                let period_ns = nanos_from_ms(1000.0 / hz);
-                Mode::Turbo {
-                    first_ns: period_ns,
-                    period_ns,
-                }
-            }
-            "repeat" => {
-                let first_ns = self.own_ms(top, entries, "repeat_delay_ms", 500.0);
-                let period_ns = self.own_ms(top, entries, "repeat_ms", 100.0);
-                if first_ns == 0 || period_ns == 0 {
-                    let key = if period_ns == 0 {
-                        "repeat_ms"
-                    } else {
-                        "repeat_delay_ms"
-                    };
-                    let value = entries.values.get(key).or_else(|| top.values.get(key));
-                    if let Some(value) = value {
-                        self.faults.push(
-                            &value.place,
-                            format!("`{key}` is above 0 in mode repeat"),
-                            "here",
-                        );
-                    }
-                }
-                Mode::Turbo {
-                    first_ns: first_ns.max(1),
-                    period_ns: period_ns.max(1),
-                }
-            }
-            "sticky" => Mode::Sticky,
-            "macro" => Mode::Macro(self.macro_steps(top, entries, profile)?),
-            _ => Mode::Direct,
-        })
+    /// Reports what the gesture and mode need and the binding does not have, and a mode that the gesture does not take.
+    fn check_needs(&mut self, entries: &Entries, gesture: &Listed, mode: &modes::Listed) {
+        if !gesture.takes_mode && mode.word != MODE.values[0].word && entries.has("mode") {
+            let message = format!("the gesture {} does not take a mode", gesture.word);
+            self.errors
+                .push(entries.place_of("mode"), message, "remove this");
+        }
+        if let Some(key) = gesture.output
+            && (mode.needs_output || !gesture.takes_mode)
+            && !entries.has(key)
+        {
+            self.errors.help(
+                &entries.place,
+                format!("the binding has no `{key}`"),
+                "this binding",
+                format!("add `{key} = \"key:space\"`"),
+            );
+        }
+        if gesture.needs_centre && !entries.has("region") && !entries.has("from") {
+            self.errors.help(
+                &entries.place,
+                format!("a {} needs a `region`, whose centre it uses", gesture.word),
+                "this binding",
+                "add `region = \"NAME\"`, or `from = \"stick:left\"`",
+            );
+        }
     }
 }
 
-fn is_modifier(target: Target, outputs: &[Output]) -> bool {
-    matches!(target, Target::Output(index) if matches!(outputs[index], Output::Key(key) if key.is_modifier()))
+fn are_modifiers(targets: &[Target], outputs: &[Output]) -> bool {
+    let is_modifier = |target: &Target| {
+        matches!(target, Target::Output(index)
+            if matches!(outputs[*index], Output::Key(key) if key.is_modifier()))
+    };
+    !targets.is_empty() && targets.iter().all(is_modifier)
 }

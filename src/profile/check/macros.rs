@@ -1,96 +1,115 @@
-//! Macros: words to steps. Whatever a macro presses it releases, or it is refused.
+//! Macros: words to steps. A macro must release whatever it presses.
 
-use super::Check;
-use crate::profile::text::Entries;
-use crate::profile::{MacroStep, Profile, Target};
-use crate::types::nanos_from_ms;
+use crate::profile::entries::Place;
+use crate::profile::gestures::BindingReader;
+use crate::profile::keys::{Key, KeyKind, LONGEST_MS, NumberKey, Table, define_keys, time_ms};
+use crate::profile::reader::Reader;
+use crate::profile::{MacroStep, Target};
+use crate::types::{Nanos, nanos_from_ms};
 
-/// Longest wait in a macro, ms.
-const LONGEST_MS: f64 = 60_000.0;
+define_keys! {
+    pub(super) TAP_MS: NumberKey = time_ms("tap_ms", 34.0, "length of a press in mode tap and of `tap` in a macro");
+    pub(super) MACRO: Key = Key::new("macro", Table::Binding, KeyKind::Texts, "steps: `press X`, `release X`, `tap X`, `wait MS`");
+}
 
-impl Check {
-    pub(super) fn macro_steps(
-        &mut self,
-        top: &Entries,
-        entries: &Entries,
-        profile: &mut Profile,
-    ) -> Option<Vec<MacroStep>> {
-        let tap_ns = self.own_ms(top, entries, "tap_ms", 34.0);
-        let Some(value) = entries.values.get("macro") else {
-            self.faults.help(
-                &entries.place,
+/// The steps so far, and the outputs that are down after them.
+struct Recording {
+    tap_ns: Nanos,
+    steps: Vec<MacroStep>,
+    down: Vec<Target>,
+}
+
+impl BindingReader<'_> {
+    pub(super) fn macro_steps(&mut self) -> Option<Vec<MacroStep>> {
+        if !self.has("macro") {
+            self.mistake_with_help(
+                "macro",
                 "the binding has no `macro`",
                 "this binding",
-                "write `macro = [\"tap key:a\", \"wait 50\", \"tap key:b\"]`",
+                "add `macro = [\"tap key:a\", \"wait 50\", \"tap key:b\"]`",
             );
             return None;
-        };
-        let whole = value.place.clone();
-        let mut steps = Vec::new();
-        let mut down: Vec<Target> = Vec::new();
-        for (text, place) in self.placed_texts(entries, "macro") {
-            let (word, rest) = text.split_once(' ').unwrap_or((&text, ""));
-            match word {
-                "wait" => match rest.trim().parse::<f64>() {
-                    Ok(ms) if (0.0..=LONGEST_MS).contains(&ms) => {
-                        steps.push(MacroStep::Wait(nanos_from_ms(ms)))
-                    }
-                    _ => self.faults.push(
-                        &place,
-                        format!("`{rest}` is no time to wait: 0 to {LONGEST_MS} ms"),
-                        "here",
-                    ),
-                },
-                "press" | "release" | "tap" => {
-                    let Some(target) = self.target(rest.trim(), &place, profile) else {
-                        continue;
-                    };
-                    let is_down = down.contains(&target);
-                    match (word, is_down) {
-                        ("press" | "tap", true) => {
-                            self.faults.push(
-                                &place,
-                                format!("`{}` is down already", rest.trim()),
-                                "release it first",
-                            );
-                        }
-                        ("press", false) => {
-                            down.push(target);
-                            steps.push(MacroStep::Press(target));
-                        }
-                        ("release", true) => {
-                            down.retain(|other| *other != target);
-                            steps.push(MacroStep::Release(target));
-                        }
-                        ("release", false) => {
-                            self.faults.push(
-                                &place,
-                                format!("`{}` is not down", rest.trim()),
-                                "nothing to release",
-                            );
-                        }
-                        _ => steps.extend([
-                            MacroStep::Press(target),
-                            MacroStep::Wait(tap_ns),
-                            MacroStep::Release(target),
-                        ]),
-                    }
-                }
-                _ => self.faults.help(
-                    &place,
-                    format!("a macro does not `{word}`"),
-                    "not known",
-                    "write `press key:a`, `release key:a`, `tap key:a` or `wait 50`",
-                ),
-            }
         }
-        if !down.is_empty() {
-            self.faults.push(
-                &whole,
-                "the macro ends with something pressed",
+        let mut recording = Recording {
+            tap_ns: self.time(&TAP_MS),
+            steps: Vec::new(),
+            down: Vec::new(),
+        };
+        for (text, place) in self.reader.texts(self.entries, "macro") {
+            recording.add(self.reader, &text, &place);
+        }
+        if !recording.down.is_empty() {
+            self.mistake(
+                "macro",
+                "the macro ends with an output still pressed",
                 "release it at the end",
             );
         }
-        Some(steps)
+        Some(recording.steps)
+    }
+}
+
+impl Recording {
+    fn add(&mut self, reader: &mut Reader, text: &str, place: &Place) {
+        let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
+        let rest = rest.trim();
+        match word {
+            "wait" => match rest.parse::<f64>() {
+                Ok(ms) if (0.0..=LONGEST_MS).contains(&ms) => {
+                    self.steps.push(MacroStep::Wait(nanos_from_ms(ms)));
+                }
+                _ => reader.errors.push(
+                    place,
+                    format!("`{rest}` is not a time to wait: write 0 to {LONGEST_MS}, in ms"),
+                    "not a time",
+                ),
+            },
+            "press" | "release" | "tap" => {
+                if let Some(target) = reader.target(rest, place) {
+                    self.add_target(reader, word, target, (rest, place));
+                }
+            }
+            _ => reader.errors.help(
+                place,
+                format!("unknown macro step `{word}`"),
+                "unknown",
+                "write `press key:a`, `release key:a`, `tap key:a` or `wait 50`",
+            ),
+        }
+    }
+
+    fn add_target(
+        &mut self,
+        reader: &mut Reader,
+        word: &str,
+        target: Target,
+        (name, place): (&str, &Place),
+    ) {
+        let is_down = self.down.contains(&target);
+        match (word, is_down) {
+            ("press" | "tap", true) => reader.errors.push(
+                place,
+                format!("the macro presses `{name}` while it is down"),
+                "release it first",
+            ),
+            ("press", false) => {
+                self.down.push(target);
+                self.steps.push(MacroStep::Press(target));
+            }
+            ("release", true) => {
+                self.down.retain(|other| *other != target);
+                self.steps.push(MacroStep::Release(target));
+            }
+            ("release", false) => reader.errors.push(
+                place,
+                format!("the macro releases `{name}` while it is up"),
+                "nothing to release",
+            ),
+            _ => self.steps.extend([
+                MacroStep::Press(target),
+                MacroStep::Wait(self.tap_ns),
+                MacroStep::Release(target),
+            ]),
+        }
     }
 }

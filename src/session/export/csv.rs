@@ -1,14 +1,14 @@
-//! Frames as CSV: `t_ms,v0,v1,...`, which `gelpad replay` reads back to the bit.
+//! Frames as CSV: `t_ms,v0,v1,...`, which `gelpad replay` reads back exactly.
 
 use std::io::{self, Write};
 
 use crate::types::Frame;
 
-/// Writes the header of frames of so many voltages.
+/// Writes the header for frames of `channels` voltages.
 ///
 /// # Errors
-/// What the system says.
-pub fn header(out: &mut impl Write, channels: usize) -> io::Result<()> {
+/// The output cannot be written.
+pub fn write_header(out: &mut impl Write, channels: usize) -> io::Result<()> {
     write!(out, "t_ms")?;
     for channel in 0..channels {
         write!(out, ",v{channel}")?;
@@ -16,11 +16,11 @@ pub fn header(out: &mut impl Write, channels: usize) -> io::Result<()> {
     writeln!(out)
 }
 
-/// Writes a frame: its time to the nanosecond, each voltage with the fewest digits that tell it from its neighbours.
+/// Writes a frame: its time to the nanosecond, each voltage with the fewest digits that give the same f32.
 ///
 /// # Errors
-/// What the system says.
-pub fn frame(out: &mut impl Write, frame: &Frame) -> io::Result<()> {
+/// The output cannot be written.
+pub fn write_frame(out: &mut impl Write, frame: &Frame) -> io::Result<()> {
     let (ms, ns) = (frame.t_ns / 1_000_000, frame.t_ns % 1_000_000);
     if ns == 0 {
         write!(out, "{ms}")?;
@@ -40,11 +40,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn values_and_times_read_back_to_the_bit(bits in any::<u32>(), t_ns in 0..1_000_000_000_000u64) {
+        fn values_and_times_are_read_back_exactly(bits in any::<u32>(), t_ns in 0..1_000_000_000_000u64) {
             let value = f32::from_bits(bits);
             prop_assume!(value.is_finite());
             let mut out = Vec::new();
-            frame(&mut out, &Frame { t_ns, volts: vec![value] }).expect("written");
+            write_frame(&mut out, &Frame { t_ns, volts: vec![value] }).expect("written");
             let line = String::from_utf8(out).expect("text");
             let (t_ms, volt) = line.trim().split_once(',').expect("two columns");
             let back: f32 = volt.parse().expect("a number");

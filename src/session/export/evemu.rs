@@ -1,7 +1,7 @@
-//! A session as a recording of evemu 1.3: a device's description and the events that the kernel would have seen.
+//! A session as an evemu 1.3 recording: the description of a device, and its kernel events.
 //!
-//! Format: evemu's README: `N:` name, `I:` bus, vendor, product and version, `P:` properties, `B:` bits of each type of event, `A:` axes as
-//! index, least, greatest, fuzz, flat and resolution, `E:` seconds, type, code and value. Codes: `input-event-codes.h`.
+//! Format (README of evemu): `N:` name; `I:` bus, vendor, product, version; `P:` properties; `B:` bits of each event type; `A:`
+//! axis index, minimum, maximum, fuzz, flat, resolution; `E:` seconds, type, code, value. Codes: `input-event-codes.h`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -16,13 +16,13 @@ const REL_X: u16 = 0;
 const REL_Y: u16 = 1;
 const REL_HWHEEL: u16 = 6;
 const REL_WHEEL: u16 = 8;
-/// Sticks go this far either way, triggers from 0 to 255: an Xbox 360 pad's.
-const STICK_FAR: f32 = 32_767.0;
-const TRIGGER_FAR: f32 = 255.0;
+/// Range of the sticks (either way) and triggers (from 0) of an Xbox 360 pad.
+const STICK_RANGE: f32 = 32_767.0;
+const TRIGGER_RANGE: f32 = 255.0;
 
-/// A recording that is being made of events.
+/// An evemu recording, built event by event.
 #[derive(Clone, Debug, Default)]
-pub struct Recording {
+pub struct EvemuRecording {
     first_ns: Option<Nanos>,
     keys: BTreeSet<u16>,
     relative: BTreeSet<u16>,
@@ -30,36 +30,36 @@ pub struct Recording {
     lines: String,
 }
 
-impl Recording {
-    /// Takes the next event.
-    pub fn event(&mut self, event: &Event) {
+impl EvemuRecording {
+    /// Adds the next event.
+    pub fn add_event(&mut self, event: &Event) {
         let first_ns = *self.first_ns.get_or_insert(event.t_ns);
         let us = event.t_ns.saturating_sub(first_ns) / 1000;
-        let mut told = Vec::new();
+        let mut events = Vec::new();
         match event.action {
-            Action::Press(output) => told.push((EV_KEY, code(output), 1)),
-            Action::Release(output) => told.push((EV_KEY, code(output), 0)),
+            Action::Press(output) => events.push((EV_KEY, code(output), 1)),
+            Action::Release(output) => events.push((EV_KEY, code(output), 0)),
             Action::Axis(axis, value) => {
                 let (code, value) = absolute(axis, value);
                 self.axes.insert(axis);
-                told.push((EV_ABS, code, value));
+                events.push((EV_ABS, code, value));
             }
-            // Down is positive here and on screens; a wheel's up is positive in both.
-            Action::Motion { dx, dy } => told.extend([(EV_REL, REL_X, dx), (EV_REL, REL_Y, dy)]),
+            // As on screens, y grows downwards; the wheel's up is positive.
+            Action::Motion { dx, dy } => events.extend([(EV_REL, REL_X, dx), (EV_REL, REL_Y, dy)]),
             Action::Wheel { dx, dy } => {
-                told.extend([(EV_REL, REL_HWHEEL, dx), (EV_REL, REL_WHEEL, dy)])
+                events.extend([(EV_REL, REL_HWHEEL, dx), (EV_REL, REL_WHEEL, dy)])
             }
         }
-        told.retain(|(kind, _, value)| *kind != EV_REL || *value != 0);
-        for (kind, code, _) in &told {
+        events.retain(|(kind, _, value)| *kind != EV_REL || *value != 0);
+        for (kind, code, _) in &events {
             match *kind {
                 EV_KEY => self.keys.insert(*code),
                 EV_REL => self.relative.insert(*code),
                 _ => true,
             };
         }
-        told.push((EV_SYN, 0, 0));
-        for (kind, code, value) in told {
+        events.push((EV_SYN, 0, 0));
+        for (kind, code, value) in events {
             let _ = writeln!(
                 self.lines,
                 "E: {:06}.{:06} {kind:04x} {code:04x} {value}",
@@ -69,7 +69,7 @@ impl Recording {
         }
     }
 
-    /// The whole file.
+    /// The text of the file.
     #[must_use]
     pub fn to_evemu(&self) -> String {
         let mut text = String::from("# EVEMU 1.3\nN: gelpad\nI: 0003 045e 028e 0110\n");
@@ -89,15 +89,15 @@ impl Recording {
             }
         }
         text.push_str("P: 00 00 00 00 00 00 00 00\n");
-        bits(&mut text, EV_SYN, &types, 8);
-        bits(&mut text, EV_KEY, &self.keys, 96);
-        bits(&mut text, EV_REL, &self.relative, 8);
-        bits(&mut text, EV_ABS, &axes, 8);
+        push_bits(&mut text, EV_SYN, &types, 8);
+        push_bits(&mut text, EV_KEY, &self.keys, 96);
+        push_bits(&mut text, EV_REL, &self.relative, 8);
+        push_bits(&mut text, EV_ABS, &axes, 8);
         for axis in &self.axes {
             let (code, one) = absolute(*axis, 1.0);
             let other = absolute(*axis, -1.0).1;
             let (least, most) = (one.min(other), one.max(other));
-            let (fuzz, flat) = if most == TRIGGER_FAR as i32 {
+            let (fuzz, flat) = if most == TRIGGER_RANGE as i32 {
                 (0, 0)
             } else {
                 (16, 128)
@@ -109,8 +109,8 @@ impl Recording {
     }
 }
 
-/// `B:` lines of a type: eight bytes each.
-fn bits(text: &mut String, kind: u16, codes: &BTreeSet<u16>, bytes: u16) {
+/// Appends the `B:` lines of an event type, eight bytes each.
+fn push_bits(text: &mut String, kind: u16, codes: &BTreeSet<u16>, bytes: u16) {
     for line in (0..bytes).step_by(8) {
         let _ = write!(text, "B: {kind:02x}");
         for byte in line..line + 8 {
@@ -121,14 +121,14 @@ fn bits(text: &mut String, kind: u16, codes: &BTreeSet<u16>, bytes: u16) {
     }
 }
 
-/// The kernel's code of what can be held.
+/// The kernel's code of a key or button.
 fn code(output: Output) -> u16 {
     match output {
         Output::Key(key) => key.evdev_code(),
         Output::Button(button) => match button {
             Button::A => 304,
             Button::B => 305,
-            // The kernel's BTN_NORTH is what an Xbox pad calls X, and BTN_WEST its Y.
+            // BTN_NORTH is X on an Xbox pad, BTN_WEST is Y.
             Button::X => 307,
             Button::Y => 308,
             Button::LeftShoulder => 310,
@@ -153,10 +153,10 @@ fn code(output: Output) -> u16 {
     }
 }
 
-/// Code and value of an axis; the kernel's y grows downwards.
+/// The kernel's code and value of an axis; its y grows downwards.
 fn absolute(axis: Axis, value: f32) -> (u16, i32) {
-    let stick = |value: f32| libm::roundf(value * STICK_FAR) as i32;
-    let trigger = |value: f32| libm::roundf(value.max(0.0) * TRIGGER_FAR) as i32;
+    let stick = |value: f32| libm::roundf(value * STICK_RANGE) as i32;
+    let trigger = |value: f32| libm::roundf(value.max(0.0) * TRIGGER_RANGE) as i32;
     match axis {
         Axis::LeftX => (0, stick(value)),
         Axis::LeftY => (1, stick(-value)),
@@ -172,14 +172,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_press_and_a_stick_read_as_the_kernel_writes_them() {
-        let mut recording = Recording::default();
+    fn a_press_and_a_stick_are_written_as_by_the_kernel() {
+        let mut recording = EvemuRecording::default();
         for (t_ms, action) in [
             (1000, Action::Press("key:space".parse().expect("a key"))),
             (1080, Action::Release("key:space".parse().expect("a key"))),
             (1100, Action::Axis(Axis::LeftY, 1.0)),
         ] {
-            recording.event(&Event {
+            recording.add_event(&Event {
                 t_ns: t_ms * 1_000_000,
                 action,
             });
@@ -198,7 +198,7 @@ mod tests {
             ]
         );
         assert!(text.starts_with("# EVEMU 1.3\nN: gelpad\n"), "{text}");
-        // Key 57 is bit 1 of byte 7, types 0, 1 and 3 are present.
+        // Key 57 is bit 1 of byte 7; types 0, 1 and 3 are present.
         assert!(text.contains("B: 01 00 00 00 00 00 00 00 02\n"), "{text}");
         assert!(text.contains("B: 00 0b 00"), "{text}");
         assert!(text.contains("A: 01 -32767 32767 16 128 0\n"), "{text}");

@@ -1,4 +1,4 @@
-//! A session in the words of other programs: what its events were to an emulator or a kernel, and its frames as CSV.
+//! A session in the formats of other programs: an emulator's movie, kernel events, frames as CSV.
 
 pub mod csv;
 pub mod evemu;

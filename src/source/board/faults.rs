@@ -1,20 +1,20 @@
-//! What goes wrong on the way from a board to the host, from a seed.
+//! Faults between board and host, from a seed.
 
 use std::time::Duration;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Something that happens again and again.
+/// A fault that is repeated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Every {
-    /// From one time to the next.
-    pub every: Duration,
+pub struct RepeatedFault {
+    /// From the end of one occurrence to the start of the next.
+    pub period: Duration,
     /// How long it lasts.
-    pub lasts: Duration,
+    pub length: Duration,
 }
 
-impl std::str::FromStr for Every {
+impl std::str::FromStr for RepeatedFault {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -26,55 +26,57 @@ impl std::str::FromStr for Every {
         let parts = text.split_once(',').map(|(s, ms)| (number(s), number(ms)));
         match parts {
             Some((Some(every_s), Some(lasts_ms))) => Ok(Self {
-                every: Duration::from_secs_f64(every_s),
-                lasts: Duration::from_secs_f64(lasts_ms / 1e3),
+                period: Duration::from_secs_f64(every_s),
+                length: Duration::from_secs_f64(lasts_ms / 1e3),
             }),
-            _ => Err("write how often and how long: seconds,milliseconds, as in 5,200".to_owned()),
+            _ => {
+                Err("write period and length as seconds,milliseconds, for example 5,200".to_owned())
+            }
         }
     }
 }
 
-/// What goes wrong, and how often.
+/// Kinds and rates of faults.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Faults {
+pub struct CableFaults {
     /// Share of bytes that are lost, 0..1.
     pub lost_bytes: f64,
-    /// Share of bits that are turned, 0..1.
-    pub turned_bits: f64,
-    /// Share of frames of which only the first half comes, 0..1.
+    /// Share of bits that are flipped, 0..1.
+    pub flipped_bits: f64,
+    /// Share of frames that are cut in half, 0..1.
     pub half_frames: f64,
-    /// The board stops sending.
-    pub pause: Option<Every>,
-    /// The port goes away.
-    pub hang_up: Option<Every>,
+    /// The board stops sending for a while.
+    pub pause: Option<RepeatedFault>,
+    /// The port disappears for a while.
+    pub hang_up: Option<RepeatedFault>,
 }
 
-/// The cable: loses bytes and turns bits.
+/// The cable: loses bytes and flips bits.
 #[derive(Clone, Debug)]
-pub struct Cable {
-    faults: Faults,
+pub struct FaultyCable {
+    faults: CableFaults,
     random: ChaCha8Rng,
     lost_bytes: u64,
-    turned_bits: u64,
+    flipped_bits: u64,
 }
 
-impl Cable {
-    /// A cable with faults. The same seed gives the same ones.
+impl FaultyCable {
+    /// A cable with faults. The same seed gives the same faults.
     #[must_use]
-    pub fn new(faults: Faults, seed: u64) -> Self {
+    pub fn new(faults: CableFaults, seed: u64) -> Self {
         Self {
             faults,
             random: ChaCha8Rng::seed_from_u64(seed),
             lost_bytes: 0,
-            turned_bits: 0,
+            flipped_bits: 0,
         }
     }
 
-    /// What arrives of bytes that are sent as one frame.
+    /// The bytes that arrive when these are sent as one frame.
     pub fn carry(&mut self, bytes: Vec<u8>) -> Vec<u8> {
-        let Faults {
+        let CableFaults {
             lost_bytes,
-            turned_bits,
+            flipped_bits,
             half_frames,
             ..
         } = self.faults;
@@ -87,12 +89,12 @@ impl Cable {
             bytes.retain(|_| !self.chance(lost_bytes));
             self.lost_bytes += (before - bytes.len()) as u64;
         }
-        if turned_bits > 0.0 {
+        if flipped_bits > 0.0 {
             for byte in &mut bytes {
                 for bit in 0..8 {
-                    if self.chance(turned_bits) {
+                    if self.chance(flipped_bits) {
                         *byte ^= 1 << bit;
-                        self.turned_bits += 1;
+                        self.flipped_bits += 1;
                     }
                 }
             }
@@ -100,10 +102,10 @@ impl Cable {
         bytes
     }
 
-    /// Bytes that were lost and bits that were turned so far.
+    /// Number of bytes lost and bits flipped so far.
     #[must_use]
     pub fn damage(&self) -> (u64, u64) {
-        (self.lost_bytes, self.turned_bits)
+        (self.lost_bytes, self.flipped_bits)
     }
 
     fn chance(&mut self, share: f64) -> bool {
@@ -116,13 +118,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_much_goes_wrong_as_is_asked_for() {
-        let faults = Faults {
+    fn faults_occur_at_their_rates() {
+        let faults = CableFaults {
             lost_bytes: 0.01,
-            turned_bits: 0.001,
-            ..Faults::default()
+            flipped_bits: 0.001,
+            ..CableFaults::default()
         };
-        let mut cable = Cable::new(faults, 3);
+        let mut cable = FaultyCable::new(faults, 3);
         let arrived = cable.carry(vec![0; 1_000_000]);
         let (lost, turned) = cable.damage();
         assert_eq!(arrived.len() as u64, 1_000_000 - lost);
@@ -131,19 +133,19 @@ mod tests {
         let set: u32 = arrived.iter().map(|byte| byte.count_ones()).sum();
         assert_eq!(u64::from(set), turned);
         assert_eq!(
-            Cable::new(Faults::default(), 3).carry(vec![7; 100]),
+            FaultyCable::new(CableFaults::default(), 3).carry(vec![7; 100]),
             [7; 100]
         );
     }
 
     #[test]
-    fn what_happens_again_is_written_as_seconds_and_milliseconds() {
-        let every: Every = "2.5,200".parse().expect("sound");
+    fn a_repeated_fault_is_written_as_seconds_and_milliseconds() {
+        let every: RepeatedFault = "2.5,200".parse().expect("sound");
         assert_eq!(
-            (every.every, every.lasts),
+            (every.period, every.length),
             (Duration::from_millis(2500), Duration::from_millis(200))
         );
-        assert!("5".parse::<Every>().is_err());
-        assert!("5,-1".parse::<Every>().is_err());
+        assert!("5".parse::<RepeatedFault>().is_err());
+        assert!("5,-1".parse::<RepeatedFault>().is_err());
     }
 }

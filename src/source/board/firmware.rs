@@ -1,24 +1,24 @@
-//! What a board's processor does: boot, menu, answers to the host, frames.
+//! The firmware of a simulated board: boot, menu, answers to the host, frames.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::BoardSettings;
 use crate::pad::{Channel, Pair, Protocol};
-use crate::source::wire::{FormatKind, Wiring, gelpad, lines, openeit, request, sciospec, square};
+use crate::source::wire::{WireFormat, Wiring, gelpad, lines, openeit, request, sciospec, square};
 
-/// What a board's converter makes of a volt per ampere, so that its format keeps enough digits: text with four or five
-/// decimals, potentials of an instrument that drives a milliampere, counts of a converter of 24 bits.
+/// Scales from V/A to a board's unit, so that its format keeps enough digits: text with four or five
+/// decimals, potentials of an instrument that drives a milliampere, counts of a 24-bit converter.
 const TEXT_SCALE: f32 = 100.0;
 const INSTRUMENT_SCALE: f32 = 1e-3;
 const COUNTS_SCALE: f32 = 8192.0;
-/// What the Spectra prints at reset.
+/// The menu of the Spectra.
 const MENU: &str = "OpenEIT\r\nA) Time Series\r\nB) Bioimpedance Spectroscopy\r\nC) Electrical Impedance Tomography\r\nchoose and press return:\r\n";
-/// Bytes of the host's that are kept until they make a command.
-const MOST_HEARD: usize = 512;
-/// What an instrument's commands begin with.
+/// Bytes from the host that are kept until they complete a command.
+const RECEIVE_BUFFER: usize = 512;
+/// First bytes of an instrument's commands.
 const COMMANDS: std::ops::RangeInclusive<u8> = 0xa1..=0xd3;
-/// Electrodes of an instrument's channel group.
+/// Number of electrodes of an instrument's channel group.
 const GROUP: usize = 16;
 
 /// The processor of a board.
@@ -27,12 +27,12 @@ pub(super) struct Firmware {
     wiring: Wiring,
     protocol: Protocol,
     random: ChaCha8Rng,
-    /// Whether frames go out by themselves.
-    runs: bool,
-    /// Requests that are not answered yet.
+    /// Whether frames are sent without a request.
+    is_running: bool,
+    /// Number of unanswered requests.
     requests: u32,
     sequence: u32,
-    heard: Vec<u8>,
+    received: Vec<u8>,
 }
 
 impl Firmware {
@@ -42,37 +42,37 @@ impl Firmware {
             wiring,
             protocol,
             random: ChaCha8Rng::seed_from_u64(settings.seed),
-            runs: false,
+            is_running: false,
             requests: 0,
             sequence: 0,
-            heard: Vec::new(),
+            received: Vec::new(),
         }
     }
 
     pub(super) fn reset(&mut self) -> Vec<u8> {
-        self.heard.clear();
+        self.received.clear();
         self.requests = 0;
         self.sequence = 0;
         let mut boot = vec![0; self.settings.boot_noise];
         self.random.fill_bytes(&mut boot);
         match self.settings.kind {
-            FormatKind::OpenEit => {
-                self.runs = !self.settings.menu;
+            WireFormat::OpenEit => {
+                self.is_running = !self.settings.menu;
                 boot.extend_from_slice(b"\r\n");
-                boot.extend_from_slice(if self.runs {
+                boot.extend_from_slice(if self.is_running {
                     b"OpenEIT\r\n"
                 } else {
                     MENU.as_bytes()
                 });
             }
-            FormatKind::Request | FormatKind::Sciospec => self.runs = false,
-            FormatKind::Square | FormatKind::Lines => {
-                self.runs = true;
+            WireFormat::Request | WireFormat::Sciospec => self.is_running = false,
+            WireFormat::Square | WireFormat::Lines => {
+                self.is_running = true;
                 boot.extend_from_slice(b"\r\nready\r\n");
             }
-            FormatKind::Gelpad => {
-                self.runs = true;
-                // A zero first: what came before is no packet.
+            WireFormat::Gelpad => {
+                self.is_running = true;
+                // A zero first: it ends whatever was sent before.
                 boot.push(0);
             }
         }
@@ -80,71 +80,72 @@ impl Firmware {
     }
 
     pub(super) fn is_sending(&self) -> bool {
-        self.runs || self.requests > 0
+        self.is_running || self.requests > 0
     }
 
-    pub(super) fn hear(&mut self, bytes: &[u8]) -> Vec<u8> {
-        let room = MOST_HEARD - self.heard.len();
-        self.heard
+    pub(super) fn receive(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let room = RECEIVE_BUFFER - self.received.len();
+        self.received
             .extend_from_slice(&bytes[..bytes.len().min(room)]);
         match self.settings.kind {
-            FormatKind::OpenEit => self.hear_choice(),
-            FormatKind::Request => {
+            WireFormat::OpenEit => self.receive_choice(),
+            WireFormat::Request => {
                 let asked = self
-                    .heard
+                    .received
                     .drain(..)
                     .filter(|byte| [*byte] == *request::REQUEST);
                 self.requests = (self.requests + asked.count() as u32).min(2);
                 Vec::new()
             }
-            FormatKind::Sciospec => self.hear_commands(),
+            WireFormat::Sciospec => self.receive_commands(),
             _ => {
-                self.heard.clear();
+                self.received.clear();
                 Vec::new()
             }
         }
     }
 
-    /// A letter and return.
-    fn hear_choice(&mut self) -> Vec<u8> {
+    /// Handles a letter and return.
+    fn receive_choice(&mut self) -> Vec<u8> {
         let mut answer = Vec::new();
-        while let Some(end) = self.heard.iter().position(|byte| *byte == b'\n') {
-            let line: Vec<u8> = self.heard.drain(..=end).collect();
+        while let Some(end) = self.received.iter().position(|byte| *byte == b'\n') {
+            let line: Vec<u8> = self.received.drain(..=end).collect();
             if line == openeit::CHOICE {
-                if !self.runs {
+                if !self.is_running {
                     answer.extend_from_slice(b"mode 3: imaging\r\n");
                 }
-                self.runs = true;
+                self.is_running = true;
             } else {
                 answer.extend_from_slice(b"no mode chosen\r\n");
             }
         }
-        if self.heard.len() == MOST_HEARD {
-            self.heard.clear();
+        if self.received.len() == RECEIVE_BUFFER {
+            self.received.clear();
         }
         answer
     }
 
-    /// Commands `CT LEN data CT`, each acknowledged; what is none is refused, and bytes that begin none are passed over.
-    fn hear_commands(&mut self) -> Vec<u8> {
+    /// Commands `CT LEN data CT`: each is acknowledged, a wrong one is refused, and bytes that start no
+    /// command are skipped.
+    fn receive_commands(&mut self) -> Vec<u8> {
         let mut answers = Vec::new();
-        while let [tag, length, ..] = self.heard[..] {
+        while let [tag, length, ..] = self.received[..] {
             let whole = usize::from(length) + 3;
             if !COMMANDS.contains(&tag) {
-                self.heard.remove(0);
+                self.received.remove(0);
                 continue;
             }
-            if self.heard.len() < whole {
+            if self.received.len() < whole {
                 break;
             }
-            let command: Vec<u8> = self.heard.drain(..whole).collect();
+            let command: Vec<u8> = self.received.drain(..whole).collect();
             let answer = if command[whole - 1] != tag {
-                self.heard.clear();
+                self.received.clear();
                 0x82
             } else {
                 match command[..] {
                     [sciospec::MEASURE, 1, on @ (0 | 1), _] => {
-                        self.runs = on == 1;
+                        self.is_running = on == 1;
                         sciospec::DONE
                     }
                     [sciospec::SET_UP | sciospec::OUTPUT, ..] => sciospec::DONE,
@@ -163,28 +164,28 @@ impl Firmware {
         let scaled =
             |scale: f32| -> Vec<f32> { values.iter().map(|value| scale * value).collect() };
         match self.settings.kind {
-            FormatKind::OpenEit => {
+            WireFormat::OpenEit => {
                 let magnitudes: Vec<f32> =
                     scaled(TEXT_SCALE).iter().map(|value| value.abs()).collect();
                 openeit::encode(&magnitudes).into_bytes()
             }
-            FormatKind::Square => square::encode(&scaled(TEXT_SCALE)).into_bytes(),
-            FormatKind::Request => request::encode(&scaled(TEXT_SCALE)).into_bytes(),
-            FormatKind::Lines => lines::encode(values, self.settings.complex).into_bytes(),
-            FormatKind::Gelpad if self.settings.counts => gelpad::encode(
+            WireFormat::Square => square::encode(&scaled(TEXT_SCALE)).into_bytes(),
+            WireFormat::Request => request::encode(&scaled(TEXT_SCALE)).into_bytes(),
+            WireFormat::Lines => lines::encode(values, self.settings.complex).into_bytes(),
+            WireFormat::Gelpad if self.settings.counts => gelpad::encode(
                 gelpad::Values::I32,
                 sequence,
                 time_us as u32,
                 &scaled(COUNTS_SCALE),
             ),
-            FormatKind::Gelpad => {
+            WireFormat::Gelpad => {
                 gelpad::encode(gelpad::Values::F32, sequence, time_us as u32, values)
             }
-            FormatKind::Sciospec => self.rows((time_us / 1000) as u32, &scaled(INSTRUMENT_SCALE)),
+            WireFormat::Sciospec => self.rows((time_us / 1000) as u32, &scaled(INSTRUMENT_SCALE)),
         }
     }
 
-    /// Potentials whose differences are the values: what no value ties to its neighbour begins at zero.
+    /// Potentials whose differences are the values; where no value links a potential to its neighbour, it starts at zero.
     fn rows(&self, ms: u32, values: &[f32]) -> Vec<u8> {
         let electrodes = self.wiring.electrodes;
         let mut rows = Vec::new();
@@ -201,7 +202,7 @@ impl Firmware {
                     .position(|channel| *channel == wanted);
                 place.map(|place| values[place])
             };
-            // Round once from behind the drive, so that a chain of neighbours is not cut at electrode 0.
+            // Once around, starting after the drive, so that a chain of neighbours is not cut at electrode 0.
             let mut potentials = vec![0.0_f32; electrodes];
             let start = (drive.1 + 1) % electrodes;
             for step in 0..electrodes - 1 {

@@ -1,7 +1,7 @@
-//! A simulated board: what its firmware does with a pad's voltages and with what the host sends, in every wire format.
+//! A simulated board: measures a pad's voltages and speaks to the host, in every wire format.
 //!
-//! It lives in the library because tests, demonstrations and whoever writes firmware share it. The board itself does no IO
-//! and reads no clock; [`serve()`] gives it a pseudo-terminal and the time.
+//! It is part of the library because tests, demonstrations and developers of firmware share it. The board
+//! itself does no IO and reads no clock; [`serve()`] connects it to a pseudo-terminal and the clock.
 
 mod faults;
 mod firmware;
@@ -11,73 +11,73 @@ mod pty;
 mod serve;
 mod signal;
 
-pub use faults::{Cable, Every, Faults};
+pub use faults::{CableFaults, FaultyCable, RepeatedFault};
 #[cfg(unix)]
 pub use pty::Pty;
 #[cfg(unix)]
-pub use serve::{Plan, Served, serve};
-pub use signal::{LostElectrode, Signal};
+pub use serve::{ServePlan, ServeReport, serve};
+pub use signal::{BoardSignal, LostElectrode};
 
 use crate::eit::order::Layout;
 use crate::pad::{Pad, Protocol};
-use crate::source::wire::{FormatKind, Wiring};
+use crate::source::wire::{WireFormat, Wiring};
 use firmware::Firmware;
 
-/// What a simulated board is.
+/// Settings of a simulated board.
 #[derive(Clone, Copy, Debug)]
 pub struct BoardSettings {
-    /// What it speaks.
-    pub kind: FormatKind,
-    /// Whether values are pairs of real and imaginary part (of `lines`).
+    /// Its wire format.
+    pub kind: WireFormat,
+    /// Whether values are pairs of real and imaginary part (format `lines`).
     pub complex: bool,
-    /// What it lists; none: the pad's own readings in the pad's order.
+    /// The layout of its readings; none: the pad's channels in the pad's order.
     pub layout: Option<Layout>,
-    /// Whether each drive's measurements begin behind the drive.
+    /// Whether each drive's measurements start after the drive.
     pub rotated: bool,
-    /// Whether the meter's leads are the other way round.
+    /// Whether the signs are inverted, as with swapped leads of the meter.
     pub flipped: bool,
-    /// Whether values are whole counts of a converter (of `gelpad`).
+    /// Whether values are counts of a converter (format `gelpad`).
     pub counts: bool,
-    /// Whether it prints a menu at reset and waits for a choice (of `openeit`).
+    /// Whether it prints a menu at reset and waits for a choice (format `openeit`).
     pub menu: bool,
-    /// Random bytes that come before anything else after a reset.
+    /// Number of random bytes that it sends first after a reset.
     pub boot_noise: usize,
     /// Seed of the boot noise.
     pub seed: u64,
 }
 
 impl BoardSettings {
-    /// A board of a format as it is sold.
+    /// A typical board of a format.
     #[must_use]
-    pub fn new(kind: FormatKind) -> Self {
+    pub fn new(kind: WireFormat) -> Self {
         Self {
             kind,
             complex: false,
-            layout: (kind == FormatKind::Square).then_some(Layout::Square),
+            layout: (kind == WireFormat::Square).then_some(Layout::Square),
             rotated: false,
             flipped: false,
             counts: false,
-            menu: kind == FormatKind::OpenEit,
+            menu: kind == WireFormat::OpenEit,
             boot_noise: 20,
             seed: 1,
         }
     }
 }
 
-/// Why a board cannot read a pad.
+/// The reason why a board cannot measure a pad.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoardError {
-    /// The pad lacks a reading that the board lists.
+    /// The pad lacks a reading of the board's layout.
     #[error(
-        "the pad {pad} is not measured with what this board lists: choose another --layout, or a pad of its protocol"
+        "the pad {pad} is not measured with the readings of this board: choose another --layout, or a pad with its protocol"
     )]
     OtherProtocol {
         /// The pad.
         pad: String,
     },
-    /// The instrument reads neighbours of sixteen or thirty-two electrodes.
+    /// The instrument measures only neighbours of 16 or 32 electrodes.
     #[error(
-        "{name} reads differences of neighbours of 16 or 32 electrodes: the pad {pad} is another"
+        "{name} measures neighbours of 16 or 32 electrodes, which the pad {pad} is not made for"
     )]
     Instrument {
         /// The format.
@@ -87,23 +87,23 @@ pub enum BoardError {
     },
 }
 
-/// A board that reads a pad.
+/// A board that measures a pad.
 pub struct Board {
     firmware: Firmware,
-    /// For each value that is sent, the pad's channel and the sign; none for driven pairs, which are not measured.
+    /// For each value of a frame the pad's channel and the sign; none for driven pairs, which are not measured.
     places: Vec<Option<(usize, f32)>>,
 }
 
 impl Board {
-    /// A board wired to a pad.
+    /// A board that is wired to a pad.
     ///
     /// # Errors
-    /// A pad that it cannot read.
+    /// The board cannot measure the pad.
     pub fn new(pad: &Pad, settings: &BoardSettings) -> Result<Self, BoardError> {
         let protocol = &pad.protocol;
         let electrodes = protocol.electrodes;
-        let is_instrument = settings.kind == FormatKind::Sciospec;
-        let neighbours = Protocol::stepped(electrodes, 1);
+        let is_instrument = settings.kind == WireFormat::Sciospec;
+        let neighbours = Protocol::pairs_with_step(electrodes, 1);
         let reads_neighbours = || {
             protocol
                 .channels
@@ -118,25 +118,25 @@ impl Board {
         }
         let sign = if settings.flipped { -1.0 } else { 1.0 };
         let places = match settings.layout {
-            Some(layout) if !is_instrument => listed(pad, layout, settings.rotated, sign)?,
+            Some(layout) if !is_instrument => listed_places(pad, layout, settings.rotated, sign)?,
             _ => (0..pad.channels())
                 .map(|channel| Some((channel, sign)))
                 .collect(),
         };
         Ok(Self {
-            firmware: Firmware::new(settings, Wiring::of_pad(pad), protocol.clone()),
+            firmware: Firmware::new(settings, Wiring::from_pad(pad), protocol.clone()),
             places,
         })
     }
 
-    /// What comes when the board is powered or reset: opening the port does that.
+    /// The bytes after a reset, which opening the port causes.
     pub fn reset(&mut self) -> Vec<u8> {
         self.firmware.reset()
     }
 
-    /// What it answers to bytes of the host's.
-    pub fn hear(&mut self, bytes: &[u8]) -> Vec<u8> {
-        self.firmware.hear(bytes)
+    /// The answer to bytes from the host.
+    pub fn receive(&mut self, bytes: &[u8]) -> Vec<u8> {
+        self.firmware.receive(bytes)
     }
 
     /// Whether it would send a frame now.
@@ -145,7 +145,7 @@ impl Board {
         self.firmware.is_sending()
     }
 
-    /// The bytes of a frame: the pad's voltages, V/A, at a time of the board's clock.
+    /// The bytes of a frame. `volts` are the pad's voltages, V/A; `time_us` is the time of the board's clock.
     pub fn frame(&mut self, time_us: u64, volts: &[f32]) -> Vec<u8> {
         let values: Vec<f32> = self
             .places
@@ -156,8 +156,8 @@ impl Board {
     }
 }
 
-/// Where a pad's channels stand in a layout; a reading that the pad has only as its reciprocal twin is that one.
-fn listed(
+/// The pad's channels in the order of a layout; a missing reading is replaced by its reciprocal twin.
+fn listed_places(
     pad: &Pad,
     layout: Layout,
     rotated: bool,
@@ -165,7 +165,7 @@ fn listed(
 ) -> Result<Vec<Option<(usize, f32)>>, BoardError> {
     let mut is_missing = false;
     let places = layout
-        .stream(pad.protocol.electrodes, rotated)
+        .stream_channels(pad.protocol.electrodes, rotated)
         .iter()
         .map(|wanted| {
             let find = |drive, measure| {
@@ -174,7 +174,7 @@ fn listed(
             };
             let place =
                 find(wanted.drive, wanted.measure).or_else(|| find(wanted.measure, wanted.drive));
-            is_missing |= place.is_none() && !wanted.drive.meets(wanted.measure);
+            is_missing |= place.is_none() && !wanted.drive.shares_electrode(wanted.measure);
             place.map(|channel| (channel, sign))
         })
         .collect();
@@ -207,16 +207,16 @@ mod tests {
     fn a_menu_waits_for_its_choice_at_each_reset() {
         let mut board = Board::new(
             &pad("openeit-lattice"),
-            &BoardSettings::new(FormatKind::OpenEit),
+            &BoardSettings::new(WireFormat::OpenEit),
         )
         .expect("wired");
         for _ in 0..2 {
             let boot = board.reset();
             assert!(String::from_utf8_lossy(&boot).contains("Electrical Impedance Tomography"));
             assert!(!board.is_sending());
-            board.hear(b"x\n");
+            board.receive(b"x\n");
             assert!(!board.is_sending());
-            board.hear(openeit::CHOICE);
+            board.receive(openeit::CHOICE);
             assert!(board.is_sending());
         }
         let line = board.frame(0, &[1.0; 192]);
@@ -227,12 +227,12 @@ mod tests {
     fn a_request_is_answered_once() {
         let mut board = Board::new(
             &pad("edinburgh-lattice"),
-            &BoardSettings::new(FormatKind::Request),
+            &BoardSettings::new(WireFormat::Request),
         )
         .expect("wired");
         board.reset();
         assert!(!board.is_sending());
-        board.hear(request::REQUEST);
+        board.receive(request::REQUEST);
         assert!(board.is_sending());
         let reply = board.frame(0, &[1.0; 208]);
         assert!(!board.is_sending());
@@ -240,15 +240,15 @@ mod tests {
     }
 
     #[test]
-    fn an_instrument_acknowledges_its_set_up_and_starts_when_told() {
+    fn an_instrument_acknowledges_its_set_up_and_starts_on_command() {
         let pad = pad("round-tank");
-        let mut board = Board::new(&pad, &BoardSettings::new(FormatKind::Sciospec)).expect("wired");
-        let mut host = sciospec::Sciospec::new(&Wiring::of_pad(&pad));
+        let mut board = Board::new(&pad, &BoardSettings::new(WireFormat::Sciospec)).expect("wired");
+        let mut host = sciospec::Sciospec::new(&Wiring::from_pad(&pad));
         board.reset();
         let mut commands = 0;
-        while let Some(command) = host.say(0) {
+        while let Some(command) = host.poll_command(0) {
             assert!(!board.is_sending());
-            let answer = board.hear(&command);
+            let answer = board.receive(&command);
             assert_eq!(answer, [0x18, 1, 0x83, 0x18], "{command:02x?}");
             host.feed(0, &answer, &mut Vec::new());
             commands += 1;
@@ -258,13 +258,13 @@ mod tests {
         let volts: Vec<f32> = (0..208).map(|i| (i % 13) as f32).collect();
         let bytes = [board.frame(0, &volts), board.frame(10_000, &volts)].concat();
         assert_eq!(frames(&mut host, &bytes), 2);
-        board.hear(sciospec::STOP);
+        board.receive(sciospec::STOP);
         assert!(!board.is_sending());
     }
 
     #[test]
-    fn what_the_pad_lacks_cannot_be_listed() {
-        let mut settings = BoardSettings::new(FormatKind::Gelpad);
+    fn a_layout_that_the_pad_lacks_is_refused() {
+        let mut settings = BoardSettings::new(WireFormat::Gelpad);
         settings.layout = Some(Layout::Opposite);
         let error = Board::new(&pad("edinburgh-lattice"), &settings).err();
         assert!(matches!(error, Some(BoardError::OtherProtocol { .. })));

@@ -1,4 +1,4 @@
-//! A pseudo-terminal: the board's end of a serial port that needs no hardware.
+//! A pseudo-terminal: the board's end of a serial port without hardware.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -10,7 +10,7 @@ use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-/// The board's end, and where the host finds the other one.
+/// The board's end, and the path that the host opens.
 pub struct Pty {
     board: File,
     path: PathBuf,
@@ -18,24 +18,25 @@ pub struct Pty {
 }
 
 impl Pty {
-    /// A new pseudo-terminal; with a link to it at a path, if one is given: that path stays when the port hangs up.
+    /// Creates a pseudo-terminal, with a link to it if a path is given: that path stays the same when the
+    /// port disappears and comes back.
     ///
     /// # Errors
-    /// None left; a path that is taken.
+    /// The system has no pseudo-terminal left, or the path is taken.
     pub fn open(link: Option<&Path>) -> io::Result<Self> {
-        // Closed on exec: a child that inherits the board's end would keep the port alive.
+        // Closed on exec: a child process with the board's end would keep the port alive.
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
         let board = openpt(flags)?;
         grantpt(&board)?;
         unlockpt(&board)?;
-        // Raw from the start: what is written before the host opens it must not be echoed or edited.
+        // Raw mode from the start: nothing that is written before the host opens the port may be echoed or edited.
         let mut modes = tcgetattr(&board)?;
         modes.make_raw();
         tcsetattr(&board, OptionalActions::Now, &modes)?;
         fcntl_setfl(&board, fcntl_getfl(&board)? | OFlags::NONBLOCK)?;
         let name = ptsname(&board, Vec::new())?;
         let path = PathBuf::from(name.to_string_lossy().into_owned());
-        // Opened and closed once: only then does the system tell whether someone has it open.
+        // Opened and closed once: only after that does the system report whether the port is open.
         drop(File::options().read(true).open(&path)?);
         if let Some(link) = link {
             replace_link(link, &path)?;
@@ -47,13 +48,13 @@ impl Pty {
         })
     }
 
-    /// What the host opens.
+    /// The path that the host opens.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// Whether someone has the other end open.
+    /// Whether a host has the other end open.
     #[must_use]
     pub fn is_open(&self) -> bool {
         let mut fds = [PollFd::new(&self.board, PollFlags::IN)];
@@ -61,31 +62,31 @@ impl Pty {
         polled.is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
-    /// Waits until something came, at most so long.
+    /// Waits until bytes arrive, but not longer than `at_most`.
     pub fn wait(&self, at_most: Duration) {
         let mut fds = [PollFd::new(&self.board, PollFlags::IN)];
-        // A signal may end it early: whoever waits looks again.
+        // A signal may end the wait early: the caller checks again.
         let _ = poll(&mut fds, Timespec::try_from(at_most).ok().as_ref());
     }
 
-    /// What came; nothing if nothing did.
+    /// Reads the bytes that have arrived; 0 if there are none.
     ///
     /// # Errors
-    /// The terminal's; not that nobody has it open.
+    /// Errors of the terminal, except that no host has it open.
     pub fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self.board.read(buffer) {
-            Err(error) if is_nothing(&error) => Ok(0),
+            Err(error) if is_not_ready(&error) => Ok(0),
             other => other,
         }
     }
 
-    /// Sends bytes, or as many as there is room for; none if nobody has it open.
+    /// Sends as many bytes as there is room for; 0 if no host has it open.
     ///
     /// # Errors
-    /// The terminal's.
+    /// Errors of the terminal.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.board.write(bytes) {
-            Err(error) if is_nothing(&error) => {
+            Err(error) if is_not_ready(&error) => {
                 let mut fds = [PollFd::new(&self.board, PollFlags::OUT)];
                 let _ = poll(
                     &mut fds,
@@ -111,14 +112,14 @@ impl Drop for Pty {
     }
 }
 
-fn is_nothing(error: &io::Error) -> bool {
-    // EIO: nobody has the other end open.
+fn is_not_ready(error: &io::Error) -> bool {
+    // EIO: no host has the other end open.
     error.kind() == io::ErrorKind::WouldBlock
         || error.kind() == io::ErrorKind::Interrupted
         || error.raw_os_error() == Some(rustix::io::Errno::IO.raw_os_error())
 }
 
-/// Puts a link in place at once; anything but a link stays.
+/// Replaces a link atomically; any other file is kept.
 fn replace_link(link: &Path, path: &Path) -> io::Result<()> {
     if link
         .symlink_metadata()
@@ -127,16 +128,16 @@ fn replace_link(link: &Path, path: &Path) -> io::Result<()> {
         return Err(io::Error::new(
             io::ErrorKind::AlreadyExists,
             format!(
-                "{} is there and is no link: choose a free path",
+                "{} exists and is not a link: choose another path",
                 link.display()
             ),
         ));
     }
-    let mut beside = link.as_os_str().to_owned();
-    beside.push(format!(".{}", std::process::id()));
-    let _ = std::fs::remove_file(&beside);
-    std::os::unix::fs::symlink(path, &beside)?;
-    std::fs::rename(&beside, link)
+    let mut temporary = link.as_os_str().to_owned();
+    temporary.push(format!(".{}", std::process::id()));
+    let _ = std::fs::remove_file(&temporary);
+    std::os::unix::fs::symlink(path, &temporary)?;
+    std::fs::rename(&temporary, link)
 }
 
 #[cfg(test)]
@@ -144,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_knows_whether_someone_has_it_open_and_keeps_its_path() {
+    fn it_reports_whether_it_is_open_and_keeps_its_path() {
         let folder = tempfile::tempdir().expect("a folder");
         let link = folder.path().join("port");
         let mut pty = Pty::open(Some(&link)).expect("a pseudo-terminal");
@@ -159,8 +160,8 @@ mod tests {
         assert!(pty.is_open());
         host.write_all(b"D").expect("written");
         pty.wait(Duration::from_secs(5));
-        let mut heard = [0; 8];
-        assert_eq!(pty.read(&mut heard).expect("read"), 1);
+        let mut received = [0; 8];
+        assert_eq!(pty.read(&mut received).expect("read"), 1);
         assert_eq!(pty.write(b"\n\x03\x00").expect("written"), 3);
         let mut got = [0; 3];
         host.read_exact(&mut got).expect("raw");

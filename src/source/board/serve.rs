@@ -1,96 +1,99 @@
-//! Gives a simulated board a pseudo-terminal and the time.
+//! Connects a simulated board to a pseudo-terminal and the clock.
 
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::{Board, Cable, Every, Faults, Pty, Signal};
+use super::{Board, BoardSignal, CableFaults, FaultyCable, Pty, RepeatedFault};
+use crate::source::SIMULATED_FRAME_NS;
+use crate::source::clock::now;
 
-/// Longest sleep: what stopping waits for.
+/// Longest sleep, and so the longest delay of a stop.
 const NAP: Duration = Duration::from_millis(10);
-/// Without a rate, the pad's time goes on by so much a frame.
-const FREE_STEP_US: u64 = 10_000;
+/// Board time between two frames when no rate is set, us.
+const FREE_STEP_US: u64 = SIMULATED_FRAME_NS / 1000;
 
-/// What is to be done.
-pub struct Plan {
-    /// Where the host finds the port; none: where the system puts it.
+/// How a board is served.
+pub struct ServePlan {
+    /// Path of the port; none: chosen by the system.
     pub link: Option<PathBuf>,
-    /// Frames a second; none: as many as the host takes.
+    /// Frames a second; none: as many as the host reads.
     pub frames_per_s: Option<f64>,
-    /// Frames after which it ends; none: when it is stopped.
+    /// Number of frames after which serving ends; none: when it is stopped.
     pub frames: Option<u64>,
-    /// What goes wrong.
-    pub faults: Faults,
-    /// A board of another format that speaks in between.
-    pub between: Option<(Board, Every)>,
+    /// Faults of the cable.
+    pub faults: CableFaults,
+    /// A board of another format that replaces the first from time to time.
+    pub other_board: Option<(Board, RepeatedFault)>,
     /// Seed of the faults.
     pub seed: u64,
 }
 
-/// What was done.
+/// Counts of a served board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Served {
-    /// Frames sent, damaged ones too.
+pub struct ServeReport {
+    /// Frames sent, including damaged ones.
     pub frames: u64,
     /// Bytes sent.
     pub bytes: u64,
-    /// Bytes that the cable lost.
+    /// Bytes lost by the cable.
     pub lost_bytes: u64,
-    /// Bits that the cable turned.
+    /// Bits flipped by the cable.
     pub turned_bits: u64,
     /// How often a host opened the port.
     pub opened: u64,
-    /// How often the port went away.
+    /// How often the port disappeared.
     pub hang_ups: u64,
 }
 
-/// Serves a board until it is stopped or has sent all its frames. `tell` is told where the port is, and what happens.
+/// Serves a board until it is stopped or has sent all its frames. `on_message` receives the port's path and every
+/// change of state.
 ///
 /// # Errors
-/// No pseudo-terminal, or the terminal's.
+/// There is no pseudo-terminal left, or an error of the terminal.
 pub fn serve(
     board: Board,
-    signal: &mut Signal,
-    plan: Plan,
+    signal: &mut BoardSignal,
+    plan: ServePlan,
     stop: &AtomicBool,
-    tell: &mut dyn FnMut(&str),
-) -> io::Result<Served> {
+    on_message: &mut dyn FnMut(&str),
+) -> io::Result<ServeReport> {
     let mut server = Server {
         pty: Pty::open(plan.link.as_deref())?,
-        cable: Cable::new(plan.faults, plan.seed),
-        served: Served::default(),
+        cable: FaultyCable::new(plan.faults, plan.seed),
+        report: ServeReport::default(),
         board,
         plan,
         stop,
     };
-    tell(&format!("port {}", server.pty.path().display()));
+    on_message(&format!("port {}", server.pty.path().display()));
     while !server.is_over() {
         if server.pty.is_open() {
-            tell("opened: the board starts");
-            server.served.opened += 1;
+            on_message("opened: the board starts");
+            server.report.opened += 1;
             let why = server.session(signal)?;
-            tell(why);
+            on_message(why);
         } else {
             std::thread::sleep(NAP);
         }
     }
     let (lost_bytes, turned_bits) = server.cable.damage();
-    // What is on its way is read before the port goes away.
+    // The host reads what was sent before the port disappears.
     server.drain();
-    Ok(Served {
+    Ok(ServeReport {
         lost_bytes,
         turned_bits,
-        ..server.served
+        ..server.report
     })
 }
 
 struct Server<'a> {
     pty: Pty,
-    cable: Cable,
-    served: Served,
+    cable: FaultyCable,
+    report: ServeReport,
     board: Board,
-    plan: Plan,
+    plan: ServePlan,
     stop: &'a AtomicBool,
 }
 
@@ -99,12 +102,12 @@ impl Server<'_> {
         let has_all = self
             .plan
             .frames
-            .is_some_and(|frames| self.served.frames >= frames);
+            .is_some_and(|frames| self.report.frames >= frames);
         has_all || self.stop.load(Ordering::Relaxed)
     }
 
-    /// From the opening of the port to its closing; says why it ended.
-    fn session(&mut self, signal: &mut Signal) -> io::Result<&'static str> {
+    /// Serves from the opening of the port to its closing; returns why it ended.
+    fn session(&mut self, signal: &mut BoardSignal) -> io::Result<&'static str> {
         let start = now();
         let boot = self.board.reset();
         self.send(&boot)?;
@@ -114,22 +117,22 @@ impl Server<'_> {
             .map(|rate| Duration::from_secs_f64(1.0 / rate));
         let mut due = start;
         let mut free_us = 0;
-        let pause = Turn(self.plan.faults.pause);
-        let hang_up = Turn(self.plan.faults.hang_up);
-        let between = Turn(self.plan.between.as_ref().map(|(_, every)| *every));
-        let mut heard = [0; 512];
+        let pause = FaultTimer(self.plan.faults.pause);
+        let hang_up = FaultTimer(self.plan.faults.hang_up);
+        let between = FaultTimer(self.plan.other_board.as_ref().map(|(_, every)| *every));
+        let mut received = [0; 512];
         while !self.is_over() {
             let elapsed = start.elapsed();
-            let count = self.pty.read(&mut heard)?;
+            let count = self.pty.read(&mut received)?;
             if count > 0 {
-                let answer = self.board.hear(&heard[..count]);
+                let answer = self.board.receive(&received[..count]);
                 self.send(&answer)?;
             }
             if hang_up.is_on(elapsed) {
                 self.hang_up()?;
                 return Ok("hung up");
             }
-            if self.served.frames.is_multiple_of(16) && !self.pty.is_open() {
+            if self.report.frames.is_multiple_of(16) && !self.pty.is_open() {
                 return Ok("closed");
             }
             let is_due = period.is_none() || now() >= due;
@@ -160,18 +163,23 @@ impl Server<'_> {
         Ok("done")
     }
 
-    fn frame(&mut self, signal: &mut Signal, time_us: u64, is_between: bool) -> io::Result<()> {
+    fn frame(
+        &mut self,
+        signal: &mut BoardSignal,
+        time_us: u64,
+        is_between: bool,
+    ) -> io::Result<()> {
         let volts = signal.read(1000 * time_us);
-        let board = match &mut self.plan.between {
+        let board = match &mut self.plan.other_board {
             Some((other, _)) if is_between => other,
             _ => &mut self.board,
         };
         let bytes = self.cable.carry(board.frame(time_us, &volts));
-        self.served.frames += 1;
+        self.report.frames += 1;
         self.send(&bytes)
     }
 
-    /// Sends all, waiting for room as long as someone reads.
+    /// Sends all bytes; waits for room as long as a host has the port open.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut left = bytes;
         while !left.is_empty() && !self.stop.load(Ordering::Relaxed) {
@@ -180,16 +188,16 @@ impl Server<'_> {
                 break;
             }
             left = &left[sent..];
-            self.served.bytes += sent as u64;
+            self.report.bytes += sent as u64;
         }
         Ok(())
     }
 
     fn hang_up(&mut self) -> io::Result<()> {
-        self.served.hang_ups += 1;
-        let away = self.plan.faults.hang_up.map_or(NAP, |every| every.lasts);
+        self.report.hang_ups += 1;
+        let away = self.plan.faults.hang_up.map_or(NAP, |every| every.length);
         let link = self.plan.link.clone();
-        // The old end is closed first, its link with it: for a while there is no port.
+        // The old end and its link are removed first: for a while there is no port.
         if let Some(link) = &link {
             let _ = std::fs::remove_file(link);
         }
@@ -203,7 +211,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Waits until the host has read what was sent, a second at most.
+    /// Waits until the host has closed the port, at most for a second.
     fn drain(&mut self) {
         let until = now() + Duration::from_secs(1);
         while self.pty.is_open() && now() < until {
@@ -212,19 +220,14 @@ impl Server<'_> {
     }
 }
 
-/// Whether something that happens again and again happens now.
-struct Turn(Option<Every>);
+/// A repeated fault in time.
+struct FaultTimer(Option<RepeatedFault>);
 
-impl Turn {
+impl FaultTimer {
     fn is_on(&self, elapsed: Duration) -> bool {
-        self.0.is_some_and(|Every { every, lasts }| {
-            let [elapsed, every, lasts] = [elapsed, every, lasts].map(|time| time.as_micros());
-            elapsed >= every && (elapsed - every) % (every + lasts) < lasts
+        self.0.is_some_and(|RepeatedFault { period, length }| {
+            let [elapsed, period, length] = [elapsed, period, length].map(|time| time.as_micros());
+            elapsed >= period && (elapsed - period) % (period + length) < length
         })
     }
-}
-
-#[allow(clippy::disallowed_methods, reason = "a board sends at its own pace")]
-fn now() -> Instant {
-    Instant::now()
 }

@@ -1,5 +1,5 @@
-//! What a board's converter sees: the simulated pad under a script that begins again when it ends, with noise, drift and an
-//! electrode that comes loose.
+//! The voltages that a board measures: the simulated pad under a script that restarts when it ends, with
+//! noise, drift and an electrode that comes loose.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -14,28 +14,28 @@ const MINUTE_NS: f64 = 60e9;
 /// An electrode that comes loose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LostElectrode {
-    /// Which, from 0.
+    /// The electrode, from 0.
     pub electrode: usize,
-    /// From when on.
+    /// When it comes loose.
     pub from_ns: Nanos,
 }
 
 /// The pad's voltages over time.
-pub struct Signal {
+pub struct BoardSignal {
     pad: SimulatedSource,
     noise: Noise,
     drift_per_min: f64,
     lost: Option<LostElectrode>,
-    /// Channels that the lost electrode is in.
+    /// Channels of the loose electrode.
     loose: Vec<usize>,
     random: ChaCha8Rng,
 }
 
-impl Signal {
-    /// A pad under a script, with noise. `drift_per_min` is the relative rise of all voltages in a minute.
+impl BoardSignal {
+    /// A pad under a script, with noise. `drift_per_min` is the relative rise of all voltages per minute.
     ///
     /// # Errors
-    /// A finger off the pad; a pad that cannot be solved.
+    /// A finger is off the pad, or the pad cannot be solved.
     pub fn new(
         pad: &Pad,
         script: &Script,
@@ -75,7 +75,7 @@ impl Signal {
         }
         if self.lost.is_some_and(|lost| t_ns >= lost.from_ns) {
             for channel in &self.loose {
-                // What an open input picks up has nothing to do with the pad.
+                // An open input picks up noise that does not depend on the pad.
                 let n: f64 = StandardNormal.sample(&mut self.random);
                 volts[*channel] *= 3.0 * n as f32;
             }
@@ -90,7 +90,7 @@ mod tests {
     use crate::pad::{DEFAULT_PAD, shipped_pad};
 
     #[test]
-    fn the_script_begins_again_and_a_lost_electrode_spoils_its_channels_only() {
+    fn the_script_restarts_and_a_lost_electrode_changes_only_its_channels() {
         let pad =
             Pad::from_toml("p", shipped_pad(DEFAULT_PAD).expect("shipped").toml).expect("sound");
         let script =
@@ -99,14 +99,15 @@ mod tests {
             electrode: 3,
             from_ns: 900_000_000,
         };
-        let mut signal = Signal::new(&pad, &script, (300.0, 1), 0.0, Some(lost)).expect("solvable");
+        let mut signal =
+            BoardSignal::new(&pad, &script, (300.0, 1), 0.0, Some(lost)).expect("solvable");
         let ms = |t: u64| t * 1_000_000;
         let [rest, pressed] = [signal.read(0), signal.read(ms(150))];
         assert_ne!(rest, pressed);
         assert_eq!(signal.read(ms(451)), pressed, "the second time round");
-        let spoilt = signal.read(ms(903));
-        let changed: Vec<usize> = (0..208).filter(|i| spoilt[*i] != rest[*i]).collect();
-        // Two drives of 13 and two measurements of each of the others, less what they share.
+        let damaged = signal.read(ms(903));
+        let changed: Vec<usize> = (0..208).filter(|i| damaged[*i] != rest[*i]).collect();
+        // Two drives with 13 measurements each, and two measurements of each other drive, less those in common.
         assert!(changed.iter().all(|index| {
             let channel = pad.protocol.channels[*index];
             [channel.drive, channel.measure]

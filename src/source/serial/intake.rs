@@ -1,8 +1,8 @@
-//! From bytes to frames of the pad: dialect, count of values, order, losses, time. Fed bytes, without IO.
+//! Turns bytes into frames of the pad: dialect, number of values, order, losses, time. It does no IO.
 //!
-//! Until the same plausible number of values has come [`SURE_FRAMES`] times in a row nothing is a frame: a line that was cut
-//! must not pass for one of another layout. Their median tells the order. From then on a frame of another number is
-//! garbled, until the board has gone over to that for good.
+//! Frames are accepted after [`SURE_FRAMES`] frames in a row had the same plausible number of values: a line
+//! that was cut must not pass for a frame of another layout. Their median tells the order. Afterwards a frame
+//! with another number of values is garbled, until the board has changed to that number for good.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -10,37 +10,37 @@ use std::sync::Arc;
 use crate::pad::{Channel, Pad};
 use crate::source::arrangement::{Arrangement, plausible_counts};
 use crate::source::clock::DeviceClock;
-use crate::source::wire::{Decoded, Dialect, Format, WireFrame, Wiring};
-use crate::source::{Reading, SourceError};
+use crate::source::wire::{Decoded, Dialect, FormatChoice, WireFrame, Wiring};
+use crate::source::{SourceError, SourceReading};
 use crate::types::{Frame, Nanos};
 
-/// Frames of the same number of values that make sure.
+/// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
-/// A gap in the board's count larger than this is a board that began anew, not frames that were lost.
+/// Largest gap in the board's count that means lost frames; a larger one means that the board restarted.
 const LARGEST_GAP: u32 = 100_000;
 
-/// What comes from a board, made frames of a pad.
-pub(super) struct Intake {
+/// Converts what a board sends into frames of a pad.
+pub(super) struct FrameIntake {
     pad: Pad,
-    format: Format,
+    format: FormatChoice,
     dialect: Box<dyn Dialect>,
     counts: Vec<usize>,
     arrangement: Option<Arrangement>,
-    /// What the board said its values are readings of when that was found.
+    /// The board's own list of channels when the arrangement was found.
     listing: Option<Arc<[Channel]>>,
-    /// Frames of a number of values that is not yet sure, with their arrival.
+    /// Frames with a number of values that is not sure yet, and their arrival.
     unsure: Vec<(WireFrame, Nanos)>,
     clock: DeviceClock,
     sequence: Option<u32>,
-    /// Whether a frame has come since the port was opened: what is garbled before was cut by the opening.
+    /// Whether a frame has arrived since the port was opened: what is garbled before was cut by the opening.
     begun: bool,
     decoded: Vec<Decoded>,
 }
 
-impl Intake {
-    pub(super) fn new(pad: &Pad, format: Format) -> Self {
+impl FrameIntake {
+    pub(super) fn new(pad: &Pad, format: FormatChoice) -> Self {
         Self {
-            dialect: format.dialect(&Wiring::of_pad(pad)),
+            dialect: format.dialect(&Wiring::from_pad(pad)),
             counts: plausible_counts(pad),
             pad: pad.clone(),
             format,
@@ -54,16 +54,17 @@ impl Intake {
         }
     }
 
-    /// Takes bytes that came at a time. `now_ns` runs on while the board is away, `opened_ns` is when it came back.
+    /// Takes bytes that arrived at `now_ns`, a time that continues while the board is away; `opened_ns` is
+    /// when the port was last opened.
     ///
     /// # Errors
-    /// A board that measures with another protocol than the pad's.
+    /// The board measures with another protocol than the pad's.
     pub(super) fn feed(
         &mut self,
         now_ns: Nanos,
         opened_ns: Nanos,
         bytes: &[u8],
-        readings: &mut VecDeque<Reading>,
+        readings: &mut VecDeque<SourceReading>,
     ) -> Result<(), SourceError> {
         let mut decoded = std::mem::take(&mut self.decoded);
         self.dialect
@@ -72,9 +73,9 @@ impl Intake {
             match one {
                 Decoded::Frame(frame) => self.frame(frame, now_ns, readings)?,
                 Decoded::Garbled { reason, .. } if self.begun => {
-                    // Where frames are counted, the next one's number tells how many were lost.
+                    // If the board counts frames, the next number tells how many were lost.
                     let frames = u64::from(self.sequence.is_none());
-                    readings.push_back(Reading::Skipped { reason, frames });
+                    readings.push_back(SourceReading::Skipped { reason, frames });
                 }
                 Decoded::Garbled { reason, .. } => {
                     tracing::debug!("before the first frame: {reason}")
@@ -86,19 +87,19 @@ impl Intake {
         Ok(())
     }
 
-    /// What the board must be told now.
-    pub(super) fn say(&mut self, now_ns: Nanos, opened_ns: Nanos) -> Option<Vec<u8>> {
-        self.dialect.say(now_ns.saturating_sub(opened_ns))
+    /// A command that the board needs now.
+    pub(super) fn poll_command(&mut self, now_ns: Nanos, opened_ns: Nanos) -> Option<Vec<u8>> {
+        self.dialect.poll_command(now_ns.saturating_sub(opened_ns))
     }
 
-    pub(super) fn farewell(&self) -> &'static [u8] {
-        self.dialect.farewell()
+    pub(super) fn stop_command(&self) -> &'static [u8] {
+        self.dialect.stop_command()
     }
 
-    /// The board came back: what was half there is forgotten, its order is not.
+    /// The board is back: incomplete frames are dropped, the order is kept.
     pub(super) fn reopened(&mut self) {
         self.dialect.reopened();
-        self.clock.untie();
+        self.clock.reset();
         self.unsure.clear();
         self.sequence = None;
         self.begun = false;
@@ -108,7 +109,7 @@ impl Intake {
         &mut self,
         frame: WireFrame,
         now_ns: Nanos,
-        readings: &mut VecDeque<Reading>,
+        readings: &mut VecDeque<SourceReading>,
     ) -> Result<(), SourceError> {
         let count = frame.values.len();
         if let Some(arrangement) = &self.arrangement
@@ -117,11 +118,11 @@ impl Intake {
         {
             let volts = arrangement.apply(&frame.values);
             self.unsure.clear();
-            self.arrived(&frame, now_ns, volts, readings);
+            self.deliver(&frame, now_ns, volts, readings);
             return Ok(());
         }
         if !self.counts.contains(&count) {
-            self.odd(count, readings);
+            self.report_count(count, readings);
             return Ok(());
         }
         if self
@@ -132,12 +133,20 @@ impl Intake {
             self.unsure.clear();
         }
         if self.arrangement.is_some() {
-            self.odd(count, readings);
+            self.report_count(count, readings);
         }
         self.unsure.push((frame, now_ns));
         if self.unsure.len() < SURE_FRAMES {
             return Ok(());
         }
+        self.find_arrangement(readings)
+    }
+
+    /// Finds the arrangement from the frames that are not sure yet, and delivers them.
+    fn find_arrangement(
+        &mut self,
+        readings: &mut VecDeque<SourceReading>,
+    ) -> Result<(), SourceError> {
         let listing = self.unsure[0].0.listing.clone();
         let found = Arrangement::find(
             &self.median(),
@@ -147,20 +156,20 @@ impl Intake {
         );
         let found = match found {
             Ok(found) => found,
-            // Damage may look like another board; the one that was there goes on.
+            // Damage may look like another board; the known one is kept.
             Err(_) if self.arrangement.is_some() => {
                 self.unsure.clear();
                 return Ok(());
             }
             Err(error) => return Err(SourceError::Arrangement(error)),
         };
-        tracing::info!(target: "gelpad::told", "{}", found.told());
+        tracing::info!(target: "gelpad::told", "{}", found.summary());
         let had_one = self.arrangement.is_some();
         for (frame, arrived_ns) in std::mem::take(&mut self.unsure) {
             let volts = found.apply(&frame.values);
-            // Frames that were told as lost are not played late.
+            // Frames that were reported as lost are not played late.
             if !had_one {
-                self.arrived(&frame, arrived_ns, volts, readings);
+                self.deliver(&frame, arrived_ns, volts, readings);
             }
         }
         self.arrangement = Some(found);
@@ -168,43 +177,43 @@ impl Intake {
         Ok(())
     }
 
-    fn arrived(
+    fn deliver(
         &mut self,
         frame: &WireFrame,
         arrived_ns: Nanos,
         volts: Vec<f32>,
-        readings: &mut VecDeque<Reading>,
+        readings: &mut VecDeque<SourceReading>,
     ) {
         self.begun = true;
         if let (Some(before), Some(sequence)) = (self.sequence, frame.sequence) {
             let gap = sequence.wrapping_sub(before).wrapping_sub(1);
             if (1..=LARGEST_GAP).contains(&gap) {
                 let are = if gap == 1 { "frame is" } else { "frames are" };
-                readings.push_back(Reading::Skipped {
-                    reason: format!("{gap} {are} missing by the board's count"),
+                readings.push_back(SourceReading::Skipped {
+                    reason: format!("{gap} {are} missing according to the board's count"),
                     frames: u64::from(gap),
                 });
             }
         }
         self.sequence = frame.sequence;
-        let t_ns = self.clock.time(frame.stamp, arrived_ns);
-        readings.push_back(Reading::Frame(Frame { t_ns, volts }));
+        let t_ns = self.clock.frame_time(frame.stamp, arrived_ns);
+        readings.push_back(SourceReading::Frame(Frame { t_ns, volts }));
     }
 
-    fn odd(&self, count: usize, readings: &mut VecDeque<Reading>) {
+    fn report_count(&self, count: usize, readings: &mut VecDeque<SourceReading>) {
         let wanted = self
             .arrangement
             .as_ref()
             .map_or(self.pad.channels(), Arrangement::values);
         let reason = if count == wanted {
-            format!("{count} values of other drives than before")
+            format!("{count} values, but of other drives than before")
         } else {
-            format!("{count} values where there should be {wanted}: is it another pad (--pad)?")
+            format!("{count} values instead of {wanted}: is this another pad (--pad)?")
         };
-        readings.push_back(Reading::Skipped { reason, frames: 1 });
+        readings.push_back(SourceReading::Skipped { reason, frames: 1 });
     }
 
-    /// Value by value: one that was garbled does not tell the order.
+    /// The median of each value, so that a garbled frame does not disturb the order.
     fn median(&self) -> Vec<f32> {
         let count = self
             .unsure
@@ -230,7 +239,7 @@ mod tests {
     use crate::pad::shipped_pad;
     use crate::source::SimulatedPad;
     use crate::source::wire::gelpad::{Values, encode};
-    use crate::source::wire::{FormatKind, openeit};
+    use crate::source::wire::{WireFormat, openeit};
 
     fn pad(name: &str) -> Pad {
         Pad::from_toml(name, shipped_pad(name).expect("shipped").toml).expect("sound")
@@ -242,41 +251,41 @@ mod tests {
         volts.into_iter().map(|volt| 1e3 * volt as f32).collect()
     }
 
-    fn fed(intake: &mut Intake, bytes: &[u8]) -> Vec<Reading> {
+    fn readings_of(intake: &mut FrameIntake, bytes: &[u8]) -> Vec<SourceReading> {
         let mut readings = VecDeque::new();
         intake.feed(5, 0, bytes, &mut readings).expect("fits");
         readings.into()
     }
 
-    fn frames(readings: &[Reading]) -> usize {
-        let is_frame = |reading: &&Reading| matches!(reading, Reading::Frame(_));
+    fn frames(readings: &[SourceReading]) -> usize {
+        let is_frame = |reading: &&SourceReading| matches!(reading, SourceReading::Frame(_));
         readings.iter().filter(is_frame).count()
     }
 
-    fn lost(readings: &[Reading]) -> u64 {
-        let frames = |reading: &Reading| match reading {
-            Reading::Skipped { frames, .. } => *frames,
+    fn lost(readings: &[SourceReading]) -> u64 {
+        let frames = |reading: &SourceReading| match reading {
+            SourceReading::Skipped { frames, .. } => *frames,
             _ => 0,
         };
         readings.iter().map(frames).sum()
     }
 
     #[test]
-    fn losses_are_counted_by_the_boards_numbers_once() {
+    fn losses_are_counted_once_by_the_numbers_of_the_board() {
         let pad = pad("edinburgh-lattice");
         let volts = rest(&pad);
-        let mut intake = Intake::new(&pad, FormatKind::Gelpad.into());
+        let mut intake = FrameIntake::new(&pad, WireFormat::Gelpad.into());
         let packet = |n: u32| encode(Values::F32, n, n.wrapping_mul(1000), &volts);
-        // The count runs over on the way.
+        // The count overflows in between.
         let begin: Vec<u8> = (0..5_u32).flat_map(|n| packet(n.wrapping_sub(2))).collect();
-        assert_eq!(frames(&fed(&mut intake, &begin)), 5);
+        assert_eq!(frames(&readings_of(&mut intake, &begin)), 5);
         let mut damaged = packet(3);
         damaged[100] ^= 0x55;
-        // Number 3 is garbled, 4 and 5 never came.
-        let readings = fed(&mut intake, &[damaged, packet(6)].concat());
+        // Number 3 is garbled, 4 and 5 never arrive.
+        let readings = readings_of(&mut intake, &[damaged, packet(6)].concat());
         assert_eq!((frames(&readings), lost(&readings)), (1, 3));
-        // A board that was reset counts anew: nothing says that frames were lost.
-        let readings = fed(&mut intake, &packet(0));
+        // A board that was reset restarts its count: no frame counts as lost.
+        let readings = readings_of(&mut intake, &packet(0));
         assert_eq!((frames(&readings), lost(&readings)), (1, 0));
     }
 
@@ -284,12 +293,12 @@ mod tests {
     fn a_cut_line_is_never_a_frame_of_another_layout() {
         let pad = pad("openeit-lattice");
         let volts = rest(&pad);
-        let mut intake = Intake::new(&pad, FormatKind::OpenEit.into());
+        let mut intake = FrameIntake::new(&pad, WireFormat::OpenEit.into());
         let whole = openeit::encode(&volts);
         let cut = openeit::encode(&volts[..104]);
         let sound: String = std::iter::repeat_n(whole.as_str(), 3).collect();
-        assert_eq!(frames(&fed(&mut intake, sound.as_bytes())), 3);
-        let readings = fed(
+        assert_eq!(frames(&readings_of(&mut intake, sound.as_bytes())), 3);
+        let readings = readings_of(
             &mut intake,
             format!("{cut}{cut}{whole}{cut}{cut}{whole}").as_bytes(),
         );
@@ -297,8 +306,8 @@ mod tests {
     }
 
     #[test]
-    fn a_board_of_another_protocol_ends_it_with_a_clear_error() {
-        let mut intake = Intake::new(&pad("edinburgh-lattice"), FormatKind::OpenEit.into());
+    fn a_board_of_another_protocol_is_refused_with_a_clear_error() {
+        let mut intake = FrameIntake::new(&pad("edinburgh-lattice"), WireFormat::OpenEit.into());
         let text: String =
             std::iter::repeat_n(openeit::encode(&rest(&pad("openeit-lattice"))), 3).collect();
         let error = intake

@@ -1,4 +1,4 @@
-//! Listening to a port without playing: what a board sends, how fast, and what it is.
+//! Listens to a port without playing: what a board sends, how fast, in which format.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read, Write};
@@ -6,58 +6,61 @@ use std::time::Instant;
 
 use serialport::SerialPort;
 
-use super::{now, port};
-use crate::eit::order::{Layout, Order, OrderError, recognise};
+use super::port;
+use crate::eit::order::{Layout, Order, OrderError, recognise_order};
 use crate::source::SourceError;
-use crate::source::wire::{Decoded, Dialect, Format, FormatKind, SHOWN_BYTES, WireFrame, Wiring};
+use crate::source::clock::now;
+use crate::source::wire::{
+    Decoded, Dialect, FormatChoice, SHOWN_BYTES, WireFormat, WireFrame, Wiring,
+};
 use crate::types::Nanos;
 
-/// Electrodes of boards, the likeliest first.
+/// Numbers of electrodes of boards, the most common first.
 const ELECTRODES: [usize; 3] = [16, 8, 32];
-/// Frames whose median tells the order.
+/// Number of frames whose median tells the order.
 const ORDER_FRAMES: usize = 9;
-/// From this frame on the rate is measured.
+/// The frame rate is measured from this frame on.
 const SETTLED_FRAMES: u64 = 5;
-/// Different numbers of values that are counted; more are noise.
+/// Limit of different numbers of values that are counted; more are noise.
 const MOST_COUNTS: usize = 64;
 
-/// What was heard so far.
+/// What the board has sent so far.
 #[derive(Clone, Debug, Default)]
-pub struct Heard {
-    /// Since the port was opened, ns.
+pub struct PortReport {
+    /// Time since the port was opened, ns.
     pub elapsed_ns: Nanos,
-    /// Bytes.
+    /// Number of bytes.
     pub bytes: u64,
-    /// How it began.
+    /// The first bytes.
     pub first_bytes: Vec<u8>,
-    /// Whole frames.
+    /// Number of complete frames.
     pub frames: u64,
-    /// Arrival of the last of the first [`SETTLED_FRAMES`] and of the last frame, ns.
+    /// Arrival of frame number [`SETTLED_FRAMES`] and of the last frame, ns.
     between_ns: Option<(Nanos, Nanos)>,
-    /// How many frames had how many values.
+    /// Number of frames for each number of values.
     pub values: BTreeMap<usize, u64>,
-    /// What should have been a frame and was none.
+    /// Number of garbled frames.
     pub garbled: u64,
-    /// The first of these: when, why, and how it begins.
+    /// The first garbled frame: time, reason, first bytes.
     pub first_garbled: Option<(Nanos, String, Vec<u8>)>,
-    /// Frames that are missing by the board's count.
+    /// Frames that are missing according to the board's count.
     pub missing: u64,
     /// Time between the first and the last frame by the board's clock, ns.
     pub device_ns: Option<u64>,
-    /// The format, as soon as it is known.
-    pub kind: Option<FormatKind>,
-    /// What the dialects had to say.
+    /// The format, once it is known.
+    pub kind: Option<WireFormat>,
+    /// Notes of the dialects.
     pub notes: Vec<String>,
     /// Smallest and largest value.
     pub range: Option<(f32, f32)>,
-    /// The first frames, to tell the order from.
+    /// The first frames, from which the order is recognised.
     first: Vec<WireFrame>,
     sequence: Option<u32>,
     ticks: Option<u32>,
 }
 
-impl Heard {
-    /// Frames a second, once the first have come: those wait until their format is sure.
+impl PortReport {
+    /// Frames a second; none during the first frames, which are delayed until their format is sure.
     #[must_use]
     pub fn frames_per_s(&self) -> Option<f64> {
         let (first, last) = self.between_ns?;
@@ -65,20 +68,20 @@ impl Heard {
             .then(|| (self.frames - SETTLED_FRAMES) as f64 / ((last - first) as f64 * 1e-9))
     }
 
-    /// The number of values that most frames have.
+    /// The most common number of values.
     #[must_use]
-    pub fn usual_values(&self) -> Option<usize> {
+    pub fn most_common_count(&self) -> Option<usize> {
         let most = self.values.iter().max_by_key(|(_, frames)| **frames);
         most.map(|(values, _)| *values)
     }
 
-    /// Number of electrodes and order of the readings, told from the first frames.
+    /// Number of electrodes and order of the readings, recognised from the first frames.
     #[must_use]
     pub fn order(&self) -> Option<(usize, Result<Order, OrderError>)> {
-        let count = self.usual_values()?;
+        let count = self.most_common_count()?;
         let electrodes = ELECTRODES
             .into_iter()
-            .find(|electrodes| Layout::of(count, *electrodes).is_some())?;
+            .find(|electrodes| Layout::from_count(count, *electrodes).is_some())?;
         let frames: Vec<&WireFrame> = self
             .first
             .iter()
@@ -93,14 +96,14 @@ impl Heard {
                     .map_or(0.0, |value| f64::from(*value))
             })
             .collect();
-        Some((electrodes, recognise(&median, electrodes)))
+        Some((electrodes, recognise_order(&median, electrodes)))
     }
 
-    fn take(&mut self, now_ns: Nanos, decoded: Vec<Decoded>) {
+    fn take_decoded(&mut self, now_ns: Nanos, decoded: Vec<Decoded>) {
         for one in decoded {
             match one {
-                Decoded::Frame(frame) => self.frame(now_ns, frame),
-                // The opening cuts what is under way.
+                Decoded::Frame(frame) => self.take_frame(now_ns, frame),
+                // Opening the port cuts the first frame.
                 Decoded::Garbled { .. } if self.frames == 0 && self.kind.is_some() => {}
                 Decoded::Garbled { reason, bytes } => {
                     self.garbled += 1;
@@ -111,7 +114,7 @@ impl Heard {
         }
     }
 
-    fn frame(&mut self, now_ns: Nanos, frame: WireFrame) {
+    fn take_frame(&mut self, now_ns: Nanos, frame: WireFrame) {
         self.frames += 1;
         if self.frames >= SETTLED_FRAMES {
             let first_ns = self.between_ns.map_or(now_ns, |(first, _)| first);
@@ -123,7 +126,7 @@ impl Heard {
         }
         if let (Some(before), Some(sequence)) = (self.sequence, frame.sequence) {
             let gap = sequence.wrapping_sub(before).wrapping_sub(1);
-            // A count that went back is a board that began anew.
+            // If the count went back, the board restarted.
             self.missing += if gap < u32::MAX / 2 {
                 u64::from(gap)
             } else {
@@ -150,25 +153,25 @@ impl Heard {
 }
 
 /// A port that is listened to.
-pub struct Listener {
+pub struct PortListener {
     path: String,
     device: Box<dyn SerialPort>,
     dialect: Box<dyn Dialect>,
     may_speak: bool,
     started: Instant,
-    heard: Heard,
+    report: PortReport,
     buffer: Vec<u8>,
 }
 
-impl Listener {
-    /// Opens a port. With `may_speak` the board is told what it must be told; else nothing is ever sent.
+impl PortListener {
+    /// Opens a port. Commands are sent to the board only with `may_speak`.
     ///
     /// # Errors
-    /// A port that cannot be opened.
+    /// The port cannot be opened.
     pub fn open(
         path: &str,
         baud: u32,
-        format: Format,
+        format: FormatChoice,
         may_speak: bool,
     ) -> Result<Self, SourceError> {
         let device = port::open(path, baud).map_err(|error| SourceError::Open {
@@ -181,20 +184,20 @@ impl Listener {
             dialect: format.dialect(&Wiring::adjacent(ELECTRODES[0])),
             may_speak,
             started: now(),
-            heard: Heard {
+            report: PortReport {
                 kind: format.kind,
-                ..Heard::default()
+                ..PortReport::default()
             },
             buffer: vec![0; 4096],
         })
     }
 
-    /// Listens for a twentieth of a second at most.
+    /// Reads for at most 50 ms.
     ///
     /// # Errors
-    /// A port that went away.
-    pub fn listen(&mut self) -> Result<&Heard, SourceError> {
-        let gone = || SourceError::Gone {
+    /// The port has disappeared.
+    pub fn listen(&mut self) -> Result<&PortReport, SourceError> {
+        let gone = || SourceError::Disconnected {
             port: self.path.clone(),
         };
         let count = match self.device.read(&mut self.buffer) {
@@ -207,7 +210,7 @@ impl Listener {
         };
         let now_ns = Nanos::try_from(self.started.elapsed().as_nanos()).unwrap_or(Nanos::MAX);
         let bytes = &self.buffer[..count];
-        let heard = &mut self.heard;
+        let heard = &mut self.report;
         heard.elapsed_ns = now_ns;
         heard.bytes += count as u64;
         let room = SHOWN_BYTES - heard.first_bytes.len();
@@ -217,27 +220,27 @@ impl Listener {
         let mut decoded = Vec::new();
         self.dialect.feed(now_ns, bytes, &mut decoded);
         heard.kind = self.dialect.kind().or(heard.kind);
-        heard.take(now_ns, decoded);
+        heard.take_decoded(now_ns, decoded);
         if self.may_speak
-            && let Some(words) = self.dialect.say(now_ns)
+            && let Some(command) = self.dialect.poll_command(now_ns)
         {
-            // Whether it was heard shows in what comes.
-            let _ = self.device.write_all(&words);
+            // The answer will show whether it was received.
+            let _ = self.device.write_all(&command);
         }
-        Ok(&self.heard)
+        Ok(&self.report)
     }
 
     /// What was heard so far.
     #[must_use]
-    pub fn heard(&self) -> &Heard {
-        &self.heard
+    pub fn report(&self) -> &PortReport {
+        &self.report
     }
 }
 
-impl Drop for Listener {
+impl Drop for PortListener {
     fn drop(&mut self) {
         if self.may_speak {
-            let _ = self.device.write_all(self.dialect.farewell());
+            let _ = self.device.write_all(self.dialect.stop_command());
         }
     }
 }

@@ -1,17 +1,17 @@
 //! A board on a serial port (or a pseudo-terminal).
 //!
-//! It runs on the source's thread and never waits longer than a twentieth of a second. Frames carry the board's own time
-//! where it has one (see `clock`), else that of their arrival, in nanoseconds since the port was first opened.
+//! It runs on the source's thread and never waits longer than 50 ms. Frames carry the board's own time if it
+//! has one (see `clock`), else the time of their arrival, in nanoseconds since the port was first opened.
 //!
-//! A port that goes away is said once ([`Reading::Gone`]); then it is looked for four times a second, by the board's serial
-//! number where the system gives one, and opened again. End of file, `BrokenPipe` and EIO all mean gone, and asking
-//! such a port again would spin.
+//! A port that disappears is reported once ([`SourceReading::Disconnected`]). It is then searched four times a second, by
+//! the board's serial number if the system gives one, and opened again. End of file, `BrokenPipe` and EIO all
+//! mean that the port has disappeared; reading it again would spin.
 
 mod intake;
 mod listen;
 mod port;
 
-pub use listen::{Heard, Listener};
+pub use listen::{PortListener, PortReport};
 
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
@@ -19,42 +19,48 @@ use std::time::{Duration, Instant};
 
 use serialport::SerialPort;
 
-use super::wire::Format;
-use super::{Pace, Reading, Source, SourceError};
+use super::clock::now;
+use super::wire::FormatChoice;
+use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::pad::Pad;
 use crate::types::Nanos;
-use intake::Intake;
+use intake::FrameIntake;
 use port::Identity;
 
-/// Speed of most boards.
+/// Baud rate of most boards.
 pub const DEFAULT_BAUD: u32 = 115_200;
-/// How often a port that is gone is looked for.
+/// How often a port that has disappeared is searched.
 const RETRY: Duration = Duration::from_millis(250);
-/// Longest sleep of one reading while a port is gone.
+/// Longest sleep of one reading while the port is away.
 const NAP: Duration = Duration::from_millis(50);
 
-/// A port that is read.
+/// A board on a serial port as a source.
 pub struct SerialSource {
     path: String,
     baud: u32,
     identity: Option<Identity>,
     /// None while the board is away.
     device: Option<Box<dyn SerialPort>>,
-    intake: Intake,
-    readings: VecDeque<Reading>,
+    intake: FrameIntake,
+    readings: VecDeque<SourceReading>,
     started: Instant,
-    /// When the talk began; none before the first reading, which may come long after the opening.
+    /// When the port was last opened; none before the first reading, which may be long after.
     opened_ns: Option<Nanos>,
     next_try: Instant,
     buffer: Vec<u8>,
 }
 
 impl SerialSource {
-    /// Opens a port whose board reads a pad and speaks a format.
+    /// Opens a port with a board of this pad and format.
     ///
     /// # Errors
-    /// A port that cannot be opened.
-    pub fn open(path: &str, baud: u32, pad: &Pad, format: Format) -> Result<Self, SourceError> {
+    /// The port cannot be opened.
+    pub fn open(
+        path: &str,
+        baud: u32,
+        pad: &Pad,
+        format: FormatChoice,
+    ) -> Result<Self, SourceError> {
         let device = port::open(path, baud).map_err(|error| SourceError::Open {
             port: path.to_owned(),
             error,
@@ -65,7 +71,7 @@ impl SerialSource {
             baud,
             identity: port::identity(path),
             device: Some(device),
-            intake: Intake::new(pad, format),
+            intake: FrameIntake::new(pad, format),
             readings: VecDeque::new(),
             started: now,
             opened_ns: None,
@@ -78,35 +84,35 @@ impl SerialSource {
         Nanos::try_from(self.started.elapsed().as_nanos()).unwrap_or(Nanos::MAX)
     }
 
-    /// Reads what is there and says what must be said.
+    /// Reads what has arrived and sends what the board needs.
     fn exchange(&mut self, mut device: Box<dyn SerialPort>) -> Result<(), SourceError> {
-        let heard = match device.read(&mut self.buffer) {
-            Ok(0) => return self.gone(),
+        let received = match device.read(&mut self.buffer) {
+            Ok(0) => return self.report_gone(),
             Ok(count) => count,
             Err(error) => match error.kind() {
                 ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => 0,
-                _ => return self.gone(),
+                _ => return self.report_gone(),
             },
         };
         let now_ns = self.now_ns();
         let opened_ns = *self.opened_ns.get_or_insert(now_ns);
-        let bytes = &self.buffer[..heard];
+        let bytes = &self.buffer[..received];
         self.intake
             .feed(now_ns, opened_ns, bytes, &mut self.readings)?;
-        if let Some(words) = self.intake.say(now_ns, opened_ns)
-            && let Err(error) = device.write_all(&words)
+        if let Some(command) = self.intake.poll_command(now_ns, opened_ns)
+            && let Err(error) = device.write_all(&command)
             && error.kind() != ErrorKind::TimedOut
         {
-            return self.gone();
+            return self.report_gone();
         }
         self.device = Some(device);
         Ok(())
     }
 
-    fn gone(&mut self) -> Result<(), SourceError> {
-        self.readings.push_back(Reading::Gone {
+    fn report_gone(&mut self) -> Result<(), SourceError> {
+        self.readings.push_back(SourceReading::Disconnected {
             reason: format!(
-                "{}: the board is gone (unplugged or reset): all keys are up until it comes back",
+                "Pad disconnected: waiting for {}; all keys are released",
                 self.path
             ),
         });
@@ -114,8 +120,8 @@ impl SerialSource {
         Ok(())
     }
 
-    /// Looks for the board, or sleeps a little.
-    fn look(&mut self) {
+    /// Searches the board, or sleeps until the next search.
+    fn search(&mut self) {
         let left = self.next_try.saturating_duration_since(now());
         if !left.is_zero() {
             std::thread::sleep(left.min(NAP));
@@ -125,7 +131,7 @@ impl SerialSource {
         let found = port::find(&self.path, self.identity.as_ref())
             .and_then(|path| Some((port::open(&path, self.baud).ok()?, path)));
         if let Some((device, path)) = found {
-            tracing::warn!("{path}: the board is back");
+            tracing::warn!("{path}: pad connected again");
             self.path = path;
             self.device = Some(device);
             self.opened_ns = Some(self.now_ns());
@@ -135,34 +141,26 @@ impl SerialSource {
 }
 
 impl Source for SerialSource {
-    fn pace(&self) -> Pace {
-        Pace::ByDevice
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByDevice
     }
 
-    fn read(&mut self) -> Result<Reading, SourceError> {
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
         if self.readings.is_empty() {
             match self.device.take() {
                 Some(device) => self.exchange(device)?,
-                None => self.look(),
+                None => self.search(),
             }
         }
-        Ok(self.readings.pop_front().unwrap_or(Reading::Idle))
+        Ok(self.readings.pop_front().unwrap_or(SourceReading::Idle))
     }
 }
 
 impl Drop for SerialSource {
     fn drop(&mut self) {
-        // A board that cannot be told any more need not be.
+        // A board that does not receive this any more does not need it.
         if let Some(device) = &mut self.device {
-            let _ = device.write_all(self.intake.farewell());
+            let _ = device.write_all(self.intake.stop_command());
         }
     }
-}
-
-#[allow(
-    clippy::disallowed_methods,
-    reason = "a board's frames are stamped on arrival"
-)]
-fn now() -> Instant {
-    Instant::now()
 }

@@ -1,4 +1,4 @@
-//! The port itself: opening it, knowing it again when it comes back under another name.
+//! Opening a port, and finding a board again that comes back under another name.
 
 use std::path::Path;
 use std::time::Duration;
@@ -6,9 +6,9 @@ use std::time::Duration;
 use serialport::{SerialPort, SerialPortType};
 
 /// Longest wait in one call of `read`.
-const PATIENCE: Duration = Duration::from_millis(50);
+const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
-/// Which board it is, where the system says so: what stays when it is plugged in elsewhere.
+/// What identifies a board when it is plugged in elsewhere, if the system reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity {
     vendor: u16,
@@ -18,10 +18,10 @@ pub(super) struct Identity {
 
 /// Opens a port.
 pub(super) fn open(path: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
-    serialport::new(path, baud).timeout(PATIENCE).open()
+    serialport::new(path, baud).timeout(READ_TIMEOUT).open()
 }
 
-/// Which board is at a path; none for boards without a serial number, pseudo-terminals and the like.
+/// The board at a path; none for boards without a serial number, pseudo-terminals and the like.
 pub(super) fn identity(path: &str) -> Option<Identity> {
     let real = std::fs::canonicalize(path).ok()?;
     ports()
@@ -30,7 +30,7 @@ pub(super) fn identity(path: &str) -> Option<Identity> {
         .map(|(_, identity)| identity)
 }
 
-/// Where a board is now: by its serial number if it has one, else at its path.
+/// The present path of a board, by its serial number; without one, its former path if that exists.
 pub(super) fn find(path: &str, identity: Option<&Identity>) -> Option<String> {
     find_among(path, identity, &ports())
 }
@@ -51,7 +51,7 @@ fn find_among(
 
 /// Ports of boards that have a serial number.
 fn ports() -> Vec<(String, Identity)> {
-    // The library takes this folder for granted; in a container it may be missing.
+    // The library fails without this folder, which a container may lack.
     if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
         return Vec::new();
     }
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_board_is_known_by_its_number_and_not_by_its_name() {
+    fn a_board_is_identified_by_its_number_and_not_by_its_name() {
         let board = |serial: &str| Identity {
             vendor: 0x16c0,
             product: 0x0483,
@@ -91,7 +91,11 @@ mod tests {
         ];
         let find = |identity: &Identity| find_among("/dev/ttyACM0", Some(identity), &ports);
         assert_eq!(find(&board("ours")).as_deref(), Some("/dev/ttyACM1"));
-        assert_eq!(find(&board("unplugged")), None, "another took its name");
+        assert_eq!(
+            find(&board("unplugged")),
+            None,
+            "another board has its name"
+        );
         assert_eq!(find_among("/no/such/port", None, &ports), None);
         assert_eq!(
             find_among("/dev/null", None, &ports).as_deref(),

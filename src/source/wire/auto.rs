@@ -1,50 +1,50 @@
-//! Finding out which format a board speaks.
+//! Finds out which format a board speaks.
 //!
-//! All formats read along. The one that is told most surely and has whole frames wins: a check sum or a closing word
-//! needs one frame, a line of numbers three of the same length. A board that says nothing in [`LISTEN_NS`] is sent the
-//! known start commands, one after the other, and the player is told so before. Who had frames and then has none for as
-//! long is listened to anew.
+//! All formats decode in parallel. The one with complete frames that is identified most surely wins: a check
+//! sum or a closing word needs one frame, a line of numbers three of the same length. If no frame is
+//! recognised within [`LISTEN_NS`], the known start commands are sent one after the other, which is announced
+//! to the player first. If a board had frames and then has none for as long, detection starts again.
 
-use super::{Decoded, Dialect, FormatKind, Wiring, openeit, request, sciospec};
+use super::{Decoded, Dialect, WireFormat, Wiring, openeit, request, sciospec};
 use crate::types::{NANOS_PER_MS, Nanos};
 
 /// How long a board is listened to before anything is sent.
 pub const LISTEN_NS: Nanos = 3000 * NANOS_PER_MS;
-/// How long an answer to a start command is waited for.
+/// How long an answer to a start command is awaited.
 const ANSWER_NS: Nanos = 1500 * NANOS_PER_MS;
-/// Known start commands, in the order in which they are tried: those that other boards ignore first.
-const COMMANDS: [(FormatKind, &[u8], &str); 3] = [
-    (FormatKind::OpenEit, openeit::CHOICE, "the menu choice `c`"),
-    (FormatKind::Request, request::REQUEST, "the request `D`"),
-    (FormatKind::Sciospec, sciospec::START, "Sciospec's start"),
+/// Known start commands, in the order in which they are tried: commands that other boards ignore come first.
+const COMMANDS: [(WireFormat, &[u8], &str); 3] = [
+    (WireFormat::OpenEit, openeit::CHOICE, "the menu choice `c`"),
+    (WireFormat::Request, request::REQUEST, "the request `D`"),
+    (WireFormat::Sciospec, sciospec::START, "Sciospec's start"),
 ];
 
-/// How often they are all tried: what a board printed at reset may spoil the first answer.
+/// How often all of them are tried: what a board printed at reset may garble the first answer.
 const ROUNDS: usize = 2;
 
-/// Speaks whatever the board speaks.
+/// Speaks the format that the board speaks.
 pub struct Auto {
     wiring: Wiring,
     candidates: Vec<Candidate>,
-    spoken: Option<Box<dyn Dialect>>,
-    /// When listening began.
+    chosen_dialect: Option<Box<dyn Dialect>>,
+    /// When detection started.
     since_ns: Nanos,
-    /// When a frame last came.
+    /// Arrival of the last frame.
     frame_ns: Nanos,
-    heard_bytes: u64,
-    heard_since_frame: bool,
-    /// How many of the commands were sent.
+    received_bytes: u64,
+    received_since_frame: bool,
+    /// Number of commands sent.
     tried: usize,
     announced: bool,
     given_up: bool,
     notes: Vec<String>,
 }
 
-/// A format that reads along.
+/// A format that decodes along.
 struct Candidate {
-    kind: FormatKind,
+    kind: WireFormat,
     dialect: Box<dyn Dialect>,
-    /// Frames of the same length, one after the other, that length, and the newest.
+    /// The last frames, which all have `length` values.
     run: Vec<Decoded>,
     length: usize,
 }
@@ -67,25 +67,25 @@ impl Candidate {
     fn is_sure(&self) -> bool {
         self.run.len()
             >= match self.kind {
-                FormatKind::Gelpad | FormatKind::Request | FormatKind::Sciospec => 1,
-                FormatKind::OpenEit => 2,
-                FormatKind::Square | FormatKind::Lines => 3,
+                WireFormat::Gelpad | WireFormat::Request | WireFormat::Sciospec => 1,
+                WireFormat::OpenEit => 2,
+                WireFormat::Square | WireFormat::Lines => 3,
             }
     }
 }
 
 impl Auto {
-    /// For a board on a pad that is wired so.
+    /// For a board on a pad with this wiring.
     #[must_use]
     pub fn new(wiring: Wiring) -> Self {
         Self {
             candidates: candidates(&wiring),
             wiring,
-            spoken: None,
+            chosen_dialect: None,
             since_ns: 0,
             frame_ns: 0,
-            heard_bytes: 0,
-            heard_since_frame: false,
+            received_bytes: 0,
+            received_since_frame: false,
             tried: 0,
             announced: false,
             given_up: false,
@@ -93,7 +93,7 @@ impl Auto {
         }
     }
 
-    fn listen_anew(&mut self, now_ns: Nanos) {
+    fn restart(&mut self, now_ns: Nanos) {
         let wiring = self.wiring.clone();
         let notes = std::mem::take(&mut self.notes);
         *self = Self::new(wiring);
@@ -102,32 +102,32 @@ impl Auto {
         self.frame_ns = now_ns;
     }
 
-    fn choose(&mut self, now_ns: Nanos, decoded: &mut Vec<Decoded>) {
+    fn choose_format(&mut self, now_ns: Nanos, decoded: &mut Vec<Decoded>) {
         let Some(index) = self.candidates.iter().position(Candidate::is_sure) else {
             return;
         };
-        let chosen = self.candidates.swap_remove(index);
+        let candidate = self.candidates.swap_remove(index);
         self.candidates.clear();
-        let (kind, count) = (chosen.kind, chosen.length);
+        let (kind, count) = (candidate.kind, candidate.length);
         decoded.push(Decoded::Note(format!(
             "the board speaks {} (--format {}), {count} values a frame",
-            kind.about(),
+            kind.description(),
             kind.name()
         )));
-        decoded.extend(chosen.run);
-        self.spoken = Some(chosen.dialect);
+        decoded.extend(candidate.run);
+        self.chosen_dialect = Some(candidate.dialect);
         self.frame_ns = now_ns;
     }
 }
 
 fn candidates(wiring: &Wiring) -> Vec<Candidate> {
-    FormatKind::ALL
+    WireFormat::ALL
         .into_iter()
         .map(|kind| Candidate {
             kind,
             dialect: match kind {
-                // An instrument that sends is left as it is set up.
-                FormatKind::Sciospec => Box::new(sciospec::Sciospec::running(wiring)),
+                // An instrument that already sends is not set up again.
+                WireFormat::Sciospec => Box::new(sciospec::Sciospec::running(wiring)),
                 _ => kind.dialect(wiring, false),
             },
             run: Vec::new(),
@@ -138,48 +138,48 @@ fn candidates(wiring: &Wiring) -> Vec<Candidate> {
 
 impl Dialect for Auto {
     fn feed(&mut self, now_ns: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
-        self.heard_bytes += bytes.len() as u64;
-        self.heard_since_frame |= !bytes.is_empty();
-        match &mut self.spoken {
-            Some(spoken) => {
+        self.received_bytes += bytes.len() as u64;
+        self.received_since_frame |= !bytes.is_empty();
+        match &mut self.chosen_dialect {
+            Some(chosen_dialect) => {
                 let before = decoded.len();
-                spoken.feed(now_ns, bytes, decoded);
+                chosen_dialect.feed(now_ns, bytes, decoded);
                 let has_frame = |one: &Decoded| matches!(one, Decoded::Frame(_));
                 if decoded[before..].iter().any(has_frame) {
                     self.frame_ns = now_ns;
-                    self.heard_since_frame = false;
+                    self.received_since_frame = false;
                 }
             }
             None => {
                 for candidate in &mut self.candidates {
                     candidate.feed(now_ns, bytes);
                 }
-                self.choose(now_ns, decoded);
+                self.choose_format(now_ns, decoded);
             }
         }
         decoded.extend(self.notes.drain(..).map(Decoded::Note));
     }
 
-    fn say(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
-        if let Some(spoken) = &mut self.spoken {
-            if self.heard_since_frame && now_ns.saturating_sub(self.frame_ns) > LISTEN_NS {
+    fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
+        if let Some(chosen_dialect) = &mut self.chosen_dialect {
+            if self.received_since_frame && now_ns.saturating_sub(self.frame_ns) > LISTEN_NS {
                 self.notes
-                    .push("what comes is no frame any more: listening anew".to_owned());
-                self.listen_anew(now_ns);
+                    .push("no frames any more: detecting the format again".to_owned());
+                self.restart(now_ns);
                 return None;
             }
-            return spoken.say(now_ns);
+            return chosen_dialect.poll_command(now_ns);
         }
         let listened_ns = now_ns.saturating_sub(self.since_ns);
         if listened_ns < LISTEN_NS {
             return None;
         }
-        let heard = self.heard_bytes;
+        let received = self.received_bytes;
         if !self.announced {
             self.announced = true;
             let names: Vec<&str> = COMMANDS.iter().map(|(_, _, name)| *name).collect();
             self.notes.push(format!(
-                "{heard} bytes in {} s and no frame among them: sending {}, one after the other",
+                "{received} bytes in {} s, but no frame: sending {}, one after the other",
                 LISTEN_NS / 1_000_000_000,
                 names.join(", ")
             ));
@@ -194,7 +194,7 @@ impl Dialect for Auto {
             if !self.given_up {
                 self.given_up = true;
                 self.notes.push(format!(
-                    "no frame in any known format ({heard} bytes came): still listening; `gelpad listen` shows what comes, --format names a format"
+                    "no frame in any known format ({received} bytes received): still listening; `gelpad listen` shows the bytes, --format selects a format"
                 ));
             }
             return None;
@@ -205,17 +205,17 @@ impl Dialect for Auto {
     }
 
     fn reopened(&mut self) {
-        match &mut self.spoken {
-            Some(spoken) => spoken.reopened(),
-            None => self.listen_anew(0),
+        match &mut self.chosen_dialect {
+            Some(chosen_dialect) => chosen_dialect.reopened(),
+            None => self.restart(0),
         }
         self.frame_ns = 0;
-        self.heard_since_frame = false;
+        self.received_since_frame = false;
     }
 
-    fn farewell(&self) -> &'static [u8] {
-        match &self.spoken {
-            Some(spoken) => spoken.farewell(),
+    fn stop_command(&self) -> &'static [u8] {
+        match &self.chosen_dialect {
+            Some(chosen_dialect) => chosen_dialect.stop_command(),
             None => &[],
         }
     }
@@ -225,11 +225,14 @@ impl Dialect for Auto {
             candidate.run.len() * candidate.length * 4 + candidate.dialect.held_bytes()
         };
         self.candidates.iter().map(run).sum::<usize>()
-            + self.spoken.as_ref().map_or(0, |spoken| spoken.held_bytes())
+            + self
+                .chosen_dialect
+                .as_ref()
+                .map_or(0, |chosen_dialect| chosen_dialect.held_bytes())
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        self.spoken.as_ref()?.kind()
+    fn kind(&self) -> Option<WireFormat> {
+        self.chosen_dialect.as_ref()?.kind()
     }
 }
 
@@ -254,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn each_format_is_told_by_its_frames_and_none_is_lost() {
+    fn each_format_is_recognised_and_no_frame_is_lost() {
         let values: Vec<f32> = (0..256).map(|i| i as f32 * 0.25).collect();
         let part = &values[..208];
         let rows: Vec<u8> = (0..16)
@@ -267,18 +270,18 @@ mod tests {
                 )
             })
             .collect();
-        let cases: [(FormatKind, Vec<u8>, usize); 6] = [
+        let cases: [(WireFormat, Vec<u8>, usize); 6] = [
             (
-                FormatKind::Gelpad,
+                WireFormat::Gelpad,
                 gelpad::encode(gelpad::Values::F32, 1, 1, part),
                 1,
             ),
-            (FormatKind::Sciospec, rows, 2),
-            (FormatKind::OpenEit, openeit::encode(part).into_bytes(), 2),
-            (FormatKind::Request, request::encode(part).into_bytes(), 1),
-            (FormatKind::Square, square::encode(&values).into_bytes(), 3),
+            (WireFormat::Sciospec, rows, 2),
+            (WireFormat::OpenEit, openeit::encode(part).into_bytes(), 2),
+            (WireFormat::Request, request::encode(part).into_bytes(), 1),
+            (WireFormat::Square, square::encode(&values).into_bytes(), 3),
             (
-                FormatKind::Lines,
+                WireFormat::Lines,
                 lines::encode(part, false).into_bytes(),
                 3,
             ),
@@ -297,20 +300,20 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_board_is_sent_the_start_commands_after_it_was_said() {
+    fn start_commands_are_announced_and_sent_to_a_silent_board() {
         let mut board = auto();
         let mut decoded = Vec::new();
-        assert_eq!(board.say(LISTEN_NS - 1), None);
-        assert_eq!(board.say(LISTEN_NS), None, "first it is said");
+        assert_eq!(board.poll_command(LISTEN_NS - 1), None);
+        assert_eq!(board.poll_command(LISTEN_NS), None, "it is announced first");
         board.feed(LISTEN_NS, b"", &mut decoded);
         assert_eq!(
             notes(&decoded),
             [
-                "0 bytes in 3 s and no frame among them: sending the menu choice `c`, the request `D`, Sciospec's start, one after the other"
+                "0 bytes in 3 s, but no frame: sending the menu choice `c`, the request `D`, Sciospec's start, one after the other"
             ]
         );
         let sent: Vec<Vec<u8>> = (0..200)
-            .filter_map(|step| board.say(LISTEN_NS + step * ANSWER_NS / 10))
+            .filter_map(|step| board.poll_command(LISTEN_NS + step * ANSWER_NS / 10))
             .collect();
         assert_eq!(sent[..3], sent[3..], "twice");
         assert_eq!(
@@ -322,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn another_format_in_mid_stream_is_listened_to_anew() {
+    fn a_change_of_format_is_detected() {
         let mut board = auto();
         let mut decoded = Vec::new();
         let packet = gelpad::encode(gelpad::Values::F32, 1, 1, &[1.0; 208]);
@@ -330,12 +333,12 @@ mod tests {
         let line = openeit::encode(&[2.0; 208]);
         board.feed(LISTEN_NS / 2, line.as_bytes(), &mut decoded);
         board.feed(LISTEN_NS, line.as_bytes(), &mut decoded);
-        assert_eq!(board.say(LISTEN_NS + 1), None);
+        assert_eq!(board.poll_command(LISTEN_NS + 1), None);
         assert_eq!(board.kind(), None);
         for _ in 0..2 {
             board.feed(LISTEN_NS + 2, line.as_bytes(), &mut decoded);
         }
-        assert_eq!(board.kind(), Some(FormatKind::OpenEit));
+        assert_eq!(board.kind(), Some(WireFormat::OpenEit));
         assert_eq!(frames(&decoded).len(), 3);
     }
 }

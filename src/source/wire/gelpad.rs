@@ -1,33 +1,34 @@
-//! gelpad's own packets: COBS between zero bytes, with a check sum, a sequence number and the board's time. The format is
-//! documented to the byte in docs/wire.md; `wire/gelpad_wire.h` writes it in C.
+//! gelpad's own packets: COBS between zero bytes, with a check sum, a sequence number and the board's time.
+//! docs/wire.md documents every byte; `wire/gelpad_wire.h` writes the format in C.
 //!
 //! ```text
 //! 0  u8   version, 1
 //! 1  u8   kind of the values: 1 f32, 2 i32
 //! 2  u16  number n of values
-//! 4  u32  sequence number, one more with each frame, runs over
-//! 8  u32  time of the frame, us by the board's clock, runs over
+//! 4  u32  sequence number, one more with each frame, overflows
+//! 8  u32  time of the frame, us by the board's clock, overflows
 //! 12      n values of 4 bytes
 //! ..  u32 CRC-32 (ISO-HDLC, as of zlib) of all before
 //! ```
-//! All little-endian. A packet whose sum is wrong is never a frame; the zero byte behind it starts afresh.
+//! All numbers are little-endian. A packet with a wrong check sum is never a frame; decoding restarts after
+//! the next zero byte.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
-use super::{Decoded, Dialect, FEWEST_VALUES, FormatKind, MOST_VALUES, Stamp, WireFrame};
+use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, Stamp, WireFormat, WireFrame};
 use crate::types::Nanos;
 
 /// Version of the format.
 const VERSION: u8 = 1;
 const HEAD_BYTES: usize = 12;
 const SUM_BYTES: usize = 4;
-/// The longest packet, as encoded: one byte more each 254.
-const MOST_BYTES: usize = cobs::max_encoding_length(HEAD_BYTES + 4 * MOST_VALUES + SUM_BYTES);
+/// The longest encoded packet: one more byte for every 254.
+const LONGEST_PACKET: usize = cobs::max_encoding_length(HEAD_BYTES + 4 * MOST_VALUES + SUM_BYTES);
 /// The board's clock counts microseconds.
 const TICK_NS: u32 = 1000;
-const SUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// What values are sent as.
+/// Type of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Values {
     /// Single-precision numbers.
@@ -36,7 +37,7 @@ pub enum Values {
     I32,
 }
 
-/// Reads the format from bytes.
+/// Decoder of the format.
 #[derive(Clone, Debug, Default)]
 pub struct Gelpad {
     packet: Vec<u8>,
@@ -46,23 +47,24 @@ pub struct Gelpad {
 impl Gelpad {
     fn end_packet(&mut self) -> Option<Decoded> {
         if self.overlong {
-            let reason = "no end of a packet: is this gelpad's format, and the baud rate right?";
+            let reason =
+                "a packet without an end: is this gelpad's format, and is the baud rate right?";
             return Some(Decoded::garbled(reason, &self.packet));
         }
-        // Zeros between packets are idle.
+        // Zeros between packets have no meaning.
         if self.packet.is_empty() {
             return None;
         }
-        // Kept to be shown: decoding works in place.
+        // Decoding works in place, so the first bytes are copied to be shown.
         let mut start = [0; super::SHOWN_BYTES];
-        let shown = self.packet.len().min(start.len());
-        start[..shown].copy_from_slice(&self.packet[..shown]);
+        let shown_len = self.packet.len().min(start.len());
+        start[..shown_len].copy_from_slice(&self.packet[..shown_len]);
         let decoded = cobs::decode_in_place(&mut self.packet)
-            .map_err(|_| "a packet whose stuffing is wrong: bytes were lost".to_owned())
-            .and_then(|length| frame_of(&self.packet[..length]));
+            .map_err(|_| "a packet with wrong stuffing: bytes were lost".to_owned())
+            .and_then(|length| parse_packet(&self.packet[..length]));
         Some(match decoded {
             Ok(frame) => Decoded::Frame(frame),
-            Err(reason) => Decoded::garbled(reason, &start[..shown]),
+            Err(reason) => Decoded::garbled(reason, &start[..shown_len]),
         })
     }
 }
@@ -74,7 +76,7 @@ impl Dialect for Gelpad {
                 Some((0, body)) => (body, true),
                 _ => (piece, false),
             };
-            let room = MOST_BYTES - self.packet.len();
+            let room = LONGEST_PACKET - self.packet.len();
             self.overlong |= body.len() > room;
             self.packet.extend_from_slice(&body[..body.len().min(room)]);
             if ends {
@@ -94,19 +96,19 @@ impl Dialect for Gelpad {
         self.packet.len()
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        Some(FormatKind::Gelpad)
+    fn kind(&self) -> Option<WireFormat> {
+        Some(WireFormat::Gelpad)
     }
 }
 
-/// What a packet holds, or why it is no frame.
-fn frame_of(packet: &[u8]) -> Result<WireFrame, String> {
+/// The frame of a packet, or why it is none.
+fn parse_packet(packet: &[u8]) -> Result<WireFrame, String> {
     let Some((body, sum)) = packet.split_last_chunk::<SUM_BYTES>() else {
         return Err(format!("a packet of {} bytes", packet.len()));
     };
-    if SUM.checksum(body) != u32::from_le_bytes(*sum) {
+    if CRC.checksum(body) != u32::from_le_bytes(*sum) {
         return Err(format!(
-            "a packet of {} bytes whose check sum is wrong",
+            "a packet of {} bytes with a wrong check sum",
             packet.len()
         ));
     }
@@ -116,13 +118,13 @@ fn frame_of(packet: &[u8]) -> Result<WireFrame, String> {
     let [version, kind, c0, c1, s0, s1, s2, s3, t0, t1, t2, t3] = *head;
     if version != VERSION {
         return Err(format!(
-            "version {version} of the format, where {VERSION} is known: update gelpad"
+            "version {version} of the format; only version {VERSION} is supported: update gelpad"
         ));
     }
     let count = usize::from(u16::from_le_bytes([c0, c1]));
     if values.len() != 4 * count || !(FEWEST_VALUES..=MOST_VALUES).contains(&count) {
         return Err(format!(
-            "a packet that says {count} values and has {} bytes of them",
+            "a packet with {count} values according to its header, but {} bytes of values",
             values.len()
         ));
     }
@@ -131,9 +133,7 @@ fn frame_of(packet: &[u8]) -> Result<WireFrame, String> {
         1 => words.map(|word| f32::from_le_bytes(*word)).collect(),
         2 => words.map(|word| i32::from_le_bytes(*word) as f32).collect(),
         _ => {
-            return Err(format!(
-                "values of kind {kind}, where 1 is f32 and 2 is i32"
-            ));
+            return Err(format!("values of unknown type {kind}: 1 is f32, 2 is i32"));
         }
     };
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
@@ -150,7 +150,7 @@ fn frame_of(packet: &[u8]) -> Result<WireFrame, String> {
     })
 }
 
-/// A packet as a board sends it, its closing zero included. I32 rounds each value to a whole number.
+/// A packet as a board sends it, including the closing zero. I32 rounds each value to a whole number.
 #[must_use]
 pub fn encode(kind: Values, sequence: u32, time_us: u32, values: &[f32]) -> Vec<u8> {
     let mut packet = Vec::with_capacity(HEAD_BYTES + 4 * values.len() + SUM_BYTES);
@@ -169,7 +169,7 @@ pub fn encode(kind: Values, sequence: u32, time_us: u32, values: &[f32]) -> Vec<
             Values::I32 => (libm::roundf(*value) as i32).to_le_bytes(),
         });
     }
-    packet.extend_from_slice(&SUM.checksum(&packet).to_le_bytes());
+    packet.extend_from_slice(&CRC.checksum(&packet).to_le_bytes());
     let mut encoded = cobs::encode_vec(&packet);
     encoded.push(0);
     encoded
@@ -181,7 +181,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn fed(bytes: &[u8]) -> Vec<Decoded> {
+    fn decode_all(bytes: &[u8]) -> Vec<Decoded> {
         let mut decoded = Vec::new();
         Gelpad::default().feed(0, bytes, &mut decoded);
         decoded
@@ -201,34 +201,34 @@ mod tests {
     }
 
     #[test]
-    fn packets_of_another_make_are_told() {
-        let said = |change: &dyn Fn(&mut Vec<u8>)| {
+    fn unsupported_packets_are_refused() {
+        let error_of = |change: &dyn Fn(&mut Vec<u8>)| {
             let mut body = encode(Values::F32, 1, 2, &[1.0; 5]);
             body.pop();
             let mut packet = cobs::decode_vec(&body).expect("sound");
             packet.truncate(packet.len() - SUM_BYTES);
             change(&mut packet);
-            packet.extend_from_slice(&SUM.checksum(&packet).to_le_bytes());
+            packet.extend_from_slice(&CRC.checksum(&packet).to_le_bytes());
             let mut encoded = cobs::encode_vec(&packet);
             encoded.push(0);
-            let decoded = fed(&encoded);
+            let decoded = decode_all(&encoded);
             assert!(frames(&decoded).is_empty());
             reasons(&decoded)[0].to_owned()
         };
-        assert!(said(&|p| p[0] = 2).starts_with("version 2"));
-        assert!(said(&|p| p[1] = 3).starts_with("values of kind 3"));
-        assert!(said(&|p| p[2] = 6).starts_with("a packet that says 6 values"));
-        assert!(said(&|p| p[14..16].copy_from_slice(&[0xc0, 0x7f])).contains("value 0 is NaN"));
-        assert!(said(&|p| p.truncate(3)).starts_with("a packet of 7 bytes"));
+        assert!(error_of(&|p| p[0] = 2).starts_with("version 2"));
+        assert!(error_of(&|p| p[1] = 3).starts_with("values of unknown type 3"));
+        assert!(error_of(&|p| p[2] = 6).starts_with("a packet with 6 values"));
+        assert!(error_of(&|p| p[14..16].copy_from_slice(&[0xc0, 0x7f])).contains("value 0 is NaN"));
+        assert!(error_of(&|p| p.truncate(3)).starts_with("a packet of 7 bytes"));
     }
 
     #[test]
-    fn what_never_ends_takes_bounded_memory() {
+    fn an_endless_packet_takes_bounded_memory() {
         let mut board = Gelpad::default();
         let mut decoded = Vec::new();
         for _ in 0..100 {
             board.feed(0, &[1; 4096], &mut decoded);
-            assert!(board.held_bytes() <= MOST_BYTES);
+            assert!(board.held_bytes() <= LONGEST_PACKET);
         }
         board.feed(0, &[0], &mut decoded);
         board.feed(0, &encode(Values::I32, 1, 2, &[5.0; 5]), &mut decoded);
@@ -238,7 +238,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_encoded_is_decoded_bit_for_bit(
+        fn decoding_restores_every_bit(
             values in proptest::collection::vec(proptest::num::f32::NORMAL | proptest::num::f32::ZERO, 5..300),
             sequence: u32,
             time_us: u32,
@@ -259,7 +259,7 @@ mod tests {
         }
 
         #[test]
-        fn a_damaged_packet_is_no_frame_and_the_next_is_one(
+        fn a_damaged_packet_is_not_a_frame_and_the_next_is_one(
             flips in proptest::collection::vec((0usize..850, 0u8..8), 1..6),
             lost in proptest::collection::vec(0usize..850, 0..4),
         ) {
@@ -274,9 +274,9 @@ mod tests {
             prop_assume!(damaged != sound);
             let mut stream = damaged;
             stream.extend_from_slice(&sound);
-            // The closing zero may be lost with the damage: then the next packet goes with it, and the one behind is whole.
+            // If the closing zero is lost, the next packet is lost too, but the one after it is complete.
             stream.extend_from_slice(&sound);
-            let found = frames(&fed(&stream));
+            let found = frames(&decode_all(&stream));
             prop_assert!((1..=2).contains(&found.len()), "{} frames", found.len());
             prop_assert!(found.iter().all(|values| *values == vec![0.125; 208]));
         }

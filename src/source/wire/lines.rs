@@ -1,17 +1,18 @@
-//! A line of numbers a frame, whatever stands between them: what most boards made at a bench send.
+//! One line of numbers for each frame: what most boards built in a lab send.
 //!
-//! Numbers are split at commas, semicolons, bars, tabs and blanks; what stands before the last `:` is a label. With
-//! `lines:complex` real and imaginary parts take turns, and a value is their magnitude with the sign of the real part,
-//! so that the order can be recognised. A line with a word among many numbers is garbled; one with few is a message.
+//! Numbers are separated by commas, semicolons, bars, tabs or blanks; text before the last `:` is a label.
+//! With `lines:complex` real and imaginary parts alternate, and a value is their magnitude with the sign of
+//! the real part, so that the order can be recognised. A line with a word among many numbers is garbled; a
+//! line with few numbers is a message.
 
 use super::text::{LineBuffer, numbers};
-use super::{Decoded, Dialect, FEWEST_VALUES, FormatKind, WireFrame};
+use super::{Decoded, Dialect, FEWEST_VALUES, WireFormat};
 use crate::types::Nanos;
 
-/// What may stand between numbers.
+/// Separators of numbers.
 const SEPARATORS: [char; 5] = [',', ';', '|', '\t', ' '];
 
-/// Reads the format from bytes.
+/// Decoder of the format.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     line: LineBuffer,
@@ -19,7 +20,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// A decoder; `complex` where real and imaginary parts take turns.
+    /// A decoder; `complex` if real and imaginary parts alternate.
     #[must_use]
     pub fn new(complex: bool) -> Self {
         Self {
@@ -32,14 +33,8 @@ impl Lines {
 impl Dialect for Lines {
     fn feed(&mut self, _: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
         let complex = self.complex;
-        self.line.feed(bytes, |line, raw| match line {
-            Err(no_text) => decoded.push(Decoded::garbled(no_text.reason(), raw)),
-            Ok(text) => match values_of(text, complex) {
-                Some(Ok(values)) => decoded.push(Decoded::Frame(WireFrame::of(values))),
-                Some(Err(reason)) => decoded.push(Decoded::garbled(reason, raw)),
-                None => {}
-            },
-        });
+        self.line
+            .decode(bytes, decoded, |text| parse_line(text, complex));
     }
 
     fn reopened(&mut self) {
@@ -50,12 +45,12 @@ impl Dialect for Lines {
         self.line.held_bytes()
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        Some(FormatKind::Lines)
+    fn kind(&self) -> Option<WireFormat> {
+        Some(WireFormat::Lines)
     }
 }
 
-fn values_of(text: &str, complex: bool) -> Option<Result<Vec<f32>, String>> {
+fn parse_line(text: &str, complex: bool) -> Option<Result<Vec<f32>, String>> {
     let text = text.rsplit(':').next().unwrap_or(text);
     let words = || text.split(SEPARATORS).filter(|word| !word.is_empty());
     let looks_like_numbers = words()
@@ -92,7 +87,7 @@ fn signed_magnitude(real: f32, imaginary: f32) -> f32 {
     libm::copysign(libm::sqrt(re * re + im * im), re) as f32
 }
 
-/// A frame with all the digits that a value has: decoding gives the same bits.
+/// A frame with all digits of the values: decoding gives the same bits.
 #[must_use]
 pub fn encode(values: &[f32], complex: bool) -> String {
     use std::fmt::Write as _;
@@ -114,14 +109,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn fed(complex: bool, bytes: &[u8]) -> Vec<Decoded> {
+    fn decode_all(complex: bool, bytes: &[u8]) -> Vec<Decoded> {
         let mut decoded = Vec::new();
         Lines::new(complex).feed(0, bytes, &mut decoded);
         decoded
     }
 
     #[test]
-    fn any_separator_will_do() {
+    fn all_separators_are_accepted() {
         for text in [
             "1,2,3,4,-5.5\n",
             "1;2;3;4;-5.5;\r\n",
@@ -131,7 +126,7 @@ mod tests {
             "frame 7: 1, 2, 3, 4, -5.5,\n",
         ] {
             assert_eq!(
-                frames(&fed(false, text.as_bytes())),
+                frames(&decode_all(false, text.as_bytes())),
                 [vec![1.0, 2.0, 3.0, 4.0, -5.5]],
                 "{text:?}"
             );
@@ -140,7 +135,7 @@ mod tests {
 
     #[test]
     fn parts_become_magnitudes_with_the_sign_of_the_real_part() {
-        let decoded = fed(true, b"3,4,-3,4,0,1,5,0,-5,0\n1,2,3,4,5\n");
+        let decoded = decode_all(true, b"3,4,-3,4,0,1,5,0,-5,0\n1,2,3,4,5\n");
         assert_eq!(frames(&decoded), [vec![5.0, -5.0, 1.0, 5.0, -5.0]]);
         assert_eq!(
             reasons(&decoded),
@@ -149,19 +144,19 @@ mod tests {
     }
 
     #[test]
-    fn messages_pass_and_words_among_numbers_do_not() {
-        let decoded = fed(false, b"gain 10, range 5\n\n1,2,3,4,5,six\n1,2,3,4,5\n");
-        assert_eq!(reasons(&decoded), ["\"six\" is no value"]);
+    fn messages_are_ignored_and_words_among_numbers_refused() {
+        let decoded = decode_all(false, b"gain 10, range 5\n\n1,2,3,4,5,six\n1,2,3,4,5\n");
+        assert_eq!(reasons(&decoded), ["\"six\" is not a number"]);
         assert_eq!(frames(&decoded).len(), 1);
     }
 
     proptest! {
         #[test]
-        fn what_is_encoded_is_decoded_bit_for_bit(
+        fn decoding_restores_every_bit(
             values in proptest::collection::vec(proptest::num::f32::NORMAL, 5..40),
             complex: bool,
         ) {
-            let decoded = fed(complex, encode(&values, complex).as_bytes());
+            let decoded = decode_all(complex, encode(&values, complex).as_bytes());
             prop_assert_eq!(frames(&decoded), vec![values]);
         }
     }

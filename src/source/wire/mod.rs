@@ -1,10 +1,10 @@
-//! Wire formats, one a file: dialects that are fed bytes, say what the board must be told, and do no IO.
+//! Wire formats, one a file. A dialect decodes bytes and says which commands the board needs; it does no IO.
 //!
-//! A dialect hands up every frame with as many values as the line, reply or packet held: how many a pad needs, and in
-//! which order, is for [`Arrangement`](super::Arrangement) to tell. What it cannot read it says and skips; the next
-//! whole frame is read as if nothing had been.
+//! A dialect returns frames with as many values as the line, reply or packet has;
+//! [`Arrangement`](super::Arrangement) decides how many a pad needs and in which order. What it cannot read
+//! is reported and skipped, and does not affect the next complete frame.
 //!
-//! Invariant: whatever bytes come, a dialect holds at most [`MOST_HELD_BYTES`].
+//! Invariant: a dialect never holds more than [`MOST_HELD_BYTES`], for any input.
 
 mod auto;
 pub mod gelpad;
@@ -24,32 +24,32 @@ use std::sync::Arc;
 use crate::pad::{Channel, Pad, Pair, Protocol};
 use crate::types::Nanos;
 
-/// Values of the largest frame: real and imaginary part of all pairs of 32 electrodes.
+/// Number of values of the largest frame: real and imaginary part of all pairs of 32 electrodes.
 pub const MOST_VALUES: usize = 2048;
-/// Values of the smallest: a line with fewer is a message, not a frame.
+/// Number of values of the smallest frame: a line with fewer is a message.
 pub const FEWEST_VALUES: usize = 5;
-/// What a dialect holds at most of what has not become a frame yet.
+/// Limit of the bytes that a dialect holds for incomplete frames.
 pub const MOST_HELD_BYTES: usize = 256 * 1024;
-/// Bytes of something unreadable that are kept to be shown.
+/// Number of bytes of a garbled frame that are kept to be shown.
 pub const SHOWN_BYTES: usize = 64;
 
 /// A frame as the board sent it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WireFrame {
-    /// Its values, in the order of the board.
+    /// The values, in the board's order.
     pub values: Vec<f32>,
-    /// The board's count of frames, where it has one.
+    /// The board's count of frames, if it has one.
     pub sequence: Option<u32>,
-    /// The board's own time, where it has one.
+    /// The board's own time, if it has one.
     pub stamp: Option<Stamp>,
-    /// What each value is a reading of, where the board says so.
+    /// The channel of each value, if the board reports it.
     pub listing: Option<Arc<[Channel]>>,
 }
 
 impl WireFrame {
-    /// A frame of a board that sends nothing but values.
+    /// A frame of a board that sends only values.
     #[must_use]
-    pub fn of(values: Vec<f32>) -> Self {
+    pub fn from_values(values: Vec<f32>) -> Self {
         Self {
             values,
             sequence: None,
@@ -59,7 +59,7 @@ impl WireFrame {
     }
 }
 
-/// A time by the board's own clock, whose count runs over after 2^32 ticks.
+/// A time by the board's clock, which overflows after 2^32 ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     /// Ticks.
@@ -68,19 +68,19 @@ pub struct Stamp {
     pub tick_ns: u32,
 }
 
-/// What a dialect makes of the bytes so far.
+/// A result of decoding.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decoded {
     /// A frame.
     Frame(WireFrame),
-    /// Something that should have been a frame but is not.
+    /// A garbled frame.
     Garbled {
-        /// Why.
+        /// The reason.
         reason: String,
-        /// How it begins: at most [`SHOWN_BYTES`].
+        /// Its first bytes, at most [`SHOWN_BYTES`].
         bytes: Vec<u8>,
     },
-    /// Something that the player should know.
+    /// A message for the player.
     Note(String),
 }
 
@@ -93,51 +93,51 @@ impl Decoded {
     }
 }
 
-/// A board's way of talking. Times are nanoseconds since the port was opened.
+/// The language of a board. Times are nanoseconds since the port was opened.
 pub trait Dialect: Send {
-    /// Takes bytes as they come and appends what ends in them.
+    /// Decodes bytes as they arrive and appends the results.
     fn feed(&mut self, now_ns: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>);
 
-    /// What the board must be told now. Asked after every feed, and twenty times a second while nothing comes.
-    fn say(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
+    /// A command that the board needs now. Called after every feed, and twenty times a second while nothing arrives.
+    fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
         let _ = now_ns;
         None
     }
 
-    /// The port was opened anew: half a frame that was there is forgotten, and the talk begins again.
+    /// The port was opened again: incomplete frames are dropped, and the dialogue restarts.
     fn reopened(&mut self);
 
-    /// What the board is told before the port is closed.
-    fn farewell(&self) -> &'static [u8] {
+    /// The command to send before the port is closed.
+    fn stop_command(&self) -> &'static [u8] {
         &[]
     }
 
-    /// Bytes held of what has not become a frame yet.
+    /// Number of bytes held for incomplete frames.
     fn held_bytes(&self) -> usize;
 
-    /// The format that is spoken, as soon as it is known.
-    fn kind(&self) -> Option<FormatKind>;
+    /// The format, once it is known.
+    fn kind(&self) -> Option<WireFormat>;
 }
 
 /// A wire format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FormatKind {
+pub enum WireFormat {
     /// gelpad's own packets.
     Gelpad,
     /// Sciospec's instruments.
     Sciospec,
     /// OpenEIT Spectra's text.
     OpenEit,
-    /// A reply of a value a line to each request.
+    /// A reply with one value a line to each request.
     Request,
-    /// A line of all pairs.
+    /// One line with all pairs for each frame.
     Square,
-    /// A line a frame.
+    /// One line of numbers for each frame.
     Lines,
 }
 
-impl FormatKind {
-    /// All of them; those that are told most surely first.
+impl WireFormat {
+    /// All formats; those that are recognised most surely first.
     pub const ALL: [Self; 6] = [
         Self::Gelpad,
         Self::Sciospec,
@@ -147,7 +147,7 @@ impl FormatKind {
         Self::Lines,
     ];
 
-    /// What `--format` calls it.
+    /// Its name for `--format`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -160,9 +160,9 @@ impl FormatKind {
         }
     }
 
-    /// What people call it.
+    /// Its description, for people.
     #[must_use]
-    pub fn about(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             Self::Gelpad => "gelpad's own packets",
             Self::Sciospec => "Sciospec EIT16/32",
@@ -173,7 +173,7 @@ impl FormatKind {
         }
     }
 
-    /// A dialect of this format. `wiring` is what an instrument that can be set up is set up for.
+    /// A dialect of this format. `wiring` is used to set up instruments that need it.
     #[must_use]
     pub fn dialect(self, wiring: &Wiring, complex: bool) -> Box<dyn Dialect> {
         match self {
@@ -187,7 +187,7 @@ impl FormatKind {
     }
 }
 
-/// How a pad is driven: what an instrument that can be set up is told.
+/// How a pad is driven, to set up an instrument.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wiring {
     /// Number of electrodes.
@@ -197,9 +197,9 @@ pub struct Wiring {
 }
 
 impl Wiring {
-    /// What a pad needs.
+    /// The wiring of a pad.
     #[must_use]
-    pub fn of_pad(pad: &Pad) -> Self {
+    pub fn from_pad(pad: &Pad) -> Self {
         let mut drives: Vec<Pair> = Vec::new();
         for channel in &pad.protocol.channels {
             if !drives.contains(&channel.drive) {
@@ -212,38 +212,38 @@ impl Wiring {
         }
     }
 
-    /// Neighbours drive, all round.
+    /// All pairs of neighbours are driven.
     #[must_use]
     pub fn adjacent(electrodes: usize) -> Self {
         Self {
             electrodes,
-            drives: Protocol::stepped(electrodes, 1),
+            drives: Protocol::pairs_with_step(electrodes, 1),
         }
     }
 }
 
-/// What `--format` says: a format, and what is declared about it.
+/// The value of `--format`: a format and declarations about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Format {
-    /// The format; none: it is found out.
-    pub kind: Option<FormatKind>,
-    /// Whether values are pairs of real and imaginary part (of `lines`).
+pub struct FormatChoice {
+    /// The format; none: it is detected.
+    pub kind: Option<WireFormat>,
+    /// Whether values are pairs of real and imaginary part (format `lines`).
     pub complex: bool,
-    /// The order, where it is declared instead of recognised.
+    /// The order, if it is declared instead of recognised.
     pub order: Option<DeclaredOrder>,
 }
 
 /// An order that the player declares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeclaredOrder {
-    /// Each drive's measurements begin behind the drive.
+    /// Each drive's measurements start after the drive.
     pub rotated: bool,
-    /// The meter's leads are the other way round.
+    /// All signs are inverted, as with swapped leads of the meter.
     pub flipped: bool,
 }
 
-impl Format {
-    /// A dialect for a board on a pad that is wired so.
+impl FormatChoice {
+    /// A dialect for a board on a pad with this wiring.
     #[must_use]
     pub fn dialect(&self, wiring: &Wiring) -> Box<dyn Dialect> {
         match self.kind {
@@ -253,8 +253,8 @@ impl Format {
     }
 }
 
-impl From<FormatKind> for Format {
-    fn from(kind: FormatKind) -> Self {
+impl From<WireFormat> for FormatChoice {
+    fn from(kind: WireFormat) -> Self {
         Self {
             kind: Some(kind),
             ..Self::default()
@@ -262,9 +262,9 @@ impl From<FormatKind> for Format {
     }
 }
 
-impl std::fmt::Display for Format {
+impl std::fmt::Display for FormatChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.kind.map_or("auto", FormatKind::name))?;
+        f.write_str(self.kind.map_or("auto", WireFormat::name))?;
         let order = self.order.unwrap_or_default();
         let words = [
             (self.complex, "complex"),
@@ -281,15 +281,18 @@ impl std::fmt::Display for Format {
     }
 }
 
-impl std::str::FromStr for Format {
+impl std::str::FromStr for FormatChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, words) = text.split_once(':').unwrap_or((text, ""));
-        let kind = FormatKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind = WireFormat::ALL.into_iter().find(|kind| kind.name() == name);
         if kind.is_none() && name != "auto" {
-            let names: Vec<&str> = FormatKind::ALL.iter().map(|kind| kind.name()).collect();
-            return Err(format!("write auto, {}", names.join(", ")));
+            let names: Vec<&str> = WireFormat::ALL.iter().map(|kind| kind.name()).collect();
+            return Err(format!(
+                "unknown format `{name}`: write auto, {}",
+                names.join(", ")
+            ));
         }
         let mut format = Self {
             kind,
@@ -298,7 +301,7 @@ impl std::str::FromStr for Format {
         for word in words.split(',').filter(|word| !word.is_empty()) {
             let order = format.order.unwrap_or_default();
             match word {
-                "complex" if kind == Some(FormatKind::Lines) => format.complex = true,
+                "complex" if kind == Some(WireFormat::Lines) => format.complex = true,
                 "plain" => format.order = Some(order),
                 "rotated" => {
                     format.order = Some(DeclaredOrder {
@@ -314,7 +317,7 @@ impl std::str::FromStr for Format {
                 }
                 _ => {
                     return Err(format!(
-                        "`{word}` is nothing that can be declared of {name}: write plain, rotated, flipped, or lines:complex"
+                        "`{word}` cannot be declared for {name}: write plain, rotated, flipped, or lines:complex"
                     ));
                 }
             }
@@ -328,7 +331,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_format_is_written_as_it_is_read() {
+    fn a_format_is_displayed_as_it_is_parsed() {
         for text in [
             "auto",
             "gelpad",
@@ -337,18 +340,23 @@ mod tests {
             "request:plain",
             "square:rotated,flipped",
         ] {
-            assert_eq!(text.parse::<Format>().expect(text).to_string(), text);
+            assert_eq!(text.parse::<FormatChoice>().expect(text).to_string(), text);
         }
     }
 
     #[test]
-    fn an_unknown_format_or_word_is_told() {
-        let said = "teensy".parse::<Format>().expect_err("unknown");
+    fn an_unknown_format_or_word_is_refused() {
+        let message = "teensy".parse::<FormatChoice>().expect_err("unknown");
         assert_eq!(
-            said,
-            "write auto, gelpad, sciospec, openeit, request, square, lines"
+            message,
+            "unknown format `teensy`: write auto, gelpad, sciospec, openeit, request, square, lines"
         );
-        let said = "openeit:complex".parse::<Format>().expect_err("not of it");
-        assert!(said.starts_with("`complex` is nothing"), "{said}");
+        let message = "openeit:complex"
+            .parse::<FormatChoice>()
+            .expect_err("not of it");
+        assert!(
+            message.starts_with("`complex` cannot be declared"),
+            "{message}"
+        );
     }
 }

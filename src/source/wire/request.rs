@@ -1,55 +1,59 @@
-//! Request and reply, as of the ESP32-S2 boards: the host sends `D`, the board answers a value a line (`%.5f`), then
-//! `Done`.
+//! Request and reply, as used by the ESP32-S2 boards: the host sends `D`, the board answers with one value a
+//! line (`%.5f`), then `Done`.
 //!
-//! The next request goes out as soon as a reply is whole, so the board sets the pace. A request or reply that got lost
-//! leaves both sides waiting: after a second of silence it is sent again. Text before the first value is a message.
+//! The next request is sent when a reply is complete, so the board sets the pace. If a request or a reply is lost, both
+//! sides wait: the request is repeated after a second of silence. Text before the first value is a message.
 
-use super::text::{LineBuffer, NoText, decimals, number};
-use super::{Decoded, Dialect, FEWEST_VALUES, FormatKind, MOST_VALUES, SHOWN_BYTES, WireFrame};
+use super::text::{InvalidLine, LineBuffer, decimals, number};
+use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, SHOWN_BYTES, WireFormat, WireFrame};
 use crate::types::{NANOS_PER_MS, Nanos};
 
-/// What the host sends.
+/// The request.
 pub const REQUEST: &[u8] = b"D";
-/// What ends a reply.
+/// The end of a reply.
 const DONE: &str = "Done";
-/// Silence after which a request is sent again. A board measures all its readings before it answers.
-const PATIENCE_NS: Nanos = 1000 * NANOS_PER_MS;
+/// Silence after which a request is repeated. A board measures all its readings before it answers.
+const REPEAT_NS: Nanos = 1000 * NANOS_PER_MS;
 
-/// Reads the format from bytes, and asks.
+/// Decoder of the format, which also sends requests.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
-    line: LineBuffer,
+    lines: LineBuffer,
     values: Vec<f32>,
     decimals: usize,
-    /// Why the reply that comes in is garbled, and the line that made it so.
+    /// Why the present reply is garbled, and the line that shows it.
     garbled: Option<(String, Vec<u8>)>,
-    asked: bool,
-    /// When something last came or was asked for.
+    is_waiting: bool,
+    /// When bytes last arrived or a request was sent.
     quiet_since_ns: Nanos,
 }
 
 impl Request {
-    fn line(&mut self, line: Result<&str, NoText>, raw: &[u8], decoded: &mut Vec<Decoded>) {
+    fn take_line(
+        &mut self,
+        line: Result<&str, InvalidLine>,
+        raw: &[u8],
+        decoded: &mut Vec<Decoded>,
+    ) {
         let text = match line {
             Ok(text) => text.trim(),
-            Err(no_text) => return self.spoil(no_text.reason().to_owned(), raw),
+            Err(no_text) => return self.mark_garbled(no_text.reason().to_owned(), raw),
         };
         if text == DONE {
-            self.asked = false;
+            self.is_waiting = false;
             let values = std::mem::take(&mut self.values);
             decoded.push(match self.garbled.take() {
                 Some((reason, bytes)) => Decoded::Garbled { reason, bytes },
-                None if values.len() < FEWEST_VALUES => Decoded::garbled(
-                    format!("a reply of {} values: that is no frame", values.len()),
-                    raw,
-                ),
-                None => Decoded::Frame(WireFrame::of(values)),
+                None if values.len() < FEWEST_VALUES => {
+                    Decoded::garbled(format!("a reply of only {} values", values.len()), raw)
+                }
+                None => Decoded::Frame(WireFrame::from_values(values)),
             });
             return;
         }
         match number(text) {
             Ok(_) if self.values.len() == MOST_VALUES => {
-                self.spoil(format!("a reply of more than {MOST_VALUES} values"), raw);
+                self.mark_garbled(format!("a reply of more than {MOST_VALUES} values"), raw);
             }
             Ok(value) => {
                 if self.values.is_empty() {
@@ -60,18 +64,18 @@ impl Request {
                         "values with {} and with {here} decimals: digits were lost",
                         self.decimals
                     );
-                    self.spoil(reason, raw);
+                    self.mark_garbled(reason, raw);
                 }
                 self.values.push(value);
             }
-            // A message before the reply: not every board is silent at reset.
+            // A message before the reply: some boards print at reset.
             Err(_) if self.values.is_empty() => {}
-            Err(reason) => self.spoil(reason, raw),
+            Err(reason) => self.mark_garbled(reason, raw),
         }
     }
 
-    /// The reply is no frame, whatever else comes of it.
-    fn spoil(&mut self, reason: String, raw: &[u8]) {
+    /// Marks the reply as garbled.
+    fn mark_garbled(&mut self, reason: String, raw: &[u8]) {
         let shown = &raw[..raw.len().min(SHOWN_BYTES)];
         self.garbled.get_or_insert_with(|| (reason, shown.to_vec()));
     }
@@ -82,19 +86,19 @@ impl Dialect for Request {
         if !bytes.is_empty() {
             self.quiet_since_ns = now_ns;
         }
-        let mut buffer = std::mem::take(&mut self.line);
-        buffer.feed(bytes, |line, raw| self.line(line, raw, decoded));
-        self.line = buffer;
+        let mut buffer = std::mem::take(&mut self.lines);
+        buffer.feed(bytes, |line, raw| self.take_line(line, raw, decoded));
+        self.lines = buffer;
     }
 
-    fn say(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
-        if self.asked && now_ns.saturating_sub(self.quiet_since_ns) < PATIENCE_NS {
+    fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
+        if self.is_waiting && now_ns.saturating_sub(self.quiet_since_ns) < REPEAT_NS {
             return None;
         }
-        self.asked = true;
+        self.is_waiting = true;
         self.quiet_since_ns = now_ns;
-        // What came of a reply that stopped is no part of the next one.
-        self.line.clear();
+        // An incomplete reply is not part of the next one.
+        self.lines.clear();
         self.values.clear();
         self.garbled = None;
         Some(REQUEST.to_vec())
@@ -105,15 +109,15 @@ impl Dialect for Request {
     }
 
     fn held_bytes(&self) -> usize {
-        self.line.held_bytes() + size_of_val(self.values.as_slice())
+        self.lines.held_bytes() + size_of_val(self.values.as_slice())
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        Some(FormatKind::Request)
+    fn kind(&self) -> Option<WireFormat> {
+        Some(WireFormat::Request)
     }
 }
 
-/// A reply as the firmware prints it. Values are rounded to five decimals.
+/// A reply as the firmware prints it, rounded to five decimals.
 #[must_use]
 pub fn encode(values: &[f32]) -> String {
     use std::fmt::Write as _;
@@ -135,22 +139,22 @@ mod tests {
     const SECOND: Nanos = 1000 * NANOS_PER_MS;
 
     #[test]
-    fn a_request_follows_a_whole_reply_and_a_lost_one_is_repeated() {
+    fn a_request_follows_a_complete_reply_and_a_lost_one_is_repeated() {
         let mut board = Request::default();
         let mut decoded = Vec::new();
-        assert_eq!(board.say(0), Some(REQUEST.to_vec()));
-        assert_eq!(board.say(SECOND / 2), None);
+        assert_eq!(board.poll_command(0), Some(REQUEST.to_vec()));
+        assert_eq!(board.poll_command(SECOND / 2), None);
         board.feed(SECOND / 2, b"ready\r\n1.00000\r\n2.00000\r\n", &mut decoded);
-        assert_eq!(board.say(SECOND), None, "a reply is coming in");
-        assert_eq!(board.say(SECOND * 3 / 2), Some(REQUEST.to_vec()));
+        assert_eq!(board.poll_command(SECOND), None, "a reply is coming in");
+        assert_eq!(board.poll_command(SECOND * 3 / 2), Some(REQUEST.to_vec()));
         let reply = encode(&[3.0, 4.0, 5.0, 6.0, 7.0]);
         board.feed(SECOND * 2, reply.as_bytes(), &mut decoded);
-        assert_eq!(board.say(SECOND * 2), Some(REQUEST.to_vec()));
+        assert_eq!(board.poll_command(SECOND * 2), Some(REQUEST.to_vec()));
         assert_eq!(frames(&decoded), [vec![3.0, 4.0, 5.0, 6.0, 7.0]]);
     }
 
     #[test]
-    fn a_damaged_reply_is_said_once_and_the_next_is_read_right() {
+    fn a_damaged_reply_is_reported_once_and_the_next_is_decoded() {
         let reply = encode(&[1.5; 6]);
         let mut board = Request::default();
         let mut decoded = Vec::new();

@@ -1,14 +1,14 @@
-//! N x N text, as of the Teensy boards: a line of all pairs, `%.4f, ` each, then `\n`; drives outer, measurements
-//! inner. Driven pairs are not measured and hold zeros or what was there before: whoever arranges the frame drops them.
+//! N x N text, as sent by the Teensy boards: one line of all pairs, `%.4f, ` each, then `\n`; drives outer,
+//! measurements inner. Driven pairs are not measured and hold arbitrary values, which the arrangement drops.
 
 use super::text::{LineBuffer, numbers, same_decimals};
-use super::{Decoded, Dialect, FEWEST_VALUES, FormatKind, WireFrame};
+use super::{Decoded, Dialect, FEWEST_VALUES, WireFormat};
 use crate::types::Nanos;
 
-/// Electrodes of boards that send so.
+/// Numbers of electrodes of these boards.
 const ELECTRODES: [usize; 3] = [8, 16, 32];
 
-/// Reads the format from bytes.
+/// Decoder of the format.
 #[derive(Clone, Debug, Default)]
 pub struct Square {
     line: LineBuffer,
@@ -16,13 +16,8 @@ pub struct Square {
 
 impl Dialect for Square {
     fn feed(&mut self, _: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
-        self.line.feed(bytes, |line, raw| match line {
-            Err(no_text) => decoded.push(Decoded::garbled(no_text.reason(), raw)),
-            Ok(text) if text.matches(',').count() < FEWEST_VALUES => {}
-            Ok(text) => decoded.push(match values_of(text) {
-                Ok(values) => Decoded::Frame(WireFrame::of(values)),
-                Err(reason) => Decoded::garbled(reason, raw),
-            }),
+        self.line.decode(bytes, decoded, |text| {
+            (text.matches(',').count() >= FEWEST_VALUES).then(|| parse_line(text))
         });
     }
 
@@ -34,12 +29,12 @@ impl Dialect for Square {
         self.line.held_bytes()
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        Some(FormatKind::Square)
+    fn kind(&self) -> Option<WireFormat> {
+        Some(WireFormat::Square)
     }
 }
 
-fn values_of(text: &str) -> Result<Vec<f32>, String> {
+fn parse_line(text: &str) -> Result<Vec<f32>, String> {
     let text = text.trim_end();
     let text = text.strip_suffix(',').unwrap_or(text);
     same_decimals(text.split(','))?;
@@ -48,13 +43,13 @@ fn values_of(text: &str) -> Result<Vec<f32>, String> {
         Ok(values)
     } else {
         Err(format!(
-            "{} values where all pairs of 8, 16 or 32 electrodes are 64, 256 or 1024",
+            "{} values; all pairs of 8, 16 or 32 electrodes are 64, 256 or 1024",
             values.len()
         ))
     }
 }
 
-/// A frame as the firmware prints it. Values are rounded to four decimals.
+/// A frame as the firmware prints it, rounded to four decimals.
 #[must_use]
 pub fn encode(values: &[f32]) -> String {
     use std::fmt::Write as _;
@@ -72,7 +67,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn fed(bytes: &[u8]) -> Vec<Decoded> {
+    fn decode_all(bytes: &[u8]) -> Vec<Decoded> {
         let mut decoded = Vec::new();
         Square::default().feed(0, bytes, &mut decoded);
         decoded
@@ -84,11 +79,11 @@ mod tests {
         let one_less = line.replacen("1.2500, ", "", 1);
         let cut_digit = line.replacen("1.2500", "1.250", 1);
         let merged = line.replacen("1.2500, 1.2500", "1.25001.2500", 1);
-        let decoded = fed(format!("hello\n{one_less}{cut_digit}{merged}{line}").as_bytes());
+        let decoded = decode_all(format!("hello\n{one_less}{cut_digit}{merged}{line}").as_bytes());
         assert_eq!(
             reasons(&decoded),
             [
-                "63 values where all pairs of 8, 16 or 32 electrodes are 64, 256 or 1024",
+                "63 values; all pairs of 8, 16 or 32 electrodes are 64, 256 or 1024",
                 "values with 3 and with 4 decimals: digits were lost",
                 "values with 10 and with 4 decimals: digits were lost",
             ]
@@ -103,7 +98,7 @@ mod tests {
                 .iter()
                 .map(|value| format!("{value:.4}").parse().expect("a number"))
                 .collect();
-            prop_assert_eq!(frames(&fed(encode(&values).as_bytes())), vec![expected]);
+            prop_assert_eq!(frames(&decode_all(encode(&values).as_bytes())), vec![expected]);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the formats' tests ask of what was decoded.
+//! Helpers of the formats' tests.
 
 use super::Decoded;
 

@@ -1,27 +1,27 @@
-//! Lines of text from bytes: what all text formats share.
+//! Lines of text from bytes, for all text formats.
 
-use super::MOST_VALUES;
+use super::{Decoded, MOST_VALUES, WireFrame};
 
-/// A line longer than this is noise at the wrong baud rate, not text: the largest frame's values take 14 bytes each.
+/// A longer line is noise at the wrong baud rate: the values of the largest frame take 14 bytes each.
 const LONGEST_LINE: usize = 64 * 1024;
 
-/// Why a line is no text.
+/// Why a line is not text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NoText {
+pub(super) enum InvalidLine {
     Overlong,
     NotUtf8,
 }
 
-impl NoText {
+impl InvalidLine {
     pub(super) fn reason(self) -> &'static str {
         match self {
-            Self::Overlong => "a line that does not end: is the baud rate right?",
-            Self::NotUtf8 => "a line that is no text: is the baud rate right?",
+            Self::Overlong => "a line without an end: is the baud rate right?",
+            Self::NotUtf8 => "a line that is not text: is the baud rate right?",
         }
     }
 }
 
-/// The line that has not ended yet.
+/// The incomplete line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LineBuffer {
     line: Vec<u8>,
@@ -29,8 +29,12 @@ pub(super) struct LineBuffer {
 }
 
 impl LineBuffer {
-    /// Takes bytes and hands every line that ends in them over: its text without the end of line, and its bytes.
-    pub(super) fn feed(&mut self, bytes: &[u8], mut take: impl FnMut(Result<&str, NoText>, &[u8])) {
+    /// Takes bytes and calls `take` for every complete line, with its text without the line end and its bytes.
+    pub(super) fn feed(
+        &mut self,
+        bytes: &[u8],
+        mut take: impl FnMut(Result<&str, InvalidLine>, &[u8]),
+    ) {
         for piece in bytes.split_inclusive(|byte| *byte == b'\n') {
             let (body, ends) = match piece.split_last() {
                 Some((b'\n', body)) => (body, true),
@@ -41,14 +45,33 @@ impl LineBuffer {
             self.line.extend_from_slice(&body[..body.len().min(room)]);
             if ends {
                 let text = match std::str::from_utf8(&self.line) {
-                    _ if self.overlong => Err(NoText::Overlong),
+                    _ if self.overlong => Err(InvalidLine::Overlong),
                     Ok(text) => Ok(text.trim_end_matches('\r')),
-                    Err(_) => Err(NoText::NotUtf8),
+                    Err(_) => Err(InvalidLine::NotUtf8),
                 };
                 take(text, &self.line);
                 self.clear();
             }
         }
+    }
+
+    /// Decodes every complete line with `parse`, which returns none for lines that are to be ignored.
+    pub(super) fn decode(
+        &mut self,
+        bytes: &[u8],
+        decoded: &mut Vec<Decoded>,
+        parse: impl Fn(&str) -> Option<Result<Vec<f32>, String>>,
+    ) {
+        self.feed(bytes, |line, raw| {
+            let parsed = match line {
+                Ok(text) => parse(text),
+                Err(invalid) => Some(Err(invalid.reason().to_owned())),
+            };
+            decoded.extend(parsed.map(|parsed| match parsed {
+                Ok(values) => Decoded::Frame(WireFrame::from_values(values)),
+                Err(reason) => Decoded::garbled(reason, raw),
+            }));
+        });
     }
 
     pub(super) fn clear(&mut self) {
@@ -61,20 +84,20 @@ impl LineBuffer {
     }
 }
 
-/// A finite number, or what the word is instead.
+/// A finite number, or an error that quotes the word.
 pub(super) fn number(word: &str) -> Result<f32, String> {
     let word = word.trim();
-    // `inf`, `nan` and the like are numbers to the parser, but no board measures them.
+    // The parser accepts `inf`, `nan` and the like, but no board measures them.
     word.parse::<f32>()
         .ok()
         .filter(|value| value.is_finite() && !word.contains(['n', 'N', 'f', 'F']))
         .ok_or_else(|| {
             let short: String = word.chars().take(20).collect();
-            format!("{short:?} is no value")
+            format!("{short:?} is not a number")
         })
 }
 
-/// Numbers of words; too many are no frame.
+/// The numbers of words; an error if there are too many for a frame.
 pub(super) fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
     let values: Vec<f32> = words
         .take(MOST_VALUES + 1)
@@ -86,14 +109,14 @@ pub(super) fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec<f3
     Ok(values)
 }
 
-/// Digits behind the point. Firmware prints all values with the same number: where they differ, digits were lost.
+/// Number of decimals. Firmware prints all values with the same number: if they differ, digits were lost.
 pub(super) fn decimals(word: &str) -> usize {
     word.trim()
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len())
 }
 
-/// Complains where words have different numbers of decimals.
+/// An error if words have different numbers of decimals.
 pub(super) fn same_decimals<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
     let Some(first) = words.next().map(decimals) else {
         return Ok(());
@@ -111,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_come_in_any_pieces() {
+    fn lines_may_arrive_in_any_pieces() {
         let bytes = b"one\r\ntwo\n\xff\n\nlast";
         for size in 1..bytes.len() {
             let mut buffer = LineBuffer::default();
@@ -122,7 +145,12 @@ mod tests {
             let whole = |text: &str| Ok(text.to_owned());
             assert_eq!(
                 lines,
-                [whole("one"), whole("two"), Err(NoText::NotUtf8), whole("")]
+                [
+                    whole("one"),
+                    whole("two"),
+                    Err(InvalidLine::NotUtf8),
+                    whole("")
+                ]
             );
             assert_eq!(buffer.held_bytes(), 4);
         }
@@ -137,11 +165,11 @@ mod tests {
         assert!(buffer.held_bytes() <= LONGEST_LINE);
         let mut lines = Vec::new();
         buffer.feed(b"\n8\n", |line, _| lines.push(line.map(str::to_owned)));
-        assert_eq!(lines, [Err(NoText::Overlong), Ok("8".to_owned())]);
+        assert_eq!(lines, [Err(InvalidLine::Overlong), Ok("8".to_owned())]);
     }
 
     #[test]
-    fn what_no_board_measures_is_no_value() {
+    fn special_numbers_are_refused() {
         for word in ["inf", "NaN", "infinity", "1.2.3", "", "0x10", "1e99"] {
             assert!(number(word).is_err(), "{word}");
         }

@@ -1,23 +1,21 @@
-//! Every number for machines: JSON, and CSV by subject. Shares are 0 to 1; a cell is empty where there is no number.
+//! Machine-readable results: JSON, and CSV by subject. Shares are 0 to 1; a cell without a number is empty.
 
-use super::report::head;
 use super::{Findings, Share, Spread};
 use crate::study::StudyError;
 use crate::study::report::Table;
 
 impl Findings {
-    /// All of it as JSON.
+    /// All findings as JSON.
     ///
     /// # Errors
     /// A defect of gelpad.
     pub fn json(&self) -> Result<String, StudyError> {
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| StudyError::Internal(error.to_string()))?;
+        let mut text = serde_json::to_string_pretty(self).map_err(StudyError::internal)?;
         text.push('\n');
         Ok(text)
     }
 
-    /// The tables that are written as CSV, by file name.
+    /// The tables that are written as CSV.
     pub(super) fn csvs(&self) -> Vec<Table> {
         vec![
             self.touches_csv(),
@@ -86,10 +84,10 @@ impl Findings {
         let mut names = head(&["shape"]);
         names.extend(share_names("split"));
         names.extend(head(&["missed"]));
-        let rows = self.discrimination.lone.iter().map(|lone| {
-            let mut row = vec![lone.shape.name().to_owned()];
-            row.extend(share_cells(&lone.split));
-            row.push(lone.missed.hits.to_string());
+        let rows = self.discrimination.single_shapes.iter().map(|single| {
+            let mut row = vec![single.shape.name().to_owned()];
+            row.extend(share_cells(&single.split));
+            row.push(single.missed.hits.to_string());
             row
         });
         table("shapes", names, rows)
@@ -147,6 +145,10 @@ impl Findings {
     }
 }
 
+fn head(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
 fn table(title: &str, head: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Table {
     Table {
         title: title.to_owned(),
@@ -172,7 +174,7 @@ fn share_names(figure: &str) -> [String; 4] {
     ]
 }
 
-/// As [`share_names`]: how often, of how many, and the ends of the interval of the share.
+/// Cells of [`share_names`]: hits, draws, and the interval of the share.
 fn share_cells(share: &Share) -> [String; 4] {
     [
         share.hits.to_string(),
@@ -186,7 +188,7 @@ fn spread_names(figure: &str, unit: &str) -> [String; 4] {
     ["mean", "median", "p95", "rms"].map(|name| format!("{figure}_{name}{unit}"))
 }
 
-/// As [`spread_names`].
+/// Cells of [`spread_names`].
 fn spread_cells(spread: &Spread) -> [String; 4] {
     [spread.mean, spread.median, spread.p95, spread.rms].map(cell)
 }
@@ -196,8 +198,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_and_cells_are_alike_in_number_and_order() {
-        let share = Share::of(3, 4);
+    fn cells_are_in_the_order_of_their_names() {
+        let share = Share::new(3, 4);
         assert_eq!(share_names("split")[..2], ["split", "draws"]);
         assert_eq!(share_cells(&share)[..2], ["3", "4"]);
         assert_eq!(
@@ -210,9 +212,9 @@ mod tests {
             ]
         );
         assert_eq!(
-            spread_cells(&Spread::of([2.0, 2.0]))[..],
+            spread_cells(&Spread::new([2.0, 2.0]))[..],
             ["2", "2", "2", "2"]
         );
-        assert_eq!(spread_cells(&Spread::of([]))[0], "", "no number, no text");
+        assert_eq!(spread_cells(&Spread::new([]))[0], "", "no number");
     }
 }

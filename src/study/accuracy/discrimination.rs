@@ -1,33 +1,33 @@
-//! Two-point discrimination: how near two touches may be and still be two, and whether one touch of another shape stays
-//! one.
+//! Two-point discrimination: the distance at which two touches are still detected as two, and whether one touch of another
+//! shape is detected as one.
 
 use serde::Serialize;
 
 use super::Bench;
-use super::draws::{Draws, Lone};
+use super::draws::{Draws, SingleShape};
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{REACH_MM, Score};
 use super::specimen::Specimen;
-use super::stats::{Share, Spread};
+use super::spread::{Share, Spread};
 use crate::pad::TouchSign;
 use crate::study::StudyError;
 use crate::types::Contact;
 
-/// Noise in proportion to each reading, dB.
+/// SNR with noise proportional to each reading, dB.
 pub(super) const SNR_DB: f64 = 60.0;
-/// Two touches are told apart if exactly two are seen, both within this distance of the truth, mm: well
-/// within a finger's radius.
+/// Two touches are resolved if exactly two are detected, both within this distance of the truth, mm: well within a finger's
+/// radius.
 pub(super) const WITHIN_MM: f64 = 4.5;
 
-/// Share of pairs told apart at which a distance is sure.
-pub(super) const SURE: f64 = 0.95;
+/// Share of resolved pairs from which a distance counts as reliable.
+pub(super) const RELIABLE: f64 = 0.95;
 
-/// What two presses at a distance showed.
+/// What was detected of one pair.
 #[derive(Clone, Debug)]
 pub(super) struct PairDrawn {
-    seen: usize,
-    told_apart: bool,
-    /// The mean error of place that no unbiased method goes below, mm, one a touch.
+    detected: usize,
+    resolved: bool,
+    /// Bound of the mean error of place for each touch, mm.
     bounds_mm: Vec<f64>,
 }
 
@@ -51,35 +51,36 @@ pub(super) fn solve_pairs(
             None => vec![reach_mm; presses.len()],
         };
         let contacts = read(&volts, random.seed());
-        let score = Score::of(&presses, &contacts, WITHIN_MM * bench.scale);
+        let score = Score::new(&presses, &contacts, WITHIN_MM * bench.scale);
         Ok(PairDrawn {
-            seen: contacts.len(),
-            told_apart: score.is_right(),
+            detected: contacts.len(),
+            resolved: score.is_right(),
             bounds_mm,
         })
     })
 }
 
-/// Draws lone shapes on one specimen; returns how many contacts each showed.
-pub(super) fn solve_lone(
+/// Draws single shapes on one specimen. Returns the number of contacts detected for each.
+pub(super) fn solve_single_shapes(
     bench: &Bench,
-    shape: Lone,
+    shape: SingleShape,
     draws: usize,
     stream: u64,
 ) -> Result<Vec<usize>, StudyError> {
     let pad = &bench.pad;
     on_one_specimen(bench, draws, stream, |specimen, read, random| {
-        let laid = random.lone(shape)?;
+        let placed = random.single(shape)?;
         let fields = specimen.touched(|point| match pad.touch_sign {
-            TouchSign::Rise => laid.factor(point),
-            TouchSign::Fall => 1.0 / laid.factor(point),
+            TouchSign::Rise => placed.factor(point),
+            TouchSign::Fall => 1.0 / placed.factor(point),
         })?;
         let volts = fields.voltages(&pad.protocol);
         Ok(read(&volts, random.seed()).len())
     })
 }
 
-/// Draws on one specimen. Each draw is given the specimen and what tells the contacts of voltages, with noise of a seed.
+/// Draws on one specimen. `draw` receives the specimen, and a function that returns the contacts detected in voltages with
+/// noise from a seed.
 fn on_one_specimen<T>(
     bench: &Bench,
     draws: usize,
@@ -91,7 +92,7 @@ fn on_one_specimen<T>(
     ) -> Result<T, StudyError>,
 ) -> Result<Vec<T>, StudyError> {
     let mut random = Draws::new(&bench.pad, bench.seed, stream);
-    let specimen = Specimen::drawn(&bench.pad, &mut random)?;
+    let specimen = Specimen::random(&bench.pad, &mut random)?;
     let instrument = instrument(&specimen);
     let rested = bench.sensing.rested(&instrument, random.seed())?;
     let read = |volts: &[f64], seed: u64| rested.contacts(&instrument.frame(volts, seed));
@@ -108,61 +109,61 @@ fn instrument(specimen: &Specimen) -> Instrument<'_> {
     }
 }
 
-/// What pairs at one distance gave.
+/// Results of the pairs at one distance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairFindings {
-    /// From middle to middle, mm.
+    /// Between the centres, mm.
     pub distance_mm: f64,
-    /// Pairs of which exactly two touches were seen, both near the truth.
+    /// Pairs of which exactly two touches were detected, both near the truth.
     pub told_apart: Share,
-    /// Pairs of which two touches were seen, wherever.
+    /// Pairs of which two touches were detected, at any place.
     pub counted_two: Share,
-    /// Pairs of which one touch was seen.
+    /// Pairs of which one touch was detected.
     pub counted_one: Share,
-    /// The mean error of place that no unbiased method goes below, mm.
+    /// Bound of the mean error of place, mm.
     pub place_bound_mm: Spread,
 }
 
 impl PairFindings {
-    pub(super) fn of(distance_mm: f64, drawn: &[&PairDrawn]) -> Self {
+    pub(super) fn from_draws(distance_mm: f64, drawn: &[&PairDrawn]) -> Self {
         Self {
             distance_mm,
-            told_apart: Share::counted(drawn, |draw| draw.told_apart),
-            counted_two: Share::counted(drawn, |draw| draw.seen == 2),
-            counted_one: Share::counted(drawn, |draw| draw.seen == 1),
-            place_bound_mm: Spread::of(drawn.iter().flat_map(|draw| draw.bounds_mm.clone())),
+            told_apart: Share::counted(drawn, |draw| draw.resolved),
+            counted_two: Share::counted(drawn, |draw| draw.detected == 2),
+            counted_one: Share::counted(drawn, |draw| draw.detected == 1),
+            place_bound_mm: Spread::new(drawn.iter().flat_map(|draw| draw.bounds_mm.clone())),
         }
     }
 }
 
-/// The least distance from which on, up to the greatest that was drawn, pairs are told apart in at least [`SURE`] of the
-/// draws, mm.
-pub(super) fn sure_from_mm(pairs: &[PairFindings]) -> Option<f64> {
+/// The least distance from which all pairs, up to the greatest distance, are resolved in at least [`RELIABLE`] of the draws,
+/// mm.
+pub(super) fn reliable_from_mm(pairs: &[PairFindings]) -> Option<f64> {
     pairs
         .iter()
         .rev()
-        .take_while(|pair| pair.told_apart.share >= SURE)
+        .take_while(|pair| pair.told_apart.share >= RELIABLE)
         .last()
         .map(|pair| pair.distance_mm)
 }
 
-/// What lone shapes gave.
+/// Results of the single shapes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LoneFindings {
-    /// Which shape.
-    pub shape: Lone,
-    /// Shapes of which more than one touch was seen.
+pub struct SingleShapeFindings {
+    /// The shape.
+    pub shape: SingleShape,
+    /// Shapes detected as more than one touch.
     pub split: Share,
-    /// Shapes of which none was seen.
+    /// Shapes not detected.
     pub missed: Share,
 }
 
-impl LoneFindings {
-    pub(super) fn of(shape: Lone, seen: &[usize]) -> Self {
+impl SingleShapeFindings {
+    pub(super) fn from_counts(shape: SingleShape, detected: &[usize]) -> Self {
         Self {
             shape,
-            split: Share::counted(seen, |count| *count > 1),
-            missed: Share::counted(seen, |count| *count == 0),
+            split: Share::counted(detected, |count| *count > 1),
+            missed: Share::counted(detected, |count| *count == 0),
         }
     }
 }
@@ -172,20 +173,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_distance_is_sure_if_all_beyond_it_are() {
-        let pairs = |told: &[usize]| -> Vec<PairFindings> {
-            told.iter()
+    fn a_distance_is_reliable_if_all_beyond_it_are() {
+        let pairs = |resolved: &[usize]| -> Vec<PairFindings> {
+            resolved
+                .iter()
                 .enumerate()
                 .map(|(index, hits)| PairFindings {
                     distance_mm: 10.0 + index as f64,
-                    told_apart: Share::of(*hits, 100),
-                    counted_two: Share::of(*hits, 100),
-                    counted_one: Share::of(100 - hits, 100),
-                    place_bound_mm: Spread::of([]),
+                    told_apart: Share::new(*hits, 100),
+                    counted_two: Share::new(*hits, 100),
+                    counted_one: Share::new(100 - hits, 100),
+                    place_bound_mm: Spread::new([]),
                 })
                 .collect()
         };
-        assert_eq!(sure_from_mm(&pairs(&[10, 96, 90, 95, 100])), Some(13.0));
-        assert_eq!(sure_from_mm(&pairs(&[99, 99, 94])), None);
+        assert_eq!(reliable_from_mm(&pairs(&[10, 96, 90, 95, 100])), Some(13.0));
+        assert_eq!(reliable_from_mm(&pairs(&[99, 99, 94])), None);
     }
 }

@@ -1,7 +1,7 @@
-//! What is drawn at random: touches, pairs of them, single shapes. The seed and the number of a case fix its draws.
+//! Random touches, pairs of touches and single shapes. The seed and the number of a case determine its draws.
 //!
-//! Lengths are those of a finger on a pad of 100 mm. On a larger pad a finger stays a finger; on a smaller one all lengths
-//! shrink with its shorter side, so that three touches still fit.
+//! Lengths are those of a finger. On a pad below 100 mm all lengths shrink with its shorter side, so that three touches still
+//! fit.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -12,24 +12,24 @@ use crate::pad::{Outline, Pad};
 use crate::study::{Press, StudyError};
 use crate::types::PointMm;
 
-/// The pad on which lengths are as written here: its shorter side, mm.
+/// Shorter side of a pad from which lengths are not scaled, mm.
 const FULL_SIZE_MM: f64 = 100.0;
-/// Radius of a touch, mm: fingertips, light to hard.
+/// Radius of a touch, mm: fingertips, from light to hard.
 const RADIUS_MM: [f64; 2] = [5.0, 9.0];
-/// Relative rise in the middle of a touch: what gels show.
+/// Relative rise at the centre of a touch, as measured on gels.
 const RISE: [f64; 2] = [0.5, 2.0];
-/// Touches of one frame are at least this far apart, mm.
+/// Least distance between touches of one frame, mm.
 const APART_MM: f64 = 30.0;
-/// Middles of touches keep this distance from the edge, mm.
+/// Least distance of the centre of a touch from the edge, mm.
 const MARGIN_MM: f64 = 10.0;
-/// Radius (mm) and rise of the presses that are told apart, and of the shapes that must not be split.
+/// Radius (mm) and rise of the presses of a pair, and of the single shapes.
 pub(super) const PAIR: (f64, f64) = (7.0, 1.0);
 /// Half-axes of the ellipse, mm: a finger laid flat.
 pub(super) const ELLIPSE_MM: [f64; 2] = [10.0, 6.0];
-/// Tries after which a pad has no room for what is drawn.
-const MOST_TRIES: usize = 100_000;
+/// Attempts after which a pad counts as too small for a draw.
+const MOST_ATTEMPTS: usize = 100_000;
 
-/// A source of random things on one pad.
+/// A source of random touches on one pad.
 #[derive(Clone, Debug)]
 pub(super) struct Draws {
     random: ChaCha8Rng,
@@ -37,28 +37,28 @@ pub(super) struct Draws {
     scale: f64,
 }
 
-/// A single touch of a shape that no press of the model has.
+/// The shape of a single touch that differs from the model of a press.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Lone {
+pub enum SingleShape {
     /// Flat, with a sharp edge.
     Disc,
-    /// A bell of half the radius as its deviation: the volume of the press.
+    /// A Gaussian whose deviation is half the radius: same volume as the press.
     Gaussian,
     /// A press with two half-axes.
     Ellipse,
 }
 
-/// Where and which way a lone shape lies.
+/// A single shape at a place and angle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Laid {
-    shape: Lone,
+pub(super) struct PlacedShape {
+    shape: SingleShape,
     centre_mm: PointMm,
     angle: f64,
     scale: f64,
 }
 
-/// How long lengths are on a pad, as a share of those on a pad of 100 mm.
+/// Scale of lengths on a pad: 1 from 100 mm on.
 pub(super) fn scale(pad: &Pad) -> f64 {
     let [width, height] = pad.outline.size_mm();
     (width.min(height) / FULL_SIZE_MM).min(1.0)
@@ -92,10 +92,19 @@ impl Draws {
         self.between(0.0, std::f64::consts::TAU)
     }
 
-    /// So many presses, well apart.
+    /// Presses at least [`APART_MM`] apart.
     pub(super) fn presses(&mut self, count: usize) -> Result<Vec<Press>, StudyError> {
-        let apart_mm = APART_MM * self.scale;
-        for _ in 0..MOST_TRIES {
+        self.presses_apart(count, APART_MM)
+    }
+
+    /// Presses whose centres are at least a distance apart, mm before scaling.
+    pub(super) fn presses_apart(
+        &mut self,
+        count: usize,
+        apart_mm: f64,
+    ) -> Result<Vec<Press>, StudyError> {
+        let apart_mm = apart_mm * self.scale;
+        for _ in 0..MOST_ATTEMPTS {
             let centres: Vec<PointMm> =
                 (0..count).map(|_| self.place()).collect::<Result<_, _>>()?;
             let is_near = |(a, from): (usize, &PointMm)| {
@@ -117,7 +126,7 @@ impl Draws {
 
     /// Two equal presses at a distance (before scaling), at any place and angle.
     pub(super) fn pair(&mut self, distance_mm: f64) -> Result<Vec<Press>, StudyError> {
-        for _ in 0..MOST_TRIES {
+        for _ in 0..MOST_ATTEMPTS {
             let [x, y] = self.place()?;
             let angle = self.angle();
             let half = self.scale * distance_mm / 2.0;
@@ -135,9 +144,9 @@ impl Draws {
         Err(self.no_room())
     }
 
-    /// A lone shape, at any place and angle.
-    pub(super) fn lone(&mut self, shape: Lone) -> Result<Laid, StudyError> {
-        Ok(Laid {
+    /// A single shape, at any place and angle.
+    pub(super) fn single(&mut self, shape: SingleShape) -> Result<PlacedShape, StudyError> {
+        Ok(PlacedShape {
             shape,
             centre_mm: self.place()?,
             angle: self.angle(),
@@ -145,10 +154,10 @@ impl Draws {
         })
     }
 
-    /// A place that keeps its distance from the edge.
+    /// A place at least [`MARGIN_MM`] from the edge.
     fn place(&mut self) -> Result<PointMm, StudyError> {
         let [width, height] = self.outline.size_mm();
-        for _ in 0..MOST_TRIES {
+        for _ in 0..MOST_ATTEMPTS {
             let point = [self.between(0.0, width), self.between(0.0, height)];
             if self.is_inside(point) {
                 return Ok(point);
@@ -163,16 +172,16 @@ impl Draws {
 
     fn no_room(&self) -> StudyError {
         let [width, height] = self.outline.size_mm();
-        StudyError::Refused {
-            reason: format!("a pad of {width} x {height} mm has no room for the touches"),
-        }
+        StudyError::refused(format!(
+            "a pad of {width} x {height} mm is too small for the touches"
+        ))
     }
 }
 
-/// Whether a touch can have its middle there. Outlines are convex: looking along the axes and between them is enough.
+/// Whether a touch may have its centre at a point. Outlines are convex: eight directions are enough.
 fn is_inside(outline: &Outline, scale: f64, [x, y]: PointMm) -> bool {
     const DIRECTIONS: usize = 8;
-    // A hair less, so that rounding does not lose places right on the margin.
+    // Slightly less, so that rounding does not exclude places exactly on the margin.
     let margin_mm = MARGIN_MM * scale - 1e-9;
     (0..DIRECTIONS).all(|direction| {
         let angle = std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64;
@@ -183,7 +192,7 @@ fn is_inside(outline: &Outline, scale: f64, [x, y]: PointMm) -> bool {
     })
 }
 
-/// A regular grid of places for touches, so many along each side, without those too near the edge.
+/// A regular grid of `side` x `side` places, without those too near the edge.
 pub(super) fn grid(pad: &Pad, side: usize) -> Vec<PointMm> {
     let size = pad.outline.size_mm();
     let scale = scale(pad);
@@ -198,8 +207,8 @@ pub(super) fn grid(pad: &Pad, side: usize) -> Vec<PointMm> {
         .collect()
 }
 
-impl Lone {
-    /// All of them, in the order of reports.
+impl SingleShape {
+    /// All shapes, in the order of reports.
     pub const ALL: [Self; 3] = [Self::Disc, Self::Gaussian, Self::Ellipse];
 
     /// Its name in tables.
@@ -213,17 +222,17 @@ impl Lone {
     }
 }
 
-impl Laid {
+impl PlacedShape {
     /// The factor of conductivity at a point.
     pub(super) fn factor(&self, [x, y]: PointMm) -> f64 {
         let (radius, rise) = (PAIR.0 * self.scale, PAIR.1);
         let (dx, dy) = (x - self.centre_mm[0], y - self.centre_mm[1]);
         let height = match self.shape {
-            Lone::Disc => f64::from(u8::from(dx * dx + dy * dy <= radius * radius)),
-            // Cut where it has fallen to e^-8: solving would be slow for nothing.
-            Lone::Gaussian if dx * dx + dy * dy > 4.0 * radius * radius => 0.0,
-            Lone::Gaussian => libm::exp(-2.0 * (dx * dx + dy * dy) / (radius * radius)),
-            Lone::Ellipse => {
+            SingleShape::Disc => f64::from(u8::from(dx * dx + dy * dy <= radius * radius)),
+            // Cut where it has fallen to e^-8: the rest would only slow down solving.
+            SingleShape::Gaussian if dx * dx + dy * dy > 4.0 * radius * radius => 0.0,
+            SingleShape::Gaussian => libm::exp(-2.0 * (dx * dx + dy * dy) / (radius * radius)),
+            SingleShape::Ellipse => {
                 let (sin, cos) = (libm::sin(self.angle), libm::cos(self.angle));
                 let u = (dx * cos + dy * sin) / (ELLIPSE_MM[0] * self.scale);
                 let v = (dy * cos - dx * sin) / (ELLIPSE_MM[1] * self.scale);
@@ -295,23 +304,26 @@ mod tests {
     }
 
     #[test]
-    fn lone_shapes_have_their_heights() {
-        let laid = |shape| Laid {
+    fn single_shapes_have_their_heights() {
+        let placed = |shape| PlacedShape {
             shape,
             centre_mm: [50.0, 50.0],
             angle: std::f64::consts::FRAC_PI_2,
             scale: 1.0,
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
-        assert!(near(laid(Lone::Disc).factor([50.0, 56.9]), 2.0));
-        assert!(near(laid(Lone::Disc).factor([50.0, 57.1]), 1.0));
+        assert!(near(placed(SingleShape::Disc).factor([50.0, 56.9]), 2.0));
+        assert!(near(placed(SingleShape::Disc).factor([50.0, 57.1]), 1.0));
         // One deviation out: e^-1/2.
         assert!(near(
-            laid(Lone::Gaussian).factor([53.5, 50.0]),
+            placed(SingleShape::Gaussian).factor([53.5, 50.0]),
             1.606_530_66
         ));
-        // Turned by a right angle, its long axis stands.
-        assert!(near(laid(Lone::Ellipse).factor([50.0, 55.0]), 1.75));
-        assert!(near(laid(Lone::Ellipse).factor([56.1, 50.0]), 1.0));
+        // Turned by a right angle, its long axis is upright.
+        assert!(near(
+            placed(SingleShape::Ellipse).factor([50.0, 55.0]),
+            1.75
+        ));
+        assert!(near(placed(SingleShape::Ellipse).factor([56.1, 50.0]), 1.0));
     }
 }

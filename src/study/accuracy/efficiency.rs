@@ -1,7 +1,7 @@
-//! How near the sensing comes to the Cramer-Rao bound where nothing but noise stands between: the pad is exactly as the
-//! model takes it, on the model's own mesh.
+//! The sensing against the Cramer-Rao bound on a pad that equals its model, on the model's own mesh: noise is the only source
+//! of error.
 //!
-//! The bound takes the untouched pad as known; the sensing has to learn it from two seconds of frames.
+//! The bound takes the untouched pad as known; the sensing learns it from two seconds of frames.
 
 use serde::Serialize;
 
@@ -9,35 +9,36 @@ use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{REACH_MM, Score};
-use super::stats::Spread;
+use super::spread::Spread;
+use crate::stats::rms;
 use crate::study::{Press, StudyError};
 use crate::types::PointMm;
 
-/// Noise in proportion to each reading, dB.
+/// SNR with noise proportional to each reading, dB.
 pub(super) const SNR_DB: f64 = 60.0;
-/// Radius (mm) and rise of the press: a fingertip's.
+/// Radius (mm) and rise of the press: a fingertip.
 pub(super) const PRESS: (f64, f64) = (7.0, 1.2);
 
-/// What one place gave.
+/// Results at one place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlaceFindings {
-    /// Where, mm.
+    /// The place, mm.
     pub place_mm: PointMm,
     /// Draws.
     pub draws: usize,
-    /// Draws in which the touch was not found; they are in no error.
+    /// Draws in which the touch was not detected; they do not enter the error.
     pub missed: usize,
-    /// Touches that were seen where there was none.
+    /// Touches detected where there was none.
     pub false_touches: usize,
     /// Root mean square error of place, mm.
     pub rmse_mm: f64,
-    /// Its Cramer-Rao bound, size and strength unknown, mm; `null` if the voltages do not tell the touch.
+    /// Its Cramer-Rao bound with size and strength unknown, mm; `null` if the voltages do not determine the touch.
     pub bound_mm: f64,
-    /// The one over the other.
+    /// Error over bound.
     pub ratio: f64,
 }
 
-/// Reads one press at a place so many times.
+/// Reads one press at a place `draws` times.
 pub(super) fn solve(
     bench: &Bench,
     place_mm: PointMm,
@@ -68,11 +69,11 @@ pub(super) fn solve(
     let scores: Vec<Score> = (0..draws)
         .map(|_| {
             let contacts = rested.contacts(&instrument.frame(&volts, random.seed()));
-            Score::of(&presses, &contacts, REACH_MM * bench.scale)
+            Score::new(&presses, &contacts, REACH_MM * bench.scale)
         })
         .collect();
     let found = scores.iter().filter_map(|score| score.found[0]);
-    let rmse_mm = Spread::of(found.map(|found| found.off_mm)).rms;
+    let rmse_mm = rms(found.map(|found| found.off_mm));
     Ok(PlaceFindings {
         place_mm,
         draws,
@@ -84,9 +85,9 @@ pub(super) fn solve(
     })
 }
 
-/// The ratios over all places at which the touch was found and is told.
+/// Spread of the ratios over all places that have one.
 pub(super) fn ratios(places: &[PlaceFindings]) -> Spread {
-    Spread::of(
+    Spread::new(
         places
             .iter()
             .map(|place| place.ratio)

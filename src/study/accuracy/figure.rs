@@ -1,17 +1,19 @@
-//! The picture: error of place and count by noise, two-point discrimination, and the pad from above.
+//! The figure: errors and counts by noise, two-point discrimination, and a map of the pad.
 
-use super::{Accuracy, Findings, NoiseKind, Share, Spread, TouchFindings};
+use super::{
+    Accuracy, Discrimination, Findings, NoiseKind, PairFindings, Share, Spread, TouchFindings,
+};
 use crate::study::figure::{Axis, Chart, Look, PadMap, Panel, Panels, Ring, Series, short};
 
 /// Names of the lines.
 const TOUCHES: [&str; 3] = ["one touch", "two touches", "three touches"];
-/// Errors are shown where at least this share of the touches was found: of few, chance and the easy ones speak.
+/// Errors are shown if at least this share of the touches was detected: otherwise only the easy touches would count.
 const FOUND_SHARE: f64 = 0.5;
-/// One colour a number of touches, after black.
+/// Index of the first colour of the lines, after black.
 const FIRST_COLOUR: usize = 1;
 
 impl Accuracy {
-    pub(super) fn picture(&self, findings: &Findings) -> Panels {
+    pub(super) fn figure(&self, findings: &Findings) -> Panels {
         let panels = vec![
             Panel::Chart(findings.place_chart(NoiseKind::Proportional)),
             Panel::Chart(findings.place_chart(NoiseKind::FullScale)),
@@ -27,7 +29,7 @@ impl Accuracy {
         Panels {
             name: "accuracy".to_owned(),
             title: format!(
-                "Accuracy of {} ({}): {draws} draws a point, on pads that the model does not know",
+                "Accuracy of {} ({}): {draws} draws per point, on pads unknown to the model",
                 findings.pad, findings.method
             ),
             panels,
@@ -45,7 +47,7 @@ impl Accuracy {
                 inner_mm: place.bound_mm,
             })
             .collect();
-        // Neighbours lie along x first; a single place has room for itself.
+        // Neighbours follow each other along x.
         let pitch_mm = rings
             .windows(2)
             .map(|pair| (pair[1].place_mm[0] - pair[0].place_mm[0]).abs())
@@ -53,28 +55,24 @@ impl Accuracy {
             .fold(self.bench.pad.outline.size_mm()[0] / 4.0, f64::min);
         let draws = bound.places.first().map_or(0, |place| place.draws);
         PadMap {
-            title: format!("Against the bound, place by place, {} dB", bound.snr_db),
+            title: format!("Error and bound at each place, {} dB", bound.snr_db),
             pad: self.bench.pad.clone(),
             rings,
             pitch_mm,
             names: ["error (RMSE)".to_owned(), "Cramer-Rao bound".to_owned()],
             notes: vec![
-                "median of RMSE / bound:".to_owned(),
-                format!(
-                    "{}, p95 {}",
-                    short(bound.ratio.median),
-                    short(bound.ratio.p95)
-                ),
-                format!("{draws} draws a place, on the pad"),
-                "as the model takes it".to_owned(),
+                format!("RMSE / bound: median {},", short(bound.ratio.median)),
+                format!("95th percentile {}", short(bound.ratio.p95)),
+                format!("{draws} draws per place, on a"),
+                "pad that equals its model".to_owned(),
             ],
         }
     }
 }
 
 impl Findings {
-    /// What draws of a number of touches gave with one kind of noise, worst SNR first.
-    fn with(&self, touches: usize, noise: NoiseKind) -> Vec<&TouchFindings> {
+    /// Results of a number of touches with one kind of noise, lowest SNR first.
+    fn by_snr(&self, touches: usize, noise: NoiseKind) -> Vec<&TouchFindings> {
         let mut found: Vec<&TouchFindings> = self
             .touches
             .iter()
@@ -84,10 +82,10 @@ impl Findings {
         found
     }
 
-    /// A chart over the SNRs, without lines.
+    /// An empty chart over the SNRs.
     fn over_snr(&self, title: &str, y_label: &str, axis: Axis) -> Chart {
         let snr_db: Vec<f64> = self
-            .with(1, NoiseKind::Proportional)
+            .by_snr(1, NoiseKind::Proportional)
             .iter()
             .map(|found| found.snr_db)
             .collect();
@@ -102,7 +100,7 @@ impl Findings {
         }
     }
 
-    /// A line a number of touches.
+    /// A line for each number of touches.
     fn lines(
         &self,
         noise: NoiseKind,
@@ -116,7 +114,7 @@ impl Findings {
             .map(|(index, name)| Series {
                 name: format!("{name}{suffix}"),
                 points: self
-                    .with(index + 1, noise)
+                    .by_snr(index + 1, noise)
                     .into_iter()
                     .map(&point)
                     .collect(),
@@ -130,8 +128,8 @@ impl Findings {
 
     fn place_chart(&self, noise: NoiseKind) -> Chart {
         let what = match noise {
-            NoiseKind::Proportional => "in proportion to each reading",
-            NoiseKind::FullScale => "the same on all channels (of full scale)",
+            NoiseKind::Proportional => "proportional to each reading",
+            NoiseKind::FullScale => "of full scale",
         };
         let mut series = self.lines(noise, "", false, |found| found.shown(&found.place_error_mm));
         series.extend(self.lines(noise, ", bound", true, |found| {
@@ -139,7 +137,7 @@ impl Findings {
         }));
         Chart {
             series,
-            notes: ["dots: mean", "bars: median to p95", "where half are found"]
+            notes: ["dots: mean", "bars: median to p95", "if half are detected"]
                 .map(str::to_owned)
                 .to_vec(),
             ..self.over_snr(&format!("Error of place, noise {what}"), "mm", Axis::Log)
@@ -149,14 +147,12 @@ impl Findings {
     fn count_chart(&self) -> Chart {
         let point = |found: &TouchFindings| interval(&found.counted_right);
         let mut series = self.lines(NoiseKind::Proportional, "", false, point);
-        series.extend(self.lines(NoiseKind::FullScale, ", full", true, point));
+        series.extend(self.lines(NoiseKind::FullScale, ", full scale", true, point));
         Chart {
             series,
-            notes: ["full: noise of full scale", "bars: 95 % interval"]
-                .map(str::to_owned)
-                .to_vec(),
+            notes: vec!["bars: 95 % interval".to_owned()],
             ..self.over_snr(
-                "As many seen as there are",
+                "As many detected as there are",
                 "share of the draws",
                 Axis::Percent,
             )
@@ -173,11 +169,11 @@ impl Findings {
         }));
         Chart {
             series,
-            notes: ["dots: mean", "bars: median to p95", "where half are found"]
+            notes: ["dots: mean", "bars: median to p95", "if half are detected"]
                 .map(str::to_owned)
                 .to_vec(),
             ..self.over_snr(
-                "Error of force, noise in proportion to each reading",
+                "Error of force, noise proportional to each reading",
                 "% of the force",
                 Axis::FromZero,
             )
@@ -185,80 +181,66 @@ impl Findings {
     }
 
     fn pair_chart(&self) -> Chart {
-        let pairs = &self.discrimination.pairs;
-        let line = |name: &str, dashed: bool, colour: usize, points: Vec<[f64; 3]>| Series {
+        let Discrimination {
+            pairs,
+            snr_db,
+            radius_mm,
+            ..
+        } = &self.discrimination;
+        let line = |name: &str, dashed, colour, point: fn(&PairFindings) -> [f64; 3]| Series {
             name: name.to_owned(),
-            points,
+            points: pairs.iter().map(point).collect(),
             look: Look {
-                colour: Some(colour),
+                colour: Some(FIRST_COLOUR + colour),
                 dashed,
             },
         };
-        let mut notes = vec![
-            match self.discrimination.sure_from_mm {
-                Some(distance) => format!("95 % from {} mm on", short(distance)),
-                None => "95 % at no distance".to_owned(),
-            },
-            format!("both within {} mm", short(self.discrimination.within_mm)),
-            "bars: 95 % interval".to_owned(),
-            String::new(),
-            "one touch seen as more:".to_owned(),
-        ];
-        notes.extend(self.discrimination.lone.iter().map(|lone| {
-            format!(
-                "{} {} %",
-                lone.shape.name(),
-                short(100.0 * lone.split.share)
-            )
-        }));
         Chart {
             title: format!(
-                "Two touches told apart, {} dB, radius {} mm",
-                self.discrimination.snr_db,
-                short(self.discrimination.radius_mm)
+                "Two touches told apart, {snr_db} dB, radius {} mm",
+                short(*radius_mm)
             ),
-            x_label: "from middle to middle, mm".to_owned(),
+            x_label: "distance between the centres, mm".to_owned(),
             y_label: "share of the draws".to_owned(),
             places: pairs.iter().map(|pair| short(pair.distance_mm)).collect(),
             positions: pairs.iter().map(|pair| pair.distance_mm).collect(),
             series: vec![
-                line(
-                    "told apart",
-                    false,
-                    FIRST_COLOUR,
-                    pairs
-                        .iter()
-                        .map(|pair| interval(&pair.told_apart))
-                        .collect(),
-                ),
-                line(
-                    "seen as two",
-                    true,
-                    FIRST_COLOUR + 2,
-                    pairs
-                        .iter()
-                        .map(|pair| [pair.counted_two.share; 3])
-                        .collect(),
-                ),
-                line(
-                    "seen as one",
-                    true,
-                    FIRST_COLOUR + 1,
-                    pairs
-                        .iter()
-                        .map(|pair| [pair.counted_one.share; 3])
-                        .collect(),
-                ),
+                line("told apart", false, 0, |pair| interval(&pair.told_apart)),
+                line("detected as two", true, 2, |pair| {
+                    [pair.counted_two.share; 3]
+                }),
+                line("detected as one", true, 1, |pair| {
+                    [pair.counted_one.share; 3]
+                }),
             ],
             axis: Axis::Percent,
-            notes,
+            notes: self.pair_notes(),
             ..Chart::default()
         }
+    }
+
+    fn pair_notes(&self) -> Vec<String> {
+        let found = &self.discrimination;
+        let mut notes = vec![
+            match found.reliable_from_mm {
+                Some(distance) => format!("95 % from {} mm on", short(distance)),
+                None => "95 % at no distance".to_owned(),
+            },
+            format!("both within {} mm", short(found.within_mm)),
+            "bars: 95 % interval".to_owned(),
+            " ".to_owned(),
+            "one touch detected as more:".to_owned(),
+        ];
+        notes.extend(found.single_shapes.iter().map(|single| {
+            let percent = short(100.0 * single.split.share);
+            format!("{} {percent} %", single.shape.name())
+        }));
+        notes
     }
 }
 
 impl TouchFindings {
-    /// An error of the touches found as a point: mean, and from the median to p95.
+    /// An error as a point: mean, with the range from the median to the 95th percentile.
     fn shown(&self, error: &Spread) -> [f64; 3] {
         if (error.n as f64) < FOUND_SHARE * self.drawn as f64 {
             return [f64::NAN; 3];

@@ -1,83 +1,86 @@
-//! All that the study found, as it stands in `accuracy.json`.
+//! All results, as written to `accuracy.json`.
 
 use serde::Serialize;
 
 use super::discrimination::{self, PairDrawn};
-use super::draws::{self, Lone};
+use super::draws::{self, SingleShape};
 use super::efficiency::{self, PlaceFindings};
 use super::touches::{self, Drawn, ForceScale};
 use super::{
-    Accuracy, ImageFindings, LoneFindings, Outcome, PairFindings, Solved, Spread, Task,
-    TouchFindings,
+    Accuracy, AccuracyOutcome, ImageFindings, PairFindings, SingleShapeFindings, Solved, Spread,
+    Task, TouchFindings,
 };
+use crate::study::CommandLine;
 
-/// What the study found.
+/// All results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {
     /// Version of gelpad.
     pub version: String,
-    /// The command that makes it again.
+    /// The shell command that repeats the study.
     pub command: String,
     /// The pad's name.
     pub pad: String,
-    /// How images were made.
+    /// Reconstruction method.
     pub method: String,
     /// Seed.
     pub seed: u64,
-    /// Few draws only: whether all works, not how well.
+    /// Few draws only: a test that everything works.
     pub quick: bool,
-    /// Lengths of touches and distances are multiplied by this on a pad below 100 mm.
+    /// Factor of the lengths of touches and distances; below 1 on a pad below 100 mm.
     pub length_scale: f64,
-    /// By number of touches and noise.
+    /// Touches, by number and noise.
     pub touches: Vec<TouchFindings>,
-    /// What a force of 1 stands for.
+    /// Meaning of a force of 1.
     pub force: ForceScale,
     /// GREIT's figures of single touches, by noise.
     pub images: Vec<ImageFindings>,
-    /// How near two touches may be.
+    /// Two-point discrimination.
     pub discrimination: Discrimination,
-    /// How near the sensing comes to the bound.
+    /// The sensing against the bound.
     pub bound: Efficiency,
 }
 
 /// Two-point discrimination.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Discrimination {
-    /// Noise in proportion to each reading, dB.
+    /// SNR with noise proportional to each reading, dB.
     pub snr_db: f64,
     /// Radius of the presses, mm (scaled).
     pub radius_mm: f64,
-    /// Their rise.
+    /// Rise of the presses.
     pub rise: f64,
-    /// Both must be seen within this distance of the truth, mm (scaled).
+    /// Both must be detected within this distance of the truth, mm (scaled).
     pub within_mm: f64,
-    /// The least distance from which on 95 % are told apart, mm; `null` if there is none.
-    pub sure_from_mm: Option<f64>,
-    /// By distance.
+    /// The least distance from which 95 % of the pairs are resolved, mm; `null` if there is none.
+    #[serde(rename = "sure_from_mm")]
+    pub reliable_from_mm: Option<f64>,
+    /// Results by distance.
     pub pairs: Vec<PairFindings>,
     /// Single touches of other shapes.
-    pub lone: Vec<LoneFindings>,
+    #[serde(rename = "lone")]
+    pub single_shapes: Vec<SingleShapeFindings>,
 }
 
-/// Error of place against its Cramer-Rao bound, on the pad as the model takes it.
+/// Error of place against its Cramer-Rao bound, on the pad as the model assumes it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Efficiency {
-    /// Noise in proportion to each reading, dB.
+    /// SNR with noise proportional to each reading, dB.
     pub snr_db: f64,
     /// Radius of the press, mm (scaled).
     pub radius_mm: f64,
-    /// Its rise.
+    /// Rise of the press.
     pub rise: f64,
-    /// Root mean square error over the bound, spread over the places.
+    /// Root mean square error over bound, spread over the places.
     pub ratio: Spread,
     /// Place by place.
     pub places: Vec<PlaceFindings>,
 }
 
 impl Accuracy {
-    /// What the outcomes of all cases, in their order, tell.
+    /// Summarises the results of all cases, which are in the order of the cases.
     #[must_use]
-    pub fn findings(&self, outcomes: &[Outcome]) -> Findings {
+    pub fn findings(&self, outcomes: &[AccuracyOutcome]) -> Findings {
         let bench = &self.bench;
         let of_touches: Vec<Vec<&Drawn>> = (0..=3)
             .map(|count| {
@@ -89,7 +92,7 @@ impl Accuracy {
                     .collect()
             })
             .collect();
-        let force = ForceScale::of(&of_touches[1]);
+        let force = ForceScale::from_draws(&of_touches[1]);
         let touches = of_touches
             .iter()
             .enumerate()
@@ -119,9 +122,11 @@ impl Accuracy {
                 radius_mm: draws::PAIR.0 * bench.scale,
                 rise: draws::PAIR.1,
                 within_mm: discrimination::WITHIN_MM * bench.scale,
-                sure_from_mm: discrimination::sure_from_mm(&pairs),
+                reliable_from_mm: discrimination::reliable_from_mm(&pairs),
                 pairs,
-                lone: Lone::ALL.map(|shape| self.lone(outcomes, shape)).to_vec(),
+                single_shapes: SingleShape::ALL
+                    .map(|shape| self.single_shapes(outcomes, shape))
+                    .to_vec(),
             },
             bound: Efficiency {
                 snr_db: efficiency::SNR_DB,
@@ -133,23 +138,23 @@ impl Accuracy {
         }
     }
 
-    /// The command that makes it again.
-    fn command(&self) -> String {
+    /// The shell command that repeats the study.
+    #[must_use]
+    pub fn command(&self) -> String {
         let settings = &self.settings;
         let snr_db: Vec<String> = self.bench.snr_db.iter().map(f64::to_string).collect();
-        format!(
-            "gelpad accuracy --pad {} --method {} --snr {} --seed {}{} --out DIR",
-            settings.pad_argument,
-            settings.method,
-            snr_db.join(","),
-            settings.seed,
-            if settings.quick { " --quick" } else { "" }
-        )
+        CommandLine::new("accuracy", &settings.pad_argument)
+            .option("method", settings.method)
+            .option("snr", snr_db.join(","))
+            .option("seed", settings.seed)
+            .flag("quick", settings.quick)
+            .finish()
     }
 
+    /// Results of the cases of a task.
     fn of_task<'a>(
         &'a self,
-        outcomes: &'a [Outcome],
+        outcomes: &'a [AccuracyOutcome],
         task: Task,
     ) -> impl Iterator<Item = &'a Solved> {
         self.cases
@@ -159,7 +164,7 @@ impl Accuracy {
             .map(|(_, outcome)| &outcome.0)
     }
 
-    fn pairs(&self, outcomes: &[Outcome]) -> Vec<PairFindings> {
+    fn pairs(&self, outcomes: &[AccuracyOutcome]) -> Vec<PairFindings> {
         let mut distances: Vec<usize> = self
             .cases
             .iter()
@@ -179,19 +184,23 @@ impl Accuracy {
                         _ => &[],
                     })
                     .collect();
-                PairFindings::of(distance_mm as f64 * self.bench.scale, &drawn)
+                PairFindings::from_draws(distance_mm as f64 * self.bench.scale, &drawn)
             })
             .collect()
     }
 
-    fn lone(&self, outcomes: &[Outcome], shape: Lone) -> LoneFindings {
+    fn single_shapes(
+        &self,
+        outcomes: &[AccuracyOutcome],
+        shape: SingleShape,
+    ) -> SingleShapeFindings {
         let seen: Vec<usize> = self
-            .of_task(outcomes, Task::Lone(shape))
+            .of_task(outcomes, Task::SingleShape(shape))
             .flat_map(|solved| match solved {
-                Solved::Lone(seen) => seen.clone(),
+                Solved::SingleShape(seen) => seen.clone(),
                 _ => Vec::new(),
             })
             .collect();
-        LoneFindings::of(shape, &seen)
+        SingleShapeFindings::from_counts(shape, &seen)
     }
 }

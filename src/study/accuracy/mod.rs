@@ -1,8 +1,8 @@
-//! `gelpad accuracy`: what a pad's sensing can do, by Monte Carlo, with the bound of what any method could do beside it.
+//! `gelpad accuracy`: the accuracy of a pad's sensing by Monte Carlo simulation, next to the Cramer-Rao bound.
 //!
-//! Voltages come from specimens that the model does not know: another mesh, unequal contacts, an uneven background (see
-//! `specimen`). The sensing is the one that plays, frames in and touches out (`sensing`). Every case has random numbers of
-//! its own, from the seed and its place in the list: the same seed gives the same files on any number of threads.
+//! Voltages come from specimens that differ from the model: another mesh, unequal contacts, an uneven background (`specimen`).
+//! The sensing is that of play: frames in, touches out (`sensing`). Every case has its own random numbers, from the seed and
+//! its index: the same seed gives the same files with any number of threads.
 
 mod csv;
 mod discrimination;
@@ -11,19 +11,20 @@ mod efficiency;
 mod figure;
 mod findings;
 mod noise;
+pub mod real;
 mod report;
 mod score;
 mod sensing;
 mod specimen;
-mod stats;
+mod spread;
 mod touches;
 
-pub use discrimination::{LoneFindings, PairFindings};
-pub use draws::Lone;
+pub use discrimination::{PairFindings, SingleShapeFindings};
+pub use draws::SingleShape;
 pub use efficiency::PlaceFindings;
 pub use findings::{Discrimination, Efficiency, Findings};
 pub use noise::NoiseKind;
-pub use stats::{Share, Spread};
+pub use spread::{Share, Spread};
 pub use touches::{ForceScale, ImageFindings, TouchFindings};
 
 use sensing::Sensing;
@@ -34,19 +35,19 @@ use crate::pad::Pad;
 use crate::touch::SensingBuilder;
 use crate::types::{Method, PointMm};
 
-/// Draws on one specimen: enough to be worth its solving, few enough that figures see many specimens.
+/// Draws on one specimen: many enough to be worth solving it, few enough for many specimens.
 const DRAWS_A_SPECIMEN: usize = 25;
 
-/// How much is drawn.
+/// Numbers of draws.
 struct Plan {
-    /// Draws of each number of touches.
+    /// Draws for each number of touches.
     touches: usize,
-    /// From middle to middle, mm: least, greatest, step.
+    /// Distances between centres, mm: least, greatest, step.
     distances_mm: [usize; 3],
     /// Pairs at each distance.
     pairs: usize,
-    /// Lone shapes of each kind.
-    lone: usize,
+    /// Single shapes of each kind.
+    single_shapes: usize,
     /// Places along each side, and draws at each, for the comparison with the bound.
     places: (usize, usize),
 }
@@ -56,53 +57,53 @@ const FULL: Plan = Plan {
     touches: 200,
     distances_mm: [8, 40, 2],
     pairs: 100,
-    lone: 200,
+    single_shapes: 200,
     places: (7, 100),
 };
-/// A few seconds: whether all works, not how well.
+/// A few seconds: a test that everything works.
 const QUICK: Plan = Plan {
     touches: 20,
     distances_mm: [8, 40, 16],
     pairs: 10,
-    lone: 10,
+    single_shapes: 10,
     places: (3, 15),
 };
 
-/// What is asked for.
+/// Settings of the study.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct AccuracySettings {
     /// Version of gelpad.
     pub version: String,
     /// The pad.
     pub pad: Pad,
-    /// As it was named on the command line.
+    /// The pad as named on the command line.
     pub pad_argument: String,
-    /// How images are made.
+    /// Reconstruction method.
     pub method: Method,
     /// SNRs, dB; at least one.
     pub snr_db: Vec<f64>,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Few draws.
+    /// Few draws only.
     pub quick: bool,
 }
 
-/// What every case needs.
+/// What all cases share.
 #[derive(Clone, Debug)]
 struct Bench {
     pad: Pad,
     sensing: Sensing,
-    /// The pad as the model takes it.
+    /// The pad as the model assumes it.
     ideal: Specimen,
     seed: u64,
-    /// Best first, each once.
+    /// Descending, without duplicates.
     snr_db: Vec<f64>,
-    /// Length of a millimetre of the settings on this pad.
+    /// Factor of all lengths on this pad.
     scale: f64,
 }
 
 impl Bench {
-    /// Every noise with which a state is read: the proportional ones first, the best first.
+    /// Every noise with which a state is read: proportional noise first, high SNR first.
     fn noises(&self) -> impl Iterator<Item = (NoiseKind, f64)> {
         NoiseKind::ALL
             .into_iter()
@@ -113,7 +114,7 @@ impl Bench {
 /// One case: draws on one specimen.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its random numbers: its place in the list.
+    /// Stream of its random numbers: its index.
     stream: u64,
     draws: usize,
     task: Task,
@@ -123,41 +124,41 @@ pub struct Case {
 enum Task {
     Touches(usize),
     Pairs { distance_mm: usize },
-    Lone(Lone),
+    SingleShape(SingleShape),
     Place(PointMm),
 }
 
-/// What a case gave.
+/// Result of a case.
 #[derive(Clone, Debug)]
-pub struct Outcome(Solved);
+pub struct AccuracyOutcome(Solved);
 
 #[derive(Clone, Debug)]
 enum Solved {
     Touches(Vec<touches::Drawn>),
     Pairs(Vec<discrimination::PairDrawn>),
-    Lone(Vec<usize>),
+    SingleShape(Vec<usize>),
     Place(PlaceFindings),
 }
 
-/// The study, checked and ready to be solved case by case.
+/// The study with valid settings.
 #[derive(Clone, Debug)]
 pub struct Accuracy {
-    settings: Settings,
+    settings: AccuracySettings,
     bench: Bench,
     cases: Vec<Case>,
 }
 
 impl Accuracy {
-    /// Checks settings before anything random is drawn. `sensing` is what plays on the pad with the settings' method.
+    /// Validates the settings. `sensing` is the sensing of play on the pad, with the settings' method.
     ///
     /// # Errors
-    /// No SNR, or one that is no number; a pad that gives no image.
-    pub fn new(settings: Settings, sensing: SensingBuilder) -> Result<Self, StudyError> {
+    /// No SNR, or one that is not finite; a pad without a reconstruction.
+    pub fn new(settings: AccuracySettings, sensing: SensingBuilder) -> Result<Self, StudyError> {
         let mut snr_db = settings.snr_db.clone();
         if snr_db.is_empty() || snr_db.iter().any(|db| !db.is_finite()) {
-            return Err(StudyError::Refused {
-                reason: "name at least one SNR in dB, as in 60,40".to_owned(),
-            });
+            return Err(StudyError::refused(
+                "give at least one SNR in dB, as in 60,40",
+            ));
         }
         snr_db.sort_by(|a, b| b.total_cmp(a));
         snr_db.dedup();
@@ -165,7 +166,7 @@ impl Accuracy {
         let plan = if settings.quick { &QUICK } else { &FULL };
         Ok(Self {
             bench: Bench {
-                sensing: Sensing::of_pad(&pad, sensing)?,
+                sensing: Sensing::from_pad(&pad, sensing)?,
                 ideal: Specimen::ideal(&pad)?,
                 seed: settings.seed,
                 scale: draws::scale(&pad),
@@ -177,37 +178,50 @@ impl Accuracy {
         })
     }
 
-    /// What is asked for.
+    /// The settings.
     #[must_use]
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &AccuracySettings {
         &self.settings
     }
 
-    /// The cases, each to be solved on its own.
+    /// The independent cases.
     #[must_use]
     pub fn cases(&self) -> &[Case] {
         &self.cases
+    }
+
+    /// Plays the conditions of `--real`.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved.
+    pub fn play_conditions(
+        &self,
+        conditions: &[real::Condition],
+        extent: real::Extent,
+        progress: impl Fn(usize, usize) + Sync,
+    ) -> Result<real::RealFindings, StudyError> {
+        Ok(real::RealFindings {
+            seed: self.settings.seed,
+            conditions: real::play_all(&self.bench, conditions, extent, progress)?,
+        })
     }
 
     /// Solves a case.
     ///
     /// # Errors
     /// A pad that cannot be solved.
-    pub fn solve(&self, case: &Case) -> Result<Outcome, StudyError> {
+    pub fn solve(&self, case: &Case) -> Result<AccuracyOutcome, StudyError> {
         let (bench, draws, stream) = (&self.bench, case.draws, case.stream);
-        Ok(Outcome(match case.task {
+        Ok(AccuracyOutcome(match case.task {
             Task::Touches(count) => Solved::Touches(touches::solve(bench, count, draws, stream)?),
             Task::Pairs { distance_mm } => {
                 let distance_mm = distance_mm as f64;
-                Solved::Pairs(discrimination::solve_pairs(
-                    bench,
-                    distance_mm,
-                    draws,
-                    stream,
-                )?)
+                let pairs = discrimination::solve_pairs(bench, distance_mm, draws, stream)?;
+                Solved::Pairs(pairs)
             }
-            Task::Lone(shape) => {
-                Solved::Lone(discrimination::solve_lone(bench, shape, draws, stream)?)
+            Task::SingleShape(shape) => {
+                let counts = discrimination::solve_single_shapes(bench, shape, draws, stream)?;
+                Solved::SingleShape(counts)
             }
             Task::Place(place_mm) => {
                 Solved::Place(efficiency::solve(bench, place_mm, draws, stream)?)
@@ -222,14 +236,17 @@ fn cases(plan: &Plan, pad: &Pad) -> Vec<Case> {
     let pairs = (least..=most)
         .step_by(step)
         .map(|distance_mm| (Task::Pairs { distance_mm }, plan.pairs));
-    let lone = Lone::ALL
+    let single_shapes = SingleShape::ALL
         .into_iter()
-        .map(|shape| (Task::Lone(shape), plan.lone));
-    let on_specimens = touches.chain(pairs).chain(lone).flat_map(|(task, draws)| {
-        (0..draws)
-            .step_by(DRAWS_A_SPECIMEN)
-            .map(move |done| (task, DRAWS_A_SPECIMEN.min(draws - done)))
-    });
+        .map(|shape| (Task::SingleShape(shape), plan.single_shapes));
+    let on_specimens = touches
+        .chain(pairs)
+        .chain(single_shapes)
+        .flat_map(|(task, draws)| {
+            (0..draws)
+                .step_by(DRAWS_A_SPECIMEN)
+                .map(move |done| (task, DRAWS_A_SPECIMEN.min(draws - done)))
+        });
     let (side, draws) = plan.places;
     let at_places = draws::grid(pad, side)
         .into_iter()

@@ -1,17 +1,19 @@
-//! Noise on simulated readings, and what a pad's electronics makes of the same SNR.
+//! Noise on simulated readings.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-/// What the noise of a reading goes with.
+use crate::stats::range;
+
+/// What the noise of a reading is proportional to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKind {
-    /// With the reading itself: an amplifier that is set to each channel's range.
+    /// The reading itself: an amplifier with a range for each channel.
     Proportional,
-    /// With the largest reading of the untouched pad: one range for all channels.
+    /// The largest reading of the untouched pad: one range for all channels.
     FullScale,
 }
 
@@ -28,25 +30,25 @@ impl NoiseKind {
         }
     }
 
-    /// The deviation of each reading at 0 dB, V/A.
+    /// The standard deviation of each reading at 0 dB, V/A.
     pub(super) fn deviations(self, volts: &[f64], rest: &[f64]) -> Vec<f64> {
         match self {
             Self::Proportional => volts.iter().map(|volt| volt.abs()).collect(),
             Self::FullScale => {
-                let largest = rest.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
+                let [_, largest] = range(rest.iter().map(|volt| volt.abs()));
                 vec![largest; volts.len()]
             }
         }
     }
 }
 
-/// Deviation at an SNR, as a share of that at 0 dB.
+/// Standard deviation at an SNR, as a share of that at 0 dB.
 pub(super) fn share(snr_db: f64) -> f64 {
     libm::pow(10.0, -snr_db / 20.0)
 }
 
-/// Takes readings with noise. The seed alone fixes the noise: at another SNR the same noise comes scaled, so that a
-/// figure at one SNR does not hang on which others were asked for.
+/// Adds noise to readings. The seed alone determines the noise: another SNR only scales it, so that the results at one SNR do
+/// not depend on which others are studied.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instrument<'a> {
     pub kind: NoiseKind,
@@ -56,7 +58,7 @@ pub(super) struct Instrument<'a> {
 }
 
 impl Instrument<'_> {
-    /// So many frames of one state.
+    /// `count` frames of one state.
     pub(super) fn frames(&self, volts: &[f64], seed: u64, count: usize) -> Vec<Vec<f32>> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let share = share(self.snr_db);
@@ -88,17 +90,17 @@ mod tests {
     #[test]
     fn noise_has_its_size_and_only_scales_with_the_snr() {
         let rest: Vec<f64> = (1..=4000).map(|i| f64::from(i % 10 + 1)).collect();
-        let take = |kind, snr_db| {
+        let frame = |kind, snr_db| {
             let rest = rest.as_slice();
             Instrument { kind, snr_db, rest }.frame(rest, 5)
         };
         for (kind, size) in [(NoiseKind::Proportional, 1.0), (NoiseKind::FullScale, 10.0)] {
             // On the channels that read 1 the two differ by the full scale of 10.
             let off = |snr_db| -> Vec<f64> {
-                let judged = take(kind, snr_db);
+                let read = frame(kind, snr_db);
                 (9..4000)
                     .step_by(10)
-                    .map(|channel| f64::from(judged[channel]) - 1.0)
+                    .map(|channel| f64::from(read[channel]) - 1.0)
                     .collect()
             };
             let (at_40, at_60) = (off(40.0), off(60.0));

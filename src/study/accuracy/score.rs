@@ -1,34 +1,34 @@
-//! Contacts held against the truth: which is which, and what is missed or false.
+//! Compares contacts with the true touches.
 //!
-//! Each touch gets at most one contact and each contact at most one touch, within a reach: as many pairs as can be, and of
-//! those with the least sum of distances. What is left over is missed or false and never enters an error of place.
+//! Each touch is paired with at most one contact within a reach: as many pairs as possible, and of these the pairs with the
+//! least sum of distances. Touches left over are missed, contacts left over are false; neither enters an error of place.
 
 use crate::study::Press;
 use crate::types::{Contact, PointMm};
 
-/// A contact further from every touch than this is false, mm (scaled with the pad).
+/// Largest distance of a contact from its touch, mm (scaled with the pad).
 pub(super) const REACH_MM: f64 = 10.0;
 
-/// A touch that was found.
+/// A touch that was detected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
-    /// How far off it was seen, mm.
+    /// Distance of the contact from the truth, mm.
     pub off_mm: f64,
-    /// The force that was read, 0 to 1.
+    /// Detected force, 0 to 1.
     pub force: f64,
 }
 
-/// What one frame made of its touches.
+/// The contacts of one frame compared with its touches.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Score {
-    /// For each touch, what was found of it.
+    /// For each touch, its contact if it has one.
     pub found: Vec<Option<Found>>,
-    /// Contacts that are no touch.
+    /// Contacts without a touch.
     pub false_touches: usize,
 }
 
 impl Score {
-    pub(super) fn of(presses: &[Press], contacts: &[Contact], reach_mm: f64) -> Self {
+    pub(super) fn new(presses: &[Press], contacts: &[Contact], reach_mm: f64) -> Self {
         let truths: Vec<PointMm> = presses.iter().map(|press| press.centre_mm).collect();
         let seen: Vec<PointMm> = contacts.iter().map(|contact| contact.centre_mm).collect();
         let assigned = assign(&truths, &seen, reach_mm);
@@ -49,23 +49,23 @@ impl Score {
         }
     }
 
-    /// Touches that were not found.
+    /// Number of touches that were not detected.
     pub(super) fn missed(&self) -> usize {
         self.found.iter().filter(|found| found.is_none()).count()
     }
 
-    /// Whether as many contacts were seen as there were touches.
+    /// Whether there were as many contacts as touches.
     pub(super) fn is_counted_right(&self) -> bool {
         self.missed() == self.false_touches
     }
 
-    /// Whether every touch was found and nothing else was seen.
+    /// Whether every touch was detected and nothing else.
     pub(super) fn is_right(&self) -> bool {
         self.missed() == 0 && self.false_touches == 0
     }
 }
 
-/// For each truth the index of its contact, if it has one within reach.
+/// For each true place the index of its contact, if it has one within reach.
 pub(super) fn assign(truths: &[PointMm], seen: &[PointMm], reach_mm: f64) -> Vec<Option<usize>> {
     let mut search = Search {
         truths,
@@ -78,13 +78,13 @@ pub(super) fn assign(truths: &[PointMm], seen: &[PointMm], reach_mm: f64) -> Vec
     search.best.2
 }
 
-/// Tries every assignment: there are at most three touches.
+/// An exhaustive search over all assignments: there are at most three touches.
 struct Search<'a> {
     truths: &'a [PointMm],
     seen: &'a [PointMm],
     reach_mm: f64,
     chosen: Vec<Option<usize>>,
-    /// Pairs, sum of their distances, and the assignment.
+    /// Number of pairs, sum of their distances, and the assignment.
     best: (usize, f64, Vec<Option<usize>>),
 }
 
@@ -136,8 +136,8 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_is_assigned_best_and_not_each_touch_for_itself() {
-        // The second contact is the nearest of both touches; giving it to the first would cost the second its pair.
+    fn the_assignment_is_best_as_a_whole() {
+        // The second contact is the nearest for both touches; taken by the first, it would leave the second without one.
         let truths = [[0.0, 0.0], [8.0, 0.0]];
         let seen = [[-9.0, 0.0], [3.0, 0.0]];
         assert_eq!(assign(&truths, &seen, 10.0), [Some(0), Some(1)]);
@@ -147,8 +147,8 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_reach_is_both_missed_and_false() {
-        let score = Score::of(
+    fn a_contact_out_of_reach_makes_a_missed_and_a_false_touch() {
+        let score = Score::new(
             &[press(20.0, 20.0), press(60.0, 60.0)],
             &[contact(23.0, 24.0), contact(60.0, 71.0)],
             10.0,
@@ -161,9 +161,9 @@ mod tests {
 
     #[test]
     fn an_untouched_pad_has_only_false_touches() {
-        let score = Score::of(&[], &[contact(1.0, 1.0)], 10.0);
+        let score = Score::new(&[], &[contact(1.0, 1.0)], 10.0);
         assert_eq!((score.missed(), score.false_touches), (0, 1));
         assert!(!score.is_counted_right());
-        assert!(Score::of(&[], &[], 10.0).is_right());
+        assert!(Score::new(&[], &[], 10.0).is_right());
     }
 }

@@ -1,4 +1,4 @@
-//! One, two and three touches on pads that the model does not know: what is found, and how far off, by SNR.
+//! Detection, errors of place and errors of force of zero to three touches, by SNR.
 
 use serde::Serialize;
 
@@ -6,14 +6,14 @@ use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{Found, REACH_MM, Score};
-use super::sensing::Rested;
+use super::sensing::RestedDetector;
 use super::specimen::Specimen;
-use super::stats::{Share, Spread};
+use super::spread::{Share, Spread};
 use crate::study::{Merit, Press, PressBound, StudyError};
 
-/// A force counts at most as this much off, as a share of the true one; so does its bound.
+/// Largest error of force that is counted, as a share of the true force; the same for its bound.
 const MOST_FORCE_ERROR: f64 = 1.0;
-/// Mean size of a Gaussian's error in units of its deviation: sqrt(2 / pi).
+/// Mean absolute value of a Gaussian in units of its standard deviation: sqrt(2 / pi).
 const MEAN_OF_DEVIATION: f64 = 0.797_884_560_802_865_4;
 
 /// One state of a pad, read with every kind of noise.
@@ -21,20 +21,20 @@ const MEAN_OF_DEVIATION: f64 = 0.797_884_560_802_865_4;
 pub(super) struct Drawn {
     presses: Vec<Press>,
     /// In the order of [`Bench::noises`].
-    seen: Vec<Seen>,
+    readings: Vec<Reading>,
 }
 
-/// What one reading of it showed.
+/// The result of one reading.
 #[derive(Clone, Debug)]
-struct Seen {
+struct Reading {
     score: Score,
-    /// One for each touch; `None` if the voltages do not tell them.
+    /// One for each touch; `None` if the voltages do not determine them.
     bounds: Option<Vec<PressBound>>,
-    /// Of a single touch.
+    /// Only for a single touch.
     merit: Option<Merit>,
 }
 
-/// Draws so many states with a number of touches on one specimen.
+/// Draws states with a number of touches on one specimen.
 pub(super) fn solve(
     bench: &Bench,
     touches: usize,
@@ -42,7 +42,7 @@ pub(super) fn solve(
     stream: u64,
 ) -> Result<Vec<Drawn>, StudyError> {
     let mut random = Draws::new(&bench.pad, bench.seed, stream);
-    let specimen = Specimen::drawn(&bench.pad, &mut random)?;
+    let specimen = Specimen::random(&bench.pad, &mut random)?;
     let seed = random.seed();
     let readers = bench
         .noises()
@@ -58,15 +58,16 @@ pub(super) fn solve(
     (0..draws)
         .map(|_| {
             let presses = random.presses(touches)?;
-            drawn(bench, &specimen, &readers, presses, random.seed())
+            read_state(bench, &specimen, &readers, presses, random.seed())
         })
         .collect()
 }
 
-fn drawn(
+/// Reads one state with every noise.
+fn read_state(
     bench: &Bench,
     specimen: &Specimen,
-    readers: &[(Instrument, Rested)],
+    readers: &[(Instrument, RestedDetector)],
     presses: Vec<Press>,
     seed: u64,
 ) -> Result<Drawn, StudyError> {
@@ -84,59 +85,59 @@ fn drawn(
             .as_ref()
             .and_then(|slopes| slopes.bounds(&deviations))
     });
-    let seen = readers.iter().map(|(instrument, rested)| {
+    let readings = readers.iter().map(|(instrument, rested)| {
         let frame = instrument.frame(&volts, seed);
         let bounds = &bounds_at_0_db[instrument.kind as usize];
-        let louder = |bound: &PressBound| bound.with_noise(share(instrument.snr_db));
-        Seen {
-            score: Score::of(&presses, &rested.contacts(&frame), REACH_MM * bench.scale),
+        let scaled = |bound: &PressBound| bound.with_noise(share(instrument.snr_db));
+        Reading {
+            score: Score::new(&presses, &rested.contacts(&frame), REACH_MM * bench.scale),
             bounds: bounds
                 .as_ref()
-                .map(|bounds| bounds.iter().map(louder).collect()),
+                .map(|bounds| bounds.iter().map(scaled).collect()),
             merit: match presses.as_slice() {
                 [press] => Some(rested.merit(&frame, press)),
                 _ => None,
             },
         }
     });
-    let seen = seen.collect();
-    Ok(Drawn { presses, seen })
+    let readings = readings.collect();
+    Ok(Drawn { presses, readings })
 }
 
-/// What draws of one number of touches gave with one noise.
+/// Results of one number of touches with one noise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TouchFindings {
     /// Touches in each draw; 0 is the untouched pad.
     pub touches: usize,
-    /// What the noise goes with.
+    /// Kind of noise.
     pub noise: NoiseKind,
-    /// How strong it is, dB.
+    /// SNR, dB.
     pub snr_db: f64,
-    /// Draws in which as many touches were seen as there were.
+    /// Draws in which as many touches were detected as there were.
     pub counted_right: Share,
-    /// Touches that were drawn.
+    /// Number of touches drawn.
     pub drawn: usize,
-    /// Touches that were not found.
+    /// Touches not detected.
     pub missed: usize,
-    /// Touches that were seen where there was none.
+    /// Touches detected where there was none.
     pub false_touches: usize,
-    /// Distances of found touches from the truth, mm.
+    /// Distances of detected touches from the truth, mm.
     pub place_error_mm: Spread,
-    /// The mean error of place that no unbiased method goes below, over all touches that were drawn, mm.
+    /// Bound of the mean error of place, over all touches drawn, mm.
     pub place_bound_mm: Spread,
-    /// Errors of force of found touches, as a share of the true force.
+    /// Errors of force of detected touches, as a share of the true force.
     pub force_error: Spread,
-    /// The mean error of force that no unbiased method goes below, over all touches that were drawn.
+    /// Bound of the mean error of force, over all touches drawn.
     pub force_bound: Spread,
 }
 
-/// GREIT's figures of one touch with one noise: medians over the draws (where noise fills an image, its sums come near
-/// zero, and a mean of ratios tells nothing).
+/// GREIT's figures of one touch with one noise: medians over the draws. (Where noise fills an image its sums come near zero, so
+/// a mean of ratios is meaningless.)
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImageFindings {
-    /// What the noise goes with.
+    /// Kind of noise.
     pub noise: NoiseKind,
-    /// How strong it is, dB.
+    /// SNR, dB.
     pub snr_db: f64,
     /// Draws.
     pub n: usize,
@@ -145,7 +146,7 @@ pub struct ImageFindings {
     pub median: Merit,
 }
 
-/// All draws of one number of touches, and what they gave with each noise.
+/// Results of all draws of one number of touches, with each noise.
 pub(super) fn findings(
     bench: &Bench,
     touches: usize,
@@ -156,51 +157,53 @@ pub(super) fn findings(
         .noises()
         .enumerate()
         .map(|(index, (noise, snr_db))| {
-            let seen: Vec<(&Drawn, &Seen)> = drawn
+            let read: Vec<(&Drawn, &Reading)> = drawn
                 .iter()
-                .map(|draw| (*draw, &draw.seen[index]))
+                .map(|draw| (*draw, &draw.readings[index]))
                 .collect();
-            let found: Vec<(&Press, Found)> = seen
+            let found: Vec<(&Press, Found)> = read
                 .iter()
-                .flat_map(|(draw, seen)| draw.presses.iter().zip(&seen.score.found))
+                .flat_map(|(draw, reading)| draw.presses.iter().zip(&reading.score.found))
                 .filter_map(|(press, found)| Some((press, (*found)?)))
                 .collect();
-            // Of every touch that was drawn, found or not: what could be found. An error of place ends at the reach
-            // within which a touch counts as found, and so does its bound.
-            let reach_mm = REACH_MM * bench.scale;
-            let bounds: Vec<(f64, f64)> = seen
+            let bounds = capped_bounds(&read, REACH_MM * bench.scale);
+            let off_mm = found.iter().map(|(_, found)| found.off_mm);
+            let force_errors = found
                 .iter()
-                .flat_map(|(draw, seen)| match &seen.bounds {
-                    Some(bounds) => bounds
-                        .iter()
-                        .map(|bound| (bound.mean_mm(), MEAN_OF_DEVIATION * bound.volume_share))
-                        .collect(),
-                    None => vec![(f64::INFINITY, f64::INFINITY); draw.presses.len()],
-                })
-                .map(|(mm, share)| (mm.min(reach_mm), share.min(MOST_FORCE_ERROR)))
-                .collect();
+                .map(|(press, found)| force.error(press, found.force));
             TouchFindings {
                 touches,
                 noise,
                 snr_db,
-                counted_right: Share::counted(&seen, |(_, seen)| seen.score.is_counted_right()),
+                counted_right: Share::counted(&read, |(_, one)| one.score.is_counted_right()),
                 drawn: touches * drawn.len(),
-                missed: seen.iter().map(|(_, seen)| seen.score.missed()).sum(),
-                false_touches: seen.iter().map(|(_, seen)| seen.score.false_touches).sum(),
-                place_error_mm: Spread::of(found.iter().map(|(_, found)| found.off_mm)),
-                place_bound_mm: Spread::of(bounds.iter().map(|(mm, _)| *mm)),
-                force_error: Spread::of(
-                    found
-                        .iter()
-                        .map(|(press, found)| force.error(press, found.force)),
-                ),
-                force_bound: Spread::of(bounds.iter().map(|(_, share)| *share)),
+                missed: read.iter().map(|(_, one)| one.score.missed()).sum(),
+                false_touches: read.iter().map(|(_, one)| one.score.false_touches).sum(),
+                place_error_mm: Spread::new(off_mm),
+                place_bound_mm: Spread::new(bounds.iter().map(|(mm, _)| *mm)),
+                force_error: Spread::new(force_errors),
+                force_bound: Spread::new(bounds.iter().map(|(_, share)| *share)),
             }
         })
         .collect()
 }
 
-/// GREIT's figures of draws of one touch, with each noise.
+/// Bounds of place (mm) and force of every touch, detected or not. An error of place ends at the reach within which a touch
+/// counts as detected, and so does its bound.
+fn capped_bounds(read: &[(&Drawn, &Reading)], reach_mm: f64) -> Vec<(f64, f64)> {
+    let capped = |mm: f64, share: f64| (mm.min(reach_mm), share.min(MOST_FORCE_ERROR));
+    read.iter()
+        .flat_map(|(draw, reading)| match &reading.bounds {
+            Some(bounds) => bounds
+                .iter()
+                .map(|bound| capped(bound.mean_mm(), MEAN_OF_DEVIATION * bound.volume_share))
+                .collect(),
+            None => vec![capped(f64::INFINITY, f64::INFINITY); draw.presses.len()],
+        })
+        .collect()
+}
+
+/// GREIT's figures of all draws of one touch, with each noise.
 pub(super) fn images(bench: &Bench, drawn: &[&Drawn]) -> Vec<ImageFindings> {
     bench
         .noises()
@@ -208,49 +211,41 @@ pub(super) fn images(bench: &Bench, drawn: &[&Drawn]) -> Vec<ImageFindings> {
         .map(|(index, (noise, snr_db))| {
             let merits: Vec<Merit> = drawn
                 .iter()
-                .filter_map(|draw| draw.seen[index].merit)
+                .filter_map(|draw| draw.readings[index].merit)
                 .collect();
-            let median = |figure: fn(&Merit) -> f64| Spread::of(merits.iter().map(figure)).median;
             ImageFindings {
                 noise,
                 snr_db,
                 n: merits.len(),
-                median: Merit {
-                    amplitude_response: median(|merit| merit.amplitude_response),
-                    place_error_mm: median(|merit| merit.place_error_mm),
-                    resolution: median(|merit| merit.resolution),
-                    shape_deformation: median(|merit| merit.shape_deformation),
-                    ringing: median(|merit| merit.ringing),
-                },
+                median: Merit::summarised(|figure| Spread::new(merits.iter().map(figure)).median),
             }
         })
         .collect()
 }
 
-/// What a force of 1 stands for. A force has no unit of its own: one scale for the whole pad is taken from its single
-/// touches at the best SNR, and errors are what is left.
+/// Meaning of a force of 1. A force has no unit: one scale for the whole pad is taken from its single touches at the highest
+/// SNR, and errors are the remaining differences.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ForceScale {
-    /// Volume of a press (rise x mm2) that reads as full force, by the median of single touches; `null` if none was
-    /// found.
+    /// Volume of a press (rise x mm2) that is detected as full force, by the median of single touches; `null` without any.
     pub full_force_mm2: f64,
 }
 
 impl ForceScale {
-    /// Of draws of one touch. Forces at full scale tell nothing of it.
-    pub(super) fn of(drawn: &[&Drawn]) -> Self {
+    /// The scale from draws of one touch. Forces at the ends of the scale are ignored.
+    pub(super) fn from_draws(drawn: &[&Drawn]) -> Self {
         let volumes = drawn.iter().filter_map(|draw| {
-            // The first noise is the best.
-            let found = draw.seen[0].score.found[0]?;
-            let tells = found.force > 0.0 && found.force < 1.0;
-            tells.then(|| draw.presses[0].volume_mm2() / found.force)
+            // The first noise has the highest SNR.
+            let found = draw.readings[0].score.found[0]?;
+            let is_inside = found.force > 0.0 && found.force < 1.0;
+            is_inside.then(|| draw.presses[0].volume_mm2() / found.force)
         });
         Self {
-            full_force_mm2: Spread::of(volumes).median,
+            full_force_mm2: Spread::new(volumes).median,
         }
     }
 
-    /// How far a force is off, as a share of the true one, both cut at full force.
+    /// Error of a force as a share of the true one, both cut at full force.
     fn error(self, press: &Press, force: f64) -> f64 {
         let truth = (press.volume_mm2() / self.full_force_mm2).min(1.0);
         ((force - truth).abs() / truth).min(MOST_FORCE_ERROR)

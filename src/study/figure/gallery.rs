@@ -1,11 +1,19 @@
-//! A table of pictures, each with its figures beneath.
+//! A table of images, each with its figures of merit underneath.
 
-use plotters::style::RGBColor;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Figure, Mark, both, text};
+use super::{Area, Drawn, FONT, Figure, Picture, render};
 use crate::study::{Raster, StudyError};
 
-/// A picture of a table of rasters, each with lines of text beneath.
+/// Edge of an image, gap between images, height of a line of text, pixels.
+const CELL: i32 = 180;
+const GAP: i32 = 16;
+const LINE: i32 = 17;
+/// Room for the names of the rows, and for the title and the names of the columns, pixels.
+const CORNER: (i32, i32) = (96, 76);
+
+/// A table of rasters, each with lines of text underneath.
 #[derive(Clone, Debug)]
 pub struct Gallery {
     /// File name without ending.
@@ -16,96 +24,96 @@ pub struct Gallery {
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Row by row: the raster, scaled to its peak, and what is said of it.
+    /// Row by row: the raster, shown in units of its peak, and the lines of text.
     pub cells: Vec<(Raster, Vec<String>)>,
 }
 
+impl Gallery {
+    /// Renders the gallery.
+    ///
+    /// # Errors
+    /// An error of the drawing library.
+    pub fn draw(&self) -> Result<Figure, StudyError> {
+        let (right, bottom) = self.corner(self.columns.len(), self.rows.len());
+        let size = ((right + 110) as u32, bottom as u32);
+        render(&self.name, &self.title, size, self)
+    }
+
+    /// Top-left pixel of a cell.
+    fn corner(&self, column: usize, row: usize) -> (i32, i32) {
+        let lines = self.cells.iter().map(|(_, lines)| lines.len()).max();
+        let height = CELL + lines.unwrap_or(0) as i32 * LINE + 2 * GAP;
+        let (left, top) = CORNER;
+        (
+            left + column as i32 * (CELL + GAP),
+            top + row as i32 * height,
+        )
+    }
+}
+
+impl Picture for Gallery {
+    fn draw_on<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+        label(area, (CORNER.0, 22), &self.title, 19, HPos::Left)?;
+        for (column, name) in self.columns.iter().enumerate() {
+            let (left, top) = self.corner(column, 0);
+            label(area, (left + CELL / 2, top - 20), name, 16, HPos::Center)?;
+        }
+        for (row, name) in self.rows.iter().enumerate() {
+            let (left, top) = self.corner(0, row);
+            label(area, (left - 12, top + CELL / 2), name, 16, HPos::Right)?;
+        }
+        for (index, (raster, lines)) in self.cells.iter().enumerate() {
+            let (left, top) = self.corner(index % self.columns.len(), index / self.columns.len());
+            image(raster, &area.clone().shrink((left, top), (CELL, CELL)))?;
+            for (line, text) in lines.iter().enumerate() {
+                let y = top + CELL + 12 + line as i32 * LINE;
+                label(area, (left, y), text, 13, HPos::Left)?;
+            }
+        }
+        let (left, top) = self.corner(self.columns.len(), 0);
+        colour_bar(area, left + 6, top)
+    }
+}
+
+/// An image in units of its peak.
+fn image<B: DrawingBackend>(raster: &Raster, area: &Area<B>) -> Drawn<B> {
+    let peak = raster.peak().max(f64::MIN_POSITIVE);
+    let columns = raster.grid.columns;
+    let edge = columns.max(raster.grid.rows) as i32;
+    let mut chart = ChartBuilder::on(area).build_cartesian_2d(0..edge, 0..edge)?;
+    chart.draw_series(raster.values.iter().enumerate().map(|(cell, value)| {
+        let (x, y) = ((cell % columns) as i32, (cell / columns) as i32);
+        Rectangle::new([(x, y), (x + 1, y + 1)], shade(value / peak).filled())
+    }))?;
+    Ok(())
+}
+
+fn colour_bar<B: DrawingBackend>(area: &Area<B>, left: i32, top: i32) -> Drawn<B> {
+    for step in 0..CELL {
+        let colour = shade(1.0 - f64::from(step) / f64::from(CELL));
+        let corners = [(left, top + step), (left + 16, top + step + 1)];
+        area.draw(&Rectangle::new(corners, colour.filled()))?;
+    }
+    for (share, name) in [(0.0, "1"), (0.5, "0.5"), (1.0, "0")] {
+        let y = top + (share * f64::from(CELL)) as i32;
+        label(area, (left + 22, y), name, 13, HPos::Left)?;
+    }
+    label(area, (left, top + CELL + 16), "of the peak", 13, HPos::Left)
+}
+
 fn shade(value: f64) -> RGBColor {
-    let [r, g, b] = crate::types::heat(value as f32);
+    let [r, g, b] = crate::types::heat_colour(value as f32);
     RGBColor(r, g, b)
 }
 
-impl Gallery {
-    /// Draws it.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn draw(&self) -> Result<Figure, StudyError> {
-        const CELL: i32 = 180;
-        const GAP: i32 = 16;
-        const LINE: i32 = 17;
-        let said = self
-            .cells
-            .iter()
-            .map(|(_, lines)| lines.len())
-            .max()
-            .unwrap_or(0) as i32;
-        let pitch = (CELL + GAP, CELL + said * LINE + 2 * GAP);
-        let (left, top) = (96, 76);
-        let size = (
-            (left + pitch.0 * self.columns.len() as i32 + 110) as u32,
-            (top + pitch.1 * self.rows.len() as i32) as u32,
-        );
-        both(&self.name, &self.title, size, |put| {
-            put(text((left, 22), &self.title, 19.0, -1));
-            for (column, name) in self.columns.iter().enumerate() {
-                put(text(
-                    (left + column as i32 * pitch.0 + CELL / 2, 56),
-                    name,
-                    16.0,
-                    0,
-                ));
-            }
-            for (row, name) in self.rows.iter().enumerate() {
-                put(text(
-                    (left - 12, top + row as i32 * pitch.1 + CELL / 2),
-                    name,
-                    16.0,
-                    1,
-                ));
-            }
-            for (index, (raster, lines)) in self.cells.iter().enumerate() {
-                let (row, column) = (index / self.columns.len(), index % self.columns.len());
-                let corner = (left + column as i32 * pitch.0, top + row as i32 * pitch.1);
-                picture(raster, corner, CELL, put);
-                for (line, said) in lines.iter().enumerate() {
-                    let y = corner.1 + CELL + 12 + line as i32 * LINE;
-                    put(text((corner.0, y), said, 13.0, -1));
-                }
-            }
-            let bar = left + pitch.0 * self.columns.len() as i32 + 6;
-            for step in 0..CELL {
-                put(Mark::Box {
-                    corners: [(bar, top + step), (bar + 16, top + step + 1)],
-                    colour: shade(1.0 - f64::from(step) / f64::from(CELL)),
-                });
-            }
-            for (share, name) in [(0.0, "1"), (0.5, "0.5"), (1.0, "0")] {
-                let y = top + (share * f64::from(CELL)) as i32;
-                put(text((bar + 22, y), name, 13.0, -1));
-            }
-            put(text((bar, top + CELL + 16), "of the peak", 13.0, -1));
-            Ok(())
-        })
-    }
-}
-
-fn picture(raster: &Raster, (x0, y0): (i32, i32), edge: i32, put: &mut dyn FnMut(Mark)) {
-    let peak = raster.peak().max(f64::MIN_POSITIVE);
-    let (columns, rows) = (raster.grid.columns, raster.grid.rows);
-    let most = columns.max(rows) as f64;
-    let at = |cell: usize| (cell as f64 / most * f64::from(edge)) as i32;
-    for row in 0..rows {
-        for column in 0..columns {
-            let value = raster.values[row * columns + column] / peak;
-            let (top, left) = (at(rows - 1 - row), at(column));
-            put(Mark::Box {
-                corners: [
-                    (x0 + left, y0 + top),
-                    (x0 + at(column + 1), y0 + at(rows - row)),
-                ],
-                colour: shade(value),
-            });
-        }
-    }
+/// A line of text, vertically centred at a pixel.
+fn label<B: DrawingBackend>(
+    area: &Area<B>,
+    at: (i32, i32),
+    text: &str,
+    size: u32,
+    anchor: HPos,
+) -> Drawn<B> {
+    let style = (FONT, size).into_text_style(area);
+    area.draw_text(text, &style.pos(Pos::new(anchor, VPos::Center)), at)
 }

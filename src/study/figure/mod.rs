@@ -1,27 +1,33 @@
-//! Figures: each drawn once, as SVG and as PNG.
+//! Figures, each rendered as SVG and as PNG with plotters.
 
-mod axis;
 mod chart;
 mod gallery;
 mod map;
-mod panels;
 
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
-pub use axis::Axis;
-pub use chart::{Chart, Look, Series};
+pub use chart::{Axis, Chart, Look, Series};
 pub use gallery::Gallery;
 pub use map::{PadMap, Ring};
-pub use panels::{Panel, Panels};
 
 use super::StudyError;
 
-/// Width and height of a chart, and of any panel.
+/// Width and height of a chart, and of any panel, pixels.
 const CHART: (u32, u32) = (760, 460);
-/// Lines that guide the eye.
+/// Panels in a row.
+const COLUMNS: usize = 2;
+/// Height of the title above panels, pixels.
+const TITLE: u32 = 40;
+/// Font of all figures.
+const FONT: &str = "sans-serif";
+/// Lengths of a dash and of the gap after it, pixels.
+const DASH: (u32, u32) = (7, 5);
+/// Grid lines and outlines.
 const GREY: RGBColor = RGBColor(205, 205, 205);
-/// Colours that differ in lightness too (Okabe and Ito), one a line.
+/// Colours of the lines of a chart; they differ in lightness too (Okabe and Ito).
 const LINES: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),
@@ -33,12 +39,17 @@ const LINES: [RGBColor; 8] = [
     RGBColor(150, 150, 150),
 ];
 
-/// A figure in both forms.
+/// A part of a picture, with pixel coordinates.
+type Area<B> = DrawingArea<B, Shift>;
+/// The result of drawing on a backend.
+type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
+/// A figure in both formats.
 #[derive(Clone, Debug)]
 pub struct Figure {
     /// File name without ending.
     pub name: String,
-    /// What it shows, for people who cannot see it too.
+    /// What it shows, as text for screen readers.
     pub caption: String,
     /// SVG text.
     pub svg: String,
@@ -46,33 +57,24 @@ pub struct Figure {
     pub png: Vec<u8>,
 }
 
-fn draw_error(error: &dyn std::fmt::Display) -> StudyError {
-    StudyError::Internal(format!("a figure cannot be drawn: {error}"))
+/// What can be drawn on any backend.
+trait Picture {
+    fn draw_on<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B>;
 }
 
-/// Draws into both forms.
-fn both<D>(name: &str, caption: &str, size: (u32, u32), draw: D) -> Result<Figure, StudyError>
-where
-    D: Fn(&mut dyn FnMut(Mark)) -> Result<(), StudyError>,
-{
-    // The bitmap needs glyphs of its own; registering the same font again is harmless.
-    let _ = register_font(
-        "sans-serif",
-        FontStyle::Normal,
-        epaint_default_fonts::UBUNTU_LIGHT,
-    );
-    let mut shapes = Vec::new();
-    draw(&mut |shape| shapes.push(shape))?;
+/// Renders a picture in both formats.
+fn render(
+    name: &str,
+    caption: &str,
+    size: (u32, u32),
+    picture: &impl Picture,
+) -> Result<Figure, StudyError> {
+    // The bitmap backend has no fonts of its own; registering a font twice is harmless.
+    let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
     let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        paint(&area, &shapes)?;
-    }
-    let mut pixels = vec![0u8; (size.0 * size.1 * 3) as usize];
-    {
-        let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-        paint(&area, &shapes)?;
-    }
+    paint(SVGBackend::with_string(&mut svg, size), picture)?;
+    let mut pixels = vec![0; (size.0 * size.1 * 3) as usize];
+    paint(BitMapBackend::with_buffer(&mut pixels, size), picture)?;
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, size.0, size.1);
     encoder.set_color(png::ColorType::Rgb);
@@ -80,7 +82,7 @@ where
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&pixels))
-        .map_err(|error| draw_error(&error))?;
+        .map_err(StudyError::internal)?;
     Ok(Figure {
         name: name.to_owned(),
         caption: caption.to_owned(),
@@ -89,111 +91,100 @@ where
     })
 }
 
-/// What figures are made of, in pixels from the top-left.
-#[derive(Clone, Debug)]
-enum Mark {
-    Line {
-        points: Vec<(i32, i32)>,
-        colour: RGBColor,
-        width: u32,
-    },
-    Box {
-        corners: [(i32, i32); 2],
-        colour: RGBColor,
-    },
-    Dot {
-        at: (i32, i32),
-        radius: u32,
-        colour: RGBColor,
-    },
-    Text {
-        at: (i32, i32),
-        text: String,
-        size: f64,
-        /// -1 begins there, 0 is centred there, 1 ends there.
-        anchor: i8,
-        upright: bool,
-    },
+fn paint<B: DrawingBackend>(backend: B, picture: &impl Picture) -> Result<(), StudyError> {
+    let area = backend.into_drawing_area();
+    area.fill(&WHITE)
+        .and_then(|()| picture.draw_on(&area))
+        .and_then(|()| area.present())
+        .map_err(StudyError::internal)
 }
 
-fn paint<B: DrawingBackend>(
-    area: &DrawingArea<B, plotters::coord::Shift>,
-    shapes: &[Mark],
-) -> Result<(), StudyError> {
-    use plotters::style::text_anchor::{HPos, Pos, VPos};
+/// The sign of an entry of a legend.
+#[derive(Clone, Copy, Debug)]
+enum Sign {
+    Line(RGBColor),
+    Dashes(RGBColor),
+    Disc(RGBColor),
+    None,
+}
 
-    let failed = |error: DrawingAreaErrorKind<B::ErrorType>| draw_error(&error);
-    area.fill(&WHITE).map_err(failed)?;
-    for shape in shapes {
-        match shape {
-            Mark::Line {
-                points,
-                colour,
-                width,
-            } => area
-                .draw(&PathElement::new(
-                    points.clone(),
-                    colour.stroke_width(*width),
-                ))
-                .map_err(failed)?,
-            Mark::Box { corners, colour } => area
-                .draw(&Rectangle::new(*corners, colour.filled()))
-                .map_err(failed)?,
-            Mark::Dot { at, radius, colour } => area
-                .draw(&Circle::new(*at, *radius, colour.filled()))
-                .map_err(failed)?,
-            Mark::Text {
-                at,
-                text,
-                size,
-                anchor,
-                upright,
-            } => {
-                let horizontal = match anchor {
-                    -1 => HPos::Left,
-                    0 => HPos::Center,
-                    _ => HPos::Right,
-                };
-                let mut style = ("sans-serif", *size).into_text_style(area);
-                if *upright {
-                    style = style.transform(FontTransform::Rotate270);
-                }
-                let style = style.pos(Pos::new(horizontal, VPos::Center)).color(&BLACK);
-                area.draw(&Text::new(text.as_str(), *at, style))
-                    .map_err(failed)?;
+/// Draws a legend. Plotters clips a legend to its chart, so this is an empty chart next to the real one.
+fn draw_legend<'n, B: DrawingBackend>(
+    area: &Area<B>,
+    entries: impl IntoIterator<Item = (&'n String, Sign)>,
+) -> Drawn<B> {
+    let mut chart = ChartBuilder::on(area).build_cartesian_2d(0..1, 0..1)?;
+    for (name, sign) in entries {
+        let entry = chart.draw_series(std::iter::empty::<Circle<(i32, i32), i32>>())?;
+        let ends = |(x, y)| vec![(x, y), (x + 24, y)];
+        match sign {
+            Sign::Line(colour) => entry
+                .label(name)
+                .legend(move |p| PathElement::new(ends(p), colour.stroke_width(2))),
+            Sign::Dashes(colour) => entry.label(name).legend(move |p| {
+                DashedPathElement::new(ends(p), DASH.0, DASH.1, colour.stroke_width(2))
+            }),
+            Sign::Disc(colour) => entry
+                .label(name)
+                .legend(move |(x, y)| Circle::new((x + 12, y), 6, colour.filled())),
+            Sign::None => entry.label(name),
+        };
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .label_font((FONT, 14))
+        .draw()
+}
+
+/// One of several pictures in a figure.
+#[derive(Clone, Debug)]
+pub enum Panel {
+    /// Lines.
+    Chart(Chart),
+    /// Rings on a pad.
+    Map(PadMap),
+}
+
+/// A figure of several panels, two in a row.
+#[derive(Clone, Debug)]
+pub struct Panels {
+    /// File name without ending.
+    pub name: String,
+    /// Its title.
+    pub title: String,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+}
+
+impl Panels {
+    /// Renders the figure.
+    ///
+    /// # Errors
+    /// An error of the drawing library.
+    pub fn draw(&self) -> Result<Figure, StudyError> {
+        let rows = self.panels.len().div_ceil(COLUMNS) as u32;
+        let size = (COLUMNS as u32 * CHART.0, TITLE + rows * CHART.1);
+        render(&self.name, &self.title, size, self)
+    }
+}
+
+impl Picture for Panels {
+    fn draw_on<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+        let rows = self.panels.len().div_ceil(COLUMNS);
+        let (title, area) = area.split_vertically(TITLE);
+        title.margin(6, 0, 0, 0).titled(&self.title, (FONT, 23))?;
+        for (panel, area) in self.panels.iter().zip(area.split_evenly((rows, COLUMNS))) {
+            match panel {
+                Panel::Chart(chart) => chart.draw_on(&area)?,
+                Panel::Map(map) => map.draw_on(&area)?,
             }
         }
-    }
-    area.present().map_err(failed)
-}
-
-impl Mark {
-    /// The same elsewhere.
-    fn moved(mut self, (dx, dy): (i32, i32)) -> Self {
-        let shift = |(x, y): &mut (i32, i32)| {
-            *x += dx;
-            *y += dy;
-        };
-        match &mut self {
-            Self::Line { points, .. } => points.iter_mut().for_each(shift),
-            Self::Box { corners, .. } => corners.iter_mut().for_each(shift),
-            Self::Dot { at, .. } | Self::Text { at, .. } => shift(at),
-        }
-        self
+        Ok(())
     }
 }
 
-fn text(at: (i32, i32), text: impl Into<String>, size: f64, anchor: i8) -> Mark {
-    Mark::Text {
-        at,
-        text: text.into(),
-        size,
-        anchor,
-        upright: false,
-    }
-}
-
-/// A number with three digits.
+/// A number with three significant digits.
 #[must_use]
 pub fn short(value: f64) -> String {
     if value == 0.0 {
@@ -227,8 +218,8 @@ mod tests {
             (2.0, "2"),
             (1.5e-9, "1.50e-9"),
         ];
-        for (value, said) in cases {
-            assert_eq!(short(value), said);
+        for (value, text) in cases {
+            assert_eq!(short(value), text);
         }
     }
 }

@@ -1,27 +1,32 @@
-//! Bricks on a grid of lines, some of them left out, and their shape functions.
+//! Hexahedra on a grid, any of them left out, and their trilinear shape functions.
 //!
-//! Nodes are numbered in the order of elimination, so that systems made on them need no order of their own.
+//! Nodes are numbered in the order of elimination, so that systems assembled on them need no reordering.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::order::nested_dissection;
 
 /// A point, mm.
 pub type Point = [f64; 3];
 
-/// The corner of a brick with number c lies at its far end along x if c is odd, along y if c / 2 is odd, along z if c / 4 is.
+/// Corners of a brick. Bit 0 of a corner's number is set at the far end along x, bit 1 along y, bit 2 along z.
 pub const CORNERS: usize = 8;
 
-/// Lines of a grid along x, y and z, mm, ascending.
+/// A vector for each corner of a brick, as columns: places, displacements or gradients.
+pub type Corners = SMatrix<f64, 3, CORNERS>;
+
+/// Grid lines along x, y and z, mm, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lines(pub [Vec<f64>; 3]);
 
 impl Lines {
-    /// Cells along an axis.
+    /// Number of cells along an axis.
     #[must_use]
     pub fn cells(&self, axis: usize) -> usize {
         self.0[axis].len() - 1
     }
 
-    /// The middle of a cell, mm.
+    /// The centre of a cell, mm.
     #[must_use]
     pub fn middle_mm(&self, cell: [usize; 3]) -> Point {
         std::array::from_fn(|axis| {
@@ -30,7 +35,24 @@ impl Lines {
         })
     }
 
-    /// The cell in which a point lies, and where in it (0 to 1 along each axis). Points off the grid are taken to its edge.
+    /// The share of a cell's plan (x, y) for which `holds`, by `side` x `side` points.
+    #[must_use]
+    pub fn share_of_plan(
+        &self,
+        cell: [usize; 3],
+        side: usize,
+        holds: impl Fn([f64; 2]) -> bool,
+    ) -> f64 {
+        let at = |axis: usize, step: usize| {
+            let lines = &self.0[axis][cell[axis]..];
+            lines[0] + (lines[1] - lines[0]) * (step as f64 + 0.5) / side as f64
+        };
+        let points = (0..side * side).map(|point| [at(0, point % side), at(1, point / side)]);
+        points.filter(|point| holds(*point)).count() as f64 / (side * side) as f64
+    }
+
+    /// The cell that contains a point, and the point's place in it (0 to 1 along each axis). A point off the grid is moved
+    /// to its edge.
     #[must_use]
     pub fn locate(&self, point_mm: Point) -> ([usize; 3], [f64; 3]) {
         let mut cell = [0; 3];
@@ -46,50 +68,38 @@ impl Lines {
     }
 }
 
-/// The bricks of a body.
+/// The bricks of a body, with x running fastest, then y, then z.
 #[derive(Clone, Debug)]
 pub struct Bricks {
     lines: Lines,
-    /// Nodes, mm.
+    /// Place of each node, mm.
     pub nodes_mm: Vec<Point>,
-    /// Each node's lines.
+    /// Grid indices of each node.
     pub at: Vec<[u32; 3]>,
-    /// Each brick's corners.
+    /// Corner nodes of each brick.
     pub corners: Vec<[u32; CORNERS]>,
-    /// Each brick's cell.
+    /// Grid cell of each brick.
     pub cells: Vec<[usize; 3]>,
-    /// The node where three lines meet, `u32::MAX` if none: x runs fastest.
+    /// The node at each grid index, x fastest; `u32::MAX` where there is none.
     node_at: Vec<u32>,
 }
 
 impl Bricks {
-    /// The cells of a grid for which `filled` holds.
+    /// A brick for each cell of a grid for which `filled` holds.
     #[must_use]
     pub fn new(lines: Lines, filled: impl Fn([usize; 3]) -> bool) -> Self {
         let counts: [usize; 3] = std::array::from_fn(|axis| lines.0[axis].len());
         let flat = |at: [usize; 3]| (at[2] * counts[1] + at[1]) * counts[0] + at[0];
-        let mut cells = Vec::new();
+        let cells: Vec<[usize; 3]> = indices([0, 1, 2].map(|axis| lines.cells(axis)))
+            .filter(|cell| filled(*cell))
+            .collect();
         let mut used = vec![false; counts.iter().product()];
-        for k in 0..lines.cells(2) {
-            for j in 0..lines.cells(1) {
-                for i in 0..lines.cells(0) {
-                    if filled([i, j, k]) {
-                        cells.push([i, j, k]);
-                        for corner in 0..CORNERS {
-                            used[flat(corner_of([i, j, k], corner))] = true;
-                        }
-                    }
-                }
+        for cell in &cells {
+            for corner in 0..CORNERS {
+                used[flat(corner_of(*cell, corner))] = true;
             }
         }
-        let meeting = |index: usize| {
-            let (i, rest) = (index % counts[0], index / counts[0]);
-            [i, rest % counts[1], rest / counts[1]]
-        };
-        let places: Vec<[usize; 3]> = (0..used.len())
-            .filter(|index| used[*index])
-            .map(meeting)
-            .collect();
+        let places: Vec<[usize; 3]> = indices(counts).filter(|at| used[flat(*at)]).collect();
         let at: Vec<[u32; 3]> = places.iter().map(|at| at.map(|line| line as u32)).collect();
         let order = nested_dissection(&at);
         let mut node_at = vec![u32::MAX; used.len()];
@@ -114,13 +124,13 @@ impl Bricks {
         }
     }
 
-    /// The lines of the grid.
+    /// The grid's lines.
     #[must_use]
     pub fn lines(&self) -> &Lines {
         &self.lines
     }
 
-    /// The node where three lines meet.
+    /// The node at a grid index.
     #[must_use]
     pub fn node(&self, at: [usize; 3]) -> Option<usize> {
         let counts: [usize; 2] = std::array::from_fn(|axis| self.lines.0[axis].len());
@@ -128,108 +138,91 @@ impl Bricks {
         (node != u32::MAX).then_some(node as usize)
     }
 
-    /// A value of each node at a point, trilinear in its cell; nothing where the cell lacks a node.
+    /// Interpolates a vector that is given at each node, trilinearly; `None` where the cell lacks a node.
     #[must_use]
     pub fn interpolate(&self, values: &[Point], point_mm: Point) -> Option<Point> {
         let (cell, share) = self.lines.locate(point_mm);
-        let mut sum = [0.0; 3];
+        let mut sum = Vector3::zeros();
         for corner in 0..CORNERS {
             let value = values[self.node(corner_of(cell, corner))?];
-            let weight: f64 = (0..3)
-                .map(|axis| match corner >> axis & 1 {
-                    0 => 1.0 - share[axis],
-                    _ => share[axis],
-                })
-                .product();
-            for (sum, value) in sum.iter_mut().zip(value) {
-                *sum += weight * value;
-            }
+            let weights = [0, 1, 2].map(|axis| far_weight(corner, axis, share[axis]));
+            sum += weights.iter().product::<f64>() * Vector3::from(value);
         }
-        Some(sum)
+        Some(sum.into())
     }
 
-    /// The brick in which a point lies, and which of its Gauss points is the nearest; nothing where there is none.
+    /// The brick that contains a point, and the number of its nearest Gauss point.
     #[must_use]
     pub fn nearest(&self, point_mm: Point) -> Option<(usize, usize)> {
         let (cell, share) = self.lines.locate(point_mm);
-        // Cells are listed with x running fastest, then y, then z.
         let rank = |cell: &[usize; 3]| [cell[2], cell[1], cell[0]];
         let brick = self.cells.binary_search_by_key(&rank(&cell), rank).ok()?;
         let point = (0..3).map(|axis| usize::from(share[axis] > 0.5) << axis);
         Some((brick, point.sum()))
     }
 
-    /// The corners of a brick, from places of all nodes.
+    /// The values of all nodes at the corners of a brick.
     #[must_use]
-    pub fn corners_of(&self, brick: usize, places: &[Point]) -> [Point; CORNERS] {
-        self.corners[brick].map(|node| places[node as usize])
+    pub fn corners_of(&self, brick: usize, values: &[Point]) -> Corners {
+        let columns = self.corners[brick].map(|node| Vector3::from(values[node as usize]));
+        Corners::from_columns(&columns)
     }
+}
+
+/// All index triples below `counts`, x fastest.
+fn indices(counts: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let [columns, rows, layers] = counts;
+    (0..columns * rows * layers).map(move |index| {
+        let rest = index / columns;
+        [index % columns, rest % rows, rest / rows]
+    })
 }
 
 fn corner_of(cell: [usize; 3], corner: usize) -> [usize; 3] {
     std::array::from_fn(|axis| cell[axis] + (corner >> axis & 1))
 }
 
-/// One point of Gauss' rule in a brick: gradients of the shape functions (1/mm) and the volume it stands for (mm3).
+/// Value along one axis of a corner's shape function: 1 at the corner, 0 at the opposite side.
+fn far_weight(corner: usize, axis: usize, share: f64) -> f64 {
+    if corner >> axis & 1 == 0 {
+        1.0 - share
+    } else {
+        share
+    }
+}
+
+/// One point of Gauss' rule in a brick.
 #[derive(Clone, Copy, Debug)]
 pub struct GaussPoint {
-    /// One a corner.
-    pub gradients: [Point; CORNERS],
-    /// Negative if the brick is turned inside out there.
+    /// Gradient of each corner's shape function, 1/mm.
+    pub gradients: Corners,
+    /// Volume for which the point stands, mm3; negative if the brick is turned inside out there.
     pub volume_mm3: f64,
 }
 
-/// Where along an edge the points of Gauss' rule lie, as shares of its length.
+/// Positions of the points of Gauss' rule along an edge, as shares of its length.
 pub(super) const GAUSS_SHARES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// The 2 x 2 x 2 rule in a brick with these corners.
+/// The 2 x 2 x 2 rule in a brick with these corners, mm.
 #[must_use]
-pub fn gauss_points(corners_mm: &[Point; CORNERS]) -> [GaussPoint; 8] {
+pub fn gauss_points(corners_mm: &Corners) -> [GaussPoint; 8] {
     std::array::from_fn(|point| {
-        let place: Point = std::array::from_fn(|axis| GAUSS_SHARES[point >> axis & 1]);
-        let local: [Point; CORNERS] = std::array::from_fn(|corner| {
-            let factor = |axis: usize| match corner >> axis & 1 {
-                0 => 1.0 - place[axis],
-                _ => place[axis],
-            };
-            let slope = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-            [
-                slope(0) * factor(1) * factor(2),
-                factor(0) * slope(1) * factor(2),
-                factor(0) * factor(1) * slope(2),
-            ]
+        let local = Corners::from_fn(|axis, corner| {
+            let weight = |axis| far_weight(corner, axis, GAUSS_SHARES[point >> axis & 1]);
+            let slope = if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            slope * weight((axis + 1) % 3) * weight((axis + 2) % 3)
         });
-        let mut jacobian = [[0.0; 3]; 3];
-        for (corner, slope) in corners_mm.iter().zip(&local) {
-            for row in 0..3 {
-                for column in 0..3 {
-                    jacobian[row][column] += corner[row] * slope[column];
-                }
-            }
-        }
-        let (inverse, determinant) = inverted(&jacobian);
+        let jacobian: Matrix3<f64> = corners_mm * local.transpose();
+        let inverse = jacobian.try_inverse().unwrap_or_else(Matrix3::zeros);
         GaussPoint {
-            gradients: local.map(|slope| {
-                std::array::from_fn(|axis| (0..3).map(|i| inverse[i][axis] * slope[i]).sum())
-            }),
-            volume_mm3: determinant / 8.0,
+            gradients: inverse.tr_mul(&local),
+            volume_mm3: jacobian.determinant() / 8.0,
         }
     })
 }
 
-/// The inverse of a matrix (rows first) and its determinant.
-pub(super) fn inverted(m: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
-    let cofactor = |i: usize, j: usize| {
-        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
-        m[a][c] * m[b][d] - m[a][d] * m[b][c]
-    };
-    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
-    let inverse = std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / determinant));
-    (inverse, determinant)
-}
-
-/// Lines from one end to another, `step_mm` apart within `even_mm` of a place, and farther apart the farther from it: each
-/// `growth` times the one before, `most_mm` at most. The place lies in the middle of a cell.
+/// Grid lines between two ends: `step_mm` apart within `even_mm` of a place, then each step `growth` times the one before,
+/// up to `most_mm`. The place lies in the middle of a cell.
 #[must_use]
 pub fn growing_lines(
     [from, to]: [f64; 2],
@@ -246,7 +239,7 @@ pub fn growing_lines(
             if last >= even_mm {
                 step = (step * growth).min(most_mm);
             }
-            // The last cell takes what is left, at most half as long again.
+            // The last cell takes the rest: up to 1.5 steps.
             if last + 1.5 * step >= length {
                 lines.push(length);
                 return lines;

@@ -1,11 +1,12 @@
-//! Current in bricks, deformed or not: the complete electrode model in three dimensions.
+//! The complete electrode model in three dimensions, on bodies at rest or deformed.
 //!
-//! As `eit::forward` does in the plane: nodes first among the unknowns, then the electrodes but the last, which is ground;
-//! one field for a unit current into each electrode. Somersalo, Cheney, Isaacson, SIAM J. Appl. Math. 52 (1992), (2.2)-(2.6).
+//! As `eit::forward` in the plane: the unknowns are the nodes, then all electrodes but the last, which is ground; one field
+//! is solved for a unit current into each electrode. Somersalo, Cheney, Isaacson, SIAM J. Appl. Math. 52 (1992), (2.2)-(2.6).
 
 use faer::Mat;
+use nalgebra::{Vector3, Vector4};
 
-use super::bricks::{Bricks, CORNERS, GAUSS_SHARES, Point, gauss_points, inverted};
+use super::bricks::{Bricks, CORNERS, Corners, GAUSS_SHARES, Point, gauss_points};
 use super::rubber::Gradient;
 use super::system::{Size, System};
 use crate::eit::{ForwardError, combine};
@@ -16,16 +17,16 @@ const M_PER_MM: f64 = 1e-3;
 /// Pairs of a brick's corners.
 const PAIRS: usize = CORNERS * (CORNERS + 1) / 2;
 
-/// Where an electrode lies: faces of bricks, their corners in order around each.
+/// An electrode: the faces of bricks that it covers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Each face's corners.
+    /// Corner nodes of each face, in order around it.
     pub faces: Vec<[usize; 4]>,
     /// Contact impedance, ohm m2.
     pub impedance_ohm_m2: f64,
 }
 
-/// Bricks that conduct, with their electrodes.
+/// A conducting body with its electrodes.
 #[derive(Debug)]
 pub struct CurrentModel {
     bricks: Bricks,
@@ -34,40 +35,39 @@ pub struct CurrentModel {
     entries: Vec<[u32; PAIRS]>,
 }
 
-/// What unit currents make of the electrodes' potentials.
+/// Potentials of the electrodes for unit currents.
 #[derive(Clone, Debug)]
 pub struct Transfer {
-    /// Electrode by electrode, the last one ground, ohm.
+    /// Electrode by electrode without the last, which is ground, ohm.
     ohm: Mat<f64>,
 }
 
 impl CurrentModel {
-    /// Prepares bricks and their electrodes.
+    /// Finds the structure of the system.
     ///
     /// # Errors
-    /// An electrode without a face; more unknowns than fit the memory.
+    /// An electrode without a face; more unknowns than fit into memory.
     pub fn new(bricks: Bricks, contacts: Vec<Contact>) -> Result<Self, ForwardError> {
         if let Some(bare) = contacts.iter().position(|contact| contact.faces.is_empty()) {
             return Err(ForwardError::BareElectrode(bare));
         }
         let nodes = bricks.nodes_mm.len();
         let ground = contacts.len() - 1;
-        let touching: Vec<Vec<u32>> = contacts[..ground]
-            .iter()
-            .enumerate()
+        let faces: Vec<Vec<u32>> = (nodes..)
+            .zip(&contacts[..ground])
             .flat_map(|(electrode, contact)| {
-                contact.faces.iter().map(move |face| {
-                    let mut group: Vec<u32> = face.iter().map(|node| *node as u32).collect();
-                    group.push((nodes + electrode) as u32);
-                    group
-                })
+                let with_electrode = move |face: &[usize; 4]| {
+                    let unknowns = face.iter().chain([&electrode]);
+                    unknowns.map(|unknown| *unknown as u32).collect()
+                };
+                contact.faces.iter().map(with_electrode)
             })
             .collect();
         let groups = bricks
             .corners
             .iter()
             .map(|corners| corners.as_slice())
-            .chain(touching.iter().map(Vec::as_slice));
+            .chain(faces.iter().map(Vec::as_slice));
         let system = System::new(nodes + ground, groups).map_err(|_| ForwardError::TooLarge)?;
         let entries = bricks
             .corners
@@ -91,16 +91,16 @@ impl CurrentModel {
         &self.bricks
     }
 
-    /// What one solve takes.
+    /// Cost of one solve.
     #[must_use]
     pub fn size(&self) -> Size {
         self.system.size()
     }
 
-    /// Solves with nodes at these places and these conductivities of the bricks, S/m.
+    /// Solves for nodes at these places and a conductivity of each brick, S/m.
     ///
     /// # Errors
-    /// A conductor that falls apart, a brick turned inside out, or too little memory.
+    /// A conductor in separate parts, a brick turned inside out, or too little memory.
     pub fn solve(
         &self,
         places_mm: &[Point],
@@ -113,18 +113,18 @@ impl CurrentModel {
                     return Err(ForwardError::Disconnected);
                 }
                 let siemens_mm2 = sigma * point.volume_mm3 * M_PER_MM;
-                conduct(&mut values, entries, siemens_mm2, &point.gradients);
+                add_conductance(&mut values, entries, siemens_mm2, &point.gradients);
             }
         }
-        self.solved(places_mm, values)
+        self.transfer(places_mm, values)
     }
 
-    /// Solves a body that is deformed: its nodes lie at these places, and about any point of it at rest it is stretched and
-    /// turned by a deformation gradient F. Solved on the bricks at rest, where a conductivity s of the deformed body acts as
-    /// det(F) s F^-1 F^-T: so no brick can turn inside out, however the body folds between its nodes.
+    /// Solves a deformed body: its nodes lie at `places_mm`, and `gradient_at` is the deformation gradient F at a point of
+    /// the body at rest. The system is assembled on the bricks at rest, where a conductivity s of the deformed body acts as
+    /// det(F) s F^-1 F^-T. So no brick can turn inside out, however the body folds between its nodes.
     ///
     /// # Errors
-    /// A conductor that falls apart, a gradient that turns inside out, or too little memory.
+    /// A conductor in separate parts, a gradient with a determinant that is not positive, or too little memory.
     pub fn solve_stretched(
         &self,
         places_mm: &[Point],
@@ -134,27 +134,28 @@ impl CurrentModel {
         let mut values = vec![0.0; self.system.entries()];
         for (brick, (entries, sigma)) in self.entries.iter().zip(conductivity_s_per_m).enumerate() {
             let corners = self.bricks.corners_of(brick, &self.bricks.nodes_mm);
-            let (low, high) = (corners[0], corners[CORNERS - 1]);
+            let (low, high) = (corners.column(0), corners.column(CORNERS - 1));
             for (number, point) in gauss_points(&corners).iter().enumerate() {
-                let place: Point = std::array::from_fn(|axis| {
-                    let share = GAUSS_SHARES[number >> axis & 1];
-                    low[axis] + share * (high[axis] - low[axis])
-                });
-                let (inverse, swell) = inverted(&gradient_at(place));
-                if swell.is_nan() || swell <= 0.0 {
-                    return Err(ForwardError::Disconnected);
-                }
-                let carried: [Point; CORNERS] = point
-                    .gradients
-                    .map(|n| std::array::from_fn(|i| (0..3).map(|l| inverse[l][i] * n[l]).sum()));
+                let shares = Vector3::from_fn(|axis, _| GAUSS_SHARES[number >> axis & 1]);
+                let place = low + shares.component_mul(&(high - low));
+                let gradient = gradient_at(place.into());
+                let swell = gradient.determinant();
+                let inverse = gradient.try_inverse().filter(|_| swell > 0.0);
+                let inverse = inverse.ok_or(ForwardError::Disconnected)?;
                 let siemens_mm2 = sigma * swell * point.volume_mm3 * M_PER_MM;
-                conduct(&mut values, entries, siemens_mm2, &carried);
+                let carried = inverse.tr_mul(&point.gradients);
+                add_conductance(&mut values, entries, siemens_mm2, &carried);
             }
         }
-        self.solved(places_mm, values)
+        self.transfer(places_mm, values)
     }
 
-    fn solved(&self, places_mm: &[Point], mut values: Vec<f64>) -> Result<Transfer, ForwardError> {
+    /// Adds the contacts to the bricks' entries, factorises and solves.
+    fn transfer(
+        &self,
+        places_mm: &[Point],
+        mut values: Vec<f64>,
+    ) -> Result<Transfer, ForwardError> {
         self.add_contacts(places_mm, &mut values);
         let factor = self
             .system
@@ -207,12 +208,9 @@ impl Transfer {
     #[must_use]
     pub fn voltages(&self, protocol: &Protocol) -> Vec<f64> {
         let ground = self.ohm.ncols();
-        let transfer = |into: usize, of: usize| {
-            if into == ground || of == ground {
-                0.0
-            } else {
-                self.ohm[(of, into)]
-            }
+        let transfer = |into: usize, of: usize| match into == ground || of == ground {
+            true => 0.0,
+            false => self.ohm(into, of),
         };
         protocol
             .channels
@@ -221,24 +219,22 @@ impl Transfer {
             .collect()
     }
 
-    /// Potential of one electrode for a unit current into another and out of the last, ohm.
+    /// Potential of electrode `of` for a unit current into electrode `into` and out of the last, ohm.
     #[must_use]
     pub fn ohm(&self, into: usize, of: usize) -> f64 {
         self.ohm[(of, into)]
     }
 }
 
-/// Adds what lies about one point of a brick: its conductivity times its volume, S mm^2, and the gradients of its corners' shapes,
-/// 1/mm.
-fn conduct(
+/// Adds the conductance at one Gauss point: conductivity times volume, S mm2, and the gradients of the shape functions, 1/mm.
+fn add_conductance(
     values: &mut [f64],
     entries: &[u32; PAIRS],
     siemens_mm2: f64,
-    gradients: &[Point; CORNERS],
+    gradients: &Corners,
 ) {
     for ((i, j), entry) in pairs().zip(entries) {
-        let (a, b) = (gradients[i], gradients[j]);
-        values[*entry as usize] += siemens_mm2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+        values[*entry as usize] += siemens_mm2 * gradients.column(i).dot(&gradients.column(j));
     }
 }
 
@@ -247,24 +243,14 @@ fn pairs() -> impl Iterator<Item = (usize, usize)> {
     (0..CORNERS).flat_map(|i| (0..=i).map(move |j| (i, j)))
 }
 
-/// Gauss' 2 x 2 rule on a face: the shape functions of its corners, and the area each point stands for.
-fn face_points(corners_mm: [Point; 4]) -> [([f64; 4], f64); 4] {
-    let half = 0.5 / 3f64.sqrt();
-    [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(u, v)| {
-        let (u, v) = (0.5 + u, 0.5 + v);
-        let shape = [(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v];
-        let along_u = [-(1.0 - v), 1.0 - v, v, -v];
-        let along_v = [-(1.0 - u), -u, u, 1.0 - u];
-        let tangent = |slopes: [f64; 4]| -> Point {
-            std::array::from_fn(|axis| (0..4).map(|i| slopes[i] * corners_mm[i][axis]).sum())
-        };
-        let (a, b) = (tangent(along_u), tangent(along_v));
-        let cross = [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ];
-        let area = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
-        (shape, area / 4.0)
+/// Gauss' 2 x 2 rule on a face: the shape functions of its corners, and the area for which each point stands, mm2.
+fn face_points(corners_mm: [Point; 4]) -> [(Vector4<f64>, f64); 4] {
+    let corners = nalgebra::Matrix3x4::from_columns(&corners_mm.map(Vector3::from));
+    let [low, high] = GAUSS_SHARES;
+    [(low, low), (high, low), (high, high), (low, high)].map(|(u, v)| {
+        let shape = Vector4::new((1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v);
+        let along_u = corners * Vector4::new(v - 1.0, 1.0 - v, v, -v);
+        let along_v = corners * Vector4::new(u - 1.0, -u, u, 1.0 - u);
+        (shape, along_u.cross(&along_v).norm() / 4.0)
     })
 }

@@ -1,7 +1,7 @@
-//! Solids in three dimensions: bricks, the order in which their unknowns are eliminated, current and large elastic deformation.
+//! Finite elements in three dimensions on grids of hexahedra ("bricks"): electric current and large elastic deformation.
 //!
-//! Invariant: everything here is the same on every machine and with any number of threads: sums run brick by brick, and each
-//! system is factorised on one thread.
+//! Invariant: results do not depend on the number of threads. Sums run brick by brick, and each system is factorised on
+//! one thread.
 
 pub mod bricks;
 pub mod current;
@@ -13,6 +13,6 @@ mod system;
 
 pub use bricks::{Bricks, Lines, growing_lines};
 pub use current::{Contact, CurrentModel, Transfer};
-pub use elastic::{Elastic, ElasticError, Prescribed};
+pub use elastic::{Constraint, Elastic, ElasticError};
 pub use rubber::{Gradient, Rubber};
 pub use system::Size;

@@ -1,57 +1,59 @@
-//! How a body comes to its equilibrium.
+//! Finds the equilibrium of a body.
 //!
-//! Newton's method on the residual forces, the prescribed movement applied in steps: a step that does not converge is halved,
-//! one that converges quickly is followed by a longer one. Where the equilibrium ends (soft rubber folds, an arch snaps) no
-//! step is short enough: there the body is let creep down its energy until it rests in another one.
+//! Newton's method on the residual forces, with the prescribed displacements applied in steps: a step that does not converge
+//! is halved, one that converges quickly is followed by a longer one. Where the equilibrium ends (soft rubber folds, an arch
+//! snaps through) no step is short enough. There the body creeps down its energy against a drag until it rests in another
+//! equilibrium.
 
 use faer::Mat;
 
 use super::bricks::Point;
 use super::elastic::{Assembled, Elastic, ElasticError, NONE};
+use super::rubber::DofVector;
 use super::system::SystemError;
 
-/// Residual forces at which a step has converged, as a share of the forces at the prescribed nodes.
+/// Residual forces at which a step has converged, as a share of the forces at the constraints.
 const CONVERGED: f64 = 1e-7;
-/// Forces below this are no forces, mN.
+/// Forces below this count as zero, mN.
 const NO_FORCE_MN: f64 = 1e-9;
-/// A step may take this many iterations ...
+/// Most iterations of a step.
 const MOST_ITERATIONS: usize = 14;
-/// ... and after so many ...
+/// After this many iterations the residual must be below [`HOPEFUL`] of the first one, or the step is given up.
 const PATIENCE: usize = 6;
-/// ... the residual must have fallen to this share of the first's, or there is nothing near to converge to.
+/// See [`PATIENCE`].
 const HOPEFUL: f64 = 1e-2;
-/// After a step of at most so many iterations ...
+/// A step that takes at most this many iterations makes the next one [`LONGER`] times as long.
 const QUICK_ITERATIONS: usize = 6;
-/// ... the next is this much longer.
+/// See [`QUICK_ITERATIONS`].
 const LONGER: f64 = 1.6;
-/// After a step that did not converge, so many have to before one is longer again.
+/// Steps that have to converge after one that did not, before a step is made longer again.
 const CAUTION: usize = 3;
-/// A correction that turns a brick inside out is halved at most so often.
+/// A correction that turns a brick inside out is halved at most this often.
 const MOST_HALVINGS: usize = 2;
-/// The shortest step, as a share of the one with which a load begins; if it does not converge the body is let creep.
+/// The shortest step, as a share of the first step of a load; if it does not converge, the body creeps.
 const SHORTEST: f64 = 1.0 / 32.0;
-/// What holds a creeping body back at first, as a share of the stiffest rubber's shear modulus, a mm^2.
+/// First drag on a creeping body, as a share of the largest shear modulus, per mm2.
 const FIRST_DRAG: f64 = 0.2;
-/// Drag falls by this factor after a quick step, rises by it after one that did not converge, ...
+/// Factor by which the drag falls after a quick step, and rises after one that did not converge.
 const DRAG_FACTOR: f64 = 4.0;
-/// ... and where so few iterations follow its movement, an equilibrium without drag is near.
+/// A creeping step of at most this many iterations shows that an equilibrium without drag is near.
 const AT_REST: usize = 2;
-/// A body has so many steps to come to rest.
+/// Most creeping steps until the body must be at rest.
 const MOST_CREEPING: usize = 60;
 
 /// A drag on every part of a body.
 struct Drag<'a> {
-    /// Where its nodes' movement is counted from, mm.
+    /// Displacements at which the drag is zero, mm.
     from: &'a [Point],
-    /// Force on a volume that has moved, mN/mm^4.
+    /// Force on a volume that has moved, mN/mm4.
     drag: f64,
 }
 
 impl Elastic {
-    /// Deforms the body until the load is reached: every prescribed coordinate is then moved by that share.
+    /// Deforms the body until the load is reached: every constraint is then displaced by this share of its `by_mm`.
     ///
     /// # Errors
-    /// No equilibrium, not even by creeping, or a body that is not held.
+    /// No equilibrium, even by creeping; a body that can move freely.
     pub fn load_to(&mut self, load: f64) -> Result<(), ElasticError> {
         let shortest = self.step * SHORTEST;
         let mut caution = 0_usize;
@@ -85,17 +87,15 @@ impl Elastic {
         Ok(())
     }
 
-    /// Lets a body that has lost its equilibrium (a fold snaps) move under this load against a drag until it rests in another
-    /// one: implicit steps down the energy, longer and longer. Whether it came to rest.
+    /// Moves a body that has lost its equilibrium against a drag until it rests in another one, by implicit steps down the
+    /// energy that become longer and longer. Returns whether it came to rest.
     fn creep(&mut self, load: f64) -> Result<bool, ElasticError> {
-        let stiffest = self.rubbers.iter().map(|rubber| rubber.shear_kpa);
-        let first = FIRST_DRAG * stiffest.fold(0.0, f64::max);
-        let mut drag = first;
+        let moduli = self.rubbers.iter().map(|rubber| rubber.shear_kpa);
+        let mut drag = FIRST_DRAG * moduli.fold(0.0, f64::max);
         let mut caution = 0_usize;
         for _ in 0..MOST_CREEPING {
             let from = self.moved_mm.clone();
-            let came = self.converge(load, Some(&Drag { from: &from, drag }))?;
-            match came {
+            match self.converge(load, Some(&Drag { from: &from, drag }))? {
                 Some(iterations) if iterations <= AT_REST => {
                     let crept = self.moved_mm.clone();
                     if self.converge(load, None)?.is_some() {
@@ -118,82 +118,82 @@ impl Elastic {
         Ok(false)
     }
 
-    /// One step; how many iterations it took, or nothing if it did not converge.
+    /// Solves one step. Returns the number of iterations, or `None` if it did not converge.
     fn converge(
         &mut self,
         load: f64,
         drag: Option<&Drag<'_>>,
     ) -> Result<Option<usize>, ElasticError> {
         let ahead: Vec<(usize, usize, f64)> = self
-            .prescribed
+            .constraints
             .iter()
-            .map(|told| {
-                let there = load * told.by_mm;
-                (
-                    told.node,
-                    told.axis,
-                    there - self.moved_mm[told.node][told.axis],
-                )
+            .map(|fixed| {
+                let moved_mm = self.moved_mm[fixed.node][fixed.axis];
+                (fixed.node, fixed.axis, load * fixed.by_mm - moved_mm)
             })
             .collect();
-        // The first correction carries the prescribed movement into the body as a linear one would.
+        // The first correction carries the prescribed displacements into the body as a linear model would.
         let Some(mut state) = self.assemble(&self.moved_mm, true, &ahead, None) else {
             return Ok(None);
         };
-        self.hold_back(drag, &self.moved_mm, &mut state);
-        let mut first_rest = None;
+        self.add_drag(drag, &self.moved_mm, &mut state);
+        let mut first_residual = None;
         for iteration in 1..=MOST_ITERATIONS {
-            let correction = self.correction(&state)?;
-            let mut share = 1.0;
-            let mut halvings = 0;
-            let (moved, next) = loop {
-                let mut moved = self.moved_mm.clone();
-                for (moved, unknowns) in moved.iter_mut().zip(&self.unknowns) {
-                    for (coordinate, unknown) in moved.iter_mut().zip(unknowns) {
-                        if *unknown != NONE {
-                            *coordinate += share * correction[(*unknown as usize, 0)];
-                        }
-                    }
-                }
-                for told in &self.prescribed {
-                    moved[told.node][told.axis] = load * told.by_mm;
-                }
-                let foretold = self.foretell(&state, &moved);
-                if let Some(mut next) = self.assemble(&moved, true, &[], Some(&foretold)) {
-                    self.hold_back(drag, &moved, &mut next);
-                    break (moved, next);
-                }
-                halvings += 1;
-                // The prescribed movement itself may be too long a step.
-                if halvings > MOST_HALVINGS {
-                    return Ok(None);
-                }
-                share *= 0.5;
+            let Some((moved_mm, next)) = self.corrected(load, drag, &state)? else {
+                return Ok(None);
             };
-            self.moved_mm = moved;
+            self.moved_mm = moved_mm;
             state = next;
-            let held: f64 = self
-                .prescribed
-                .iter()
-                .map(|told| state.forces[told.node][told.axis].powi(2))
-                .sum();
-            let rest: f64 = state.residual.iter().map(|force| force * force).sum();
-            if !rest.is_finite() {
+            let residual = norm(state.residual.iter().copied());
+            let forces = self.constraints.iter();
+            let held = norm(forces.map(|fixed| state.forces[fixed.node][fixed.axis]));
+            if !residual.is_finite() {
                 return Ok(None);
             }
-            if rest.sqrt() <= CONVERGED * held.sqrt() + NO_FORCE_MN {
+            if residual <= CONVERGED * held + NO_FORCE_MN {
                 return Ok(Some(iteration));
             }
-            let first = *first_rest.get_or_insert(rest.sqrt());
-            if iteration >= PATIENCE && rest.sqrt() > HOPEFUL * first {
+            let first = *first_residual.get_or_insert(residual);
+            if iteration >= PATIENCE && residual > HOPEFUL * first {
                 break;
             }
         }
         Ok(None)
     }
 
-    /// Adds the force of a drag on what has moved since, and its stiffness.
-    fn hold_back(&self, drag: Option<&Drag<'_>>, moved_mm: &[Point], state: &mut Assembled) {
+    /// One iteration of Newton's method: the corrected displacements and the forces there. `None` if even a shortened
+    /// correction turns a brick inside out.
+    fn corrected(
+        &self,
+        load: f64,
+        drag: Option<&Drag<'_>>,
+        state: &Assembled,
+    ) -> Result<Option<(Vec<Point>, Assembled)>, ElasticError> {
+        let correction = self.correction(state)?;
+        for halvings in 0..=MOST_HALVINGS as i32 {
+            let share = 0.5_f64.powi(halvings);
+            let mut moved_mm = self.moved_mm.clone();
+            for (moved, unknowns) in moved_mm.iter_mut().zip(&self.unknowns) {
+                for (coordinate, unknown) in moved.iter_mut().zip(unknowns) {
+                    if *unknown != NONE {
+                        *coordinate += share * correction[(*unknown as usize, 0)];
+                    }
+                }
+            }
+            for fixed in &self.constraints {
+                moved_mm[fixed.node][fixed.axis] = load * fixed.by_mm;
+            }
+            let predicted = self.predicted_pressures_kpa(state, &moved_mm);
+            if let Some(mut next) = self.assemble(&moved_mm, true, &[], Some(&predicted)) {
+                self.add_drag(drag, &moved_mm, &mut next);
+                return Ok(Some((moved_mm, next)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Adds the force of a drag, and its stiffness.
+    fn add_drag(&self, drag: Option<&Drag<'_>>, moved_mm: &[Point], state: &mut Assembled) {
         let Some(Drag { from, drag }) = drag else {
             return;
         };
@@ -208,18 +208,14 @@ impl Elastic {
         }
     }
 
-    /// Each brick's pressure at new displacements as the last ones foretell it, kPa.
-    fn foretell(&self, last: &Assembled, moved_mm: &[Point]) -> Vec<f64> {
-        let bricks = self.bricks.corners.iter().zip(&last.pressures);
+    /// Pressure of each brick at new displacements, to first order from the last ones, kPa.
+    fn predicted_pressures_kpa(&self, last: &Assembled, moved_mm: &[Point]) -> Vec<f64> {
+        let bricks = last.pressures.iter().enumerate();
         bricks
-            .map(|(corners, (pressure, slope))| {
-                let steps = corners.iter().zip(slope.chunks(3)).map(|(node, slope)| {
-                    let (new, old) = (moved_mm[*node as usize], self.moved_mm[*node as usize]);
-                    (0..3)
-                        .map(|axis| slope[axis] * (new[axis] - old[axis]))
-                        .sum::<f64>()
-                });
-                pressure + steps.sum::<f64>()
+            .map(|(brick, (pressure, slope))| {
+                let [new, old] =
+                    [moved_mm, &self.moved_mm].map(|moved| self.bricks.corners_of(brick, moved));
+                pressure + slope.dot(&DofVector::from_column_slice((new - old).as_slice()))
             })
             .collect()
     }
@@ -238,4 +234,8 @@ impl Elastic {
             .map_err(unsolvable)?;
         Ok(side)
     }
+}
+
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -1,23 +1,23 @@
-//! In which order unknowns are eliminated: nested dissection of a grid.
+//! The order of elimination: nested dissection of a grid.
 //!
-//! A plane of nodes parts a grid of bricks, for a brick joins neighbouring planes only. The two parts come first, each parted
-//! again, the plane last: fill stays within the planes. Of all planes near the middle the emptiest is taken, so that a
-//! lattice is cut through its channels and not along them; of equal ones that in the middle. (George, SIAM J. Numer. Anal. 10, 1973.)
+//! A plane of nodes separates a grid of bricks, since a brick joins neighbouring planes only. The two parts come first, each
+//! dissected in turn, and the plane last, so that fill stays within the planes. Of all planes near the middle the one with
+//! the fewest nodes is taken, so that a lattice is cut across its channels. (George, SIAM J. Numer. Anal. 10, 1973.)
 
-/// Parts of at most so many nodes are not parted further.
+/// Parts of at most this many nodes are not dissected.
 const LEAF: usize = 48;
-/// Each part holds at least this share of the nodes.
+/// Least share of the nodes in each part.
 const LEAST_SHARE: f64 = 0.3;
 
-/// Which node comes first, second, and so on, for nodes at places of a grid.
+/// The nodes in the order of elimination, from their grid indices.
 pub(super) fn nested_dissection(at: &[[u32; 3]]) -> Vec<usize> {
     let mut nodes: Vec<usize> = (0..at.len()).collect();
     let mut order = Vec::with_capacity(at.len());
-    part(at, &mut nodes, &mut order);
+    dissect(at, &mut nodes, &mut order);
     order
 }
 
-fn part(at: &[[u32; 3]], nodes: &mut [usize], order: &mut Vec<usize>) {
+fn dissect(at: &[[u32; 3]], nodes: &mut [usize], order: &mut Vec<usize>) {
     let Some((axis, plane)) = separator(at, nodes) else {
         order.extend_from_slice(nodes);
         return;
@@ -31,12 +31,12 @@ fn part(at: &[[u32; 3]], nodes: &mut [usize], order: &mut Vec<usize>) {
     let beyond = nodes[below..].partition_point(|node| at[*node][axis] > plane);
     let (first, rest) = nodes.split_at_mut(below);
     let (second, between) = rest.split_at_mut(beyond);
-    part(at, first, order);
-    part(at, second, order);
+    dissect(at, first, order);
+    dissect(at, second, order);
     order.extend_from_slice(between);
 }
 
-/// The axis and plane of fewest nodes that leaves parts on both sides.
+/// Axis and plane of the best separator; `None` if the part is small or cannot be separated.
 fn separator(at: &[[u32; 3]], nodes: &[usize]) -> Option<(usize, u32)> {
     if nodes.len() <= LEAF {
         return None;
@@ -70,19 +70,14 @@ mod tests {
     use super::*;
 
     fn block(size: [u32; 3]) -> Vec<[u32; 3]> {
-        let mut at = Vec::new();
-        for k in 0..size[2] {
-            for j in 0..size[1] {
-                for i in 0..size[0] {
-                    at.push([i, j, k]);
-                }
-            }
-        }
-        at
+        let [columns, rows, layers] = size;
+        (0..columns * rows * layers)
+            .map(|i| [i % columns, i / columns % rows, i / columns / rows])
+            .collect()
     }
 
     #[test]
-    fn every_node_comes_once() {
+    fn every_node_is_eliminated_once() {
         let at = block([17, 9, 5]);
         let mut order = nested_dissection(&at);
         order.sort_unstable();
@@ -90,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_nodes_part_the_rest() {
+    fn the_last_nodes_separate_the_rest() {
         let at = block([40, 11, 4]);
         let order = nested_dissection(&at);
         let last = at[order[order.len() - 1]];

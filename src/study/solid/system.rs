@@ -1,4 +1,4 @@
-//! A sparse symmetric system whose unknowns are numbered in the order in which they are eliminated.
+//! A sparse symmetric system whose unknowns are numbered in the order of elimination.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -10,7 +10,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
-/// What a factorisation takes.
+/// Cost of a factorisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Size {
     /// Unknowns.
@@ -27,12 +27,12 @@ pub(super) enum SystemError {
     /// A pivot vanished.
     #[error("the system is singular")]
     Singular,
-    /// No memory, or more entries than can be counted.
+    /// Too little memory, or more entries than an index can count.
     #[error("the system is too large for the memory of this machine")]
     TooLarge,
 }
 
-/// Where a system has entries, and what elimination makes of it.
+/// The sparsity pattern of a system and its symbolic factorisation.
 #[derive(Debug)]
 pub(super) struct System {
     starts: Vec<usize>,
@@ -47,7 +47,7 @@ pub(super) struct Factor<'a> {
 }
 
 impl System {
-    /// A system of so many unknowns; each group couples all of its members.
+    /// A system of `unknowns`; each group couples all of its members.
     pub(super) fn new<'a>(
         unknowns: usize,
         groups: impl Iterator<Item = &'a [u32]>,
@@ -56,7 +56,7 @@ impl System {
         for group in groups {
             for column in group {
                 let below = &mut columns[*column as usize];
-                // Neighbours repeat: the list is thinned before it grows.
+                // Neighbours repeat: duplicates are removed before the list grows.
                 if below.len() + group.len() > below.capacity() {
                     below.sort_unstable();
                     below.dedup();
@@ -74,12 +74,12 @@ impl System {
         }
         let pattern =
             SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
-        // Unknowns come in their order already; faer takes lower triangles only with an order given.
-        let as_they_are: Vec<usize> = (0..unknowns).collect();
+        // The unknowns are in order already, but faer takes a lower triangle only with an order.
+        let identity: Vec<usize> = (0..unknowns).collect();
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(&as_they_are, &as_they_are, unknowns)),
+            SymmetricOrdering::Custom(PermRef::new_checked(&identity, &identity, unknowns)),
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| SystemError::TooLarge)?;
@@ -95,7 +95,7 @@ impl System {
         self.rows.len()
     }
 
-    /// The entry of two unknowns, in either order.
+    /// Index of the entry of two unknowns, in either order.
     ///
     /// # Panics
     /// If no group holds both.
@@ -106,7 +106,7 @@ impl System {
         (self.starts[column] + place) as u32
     }
 
-    /// What factorising it takes.
+    /// Cost of its factorisation.
     pub(super) fn size(&self) -> Size {
         let flops = match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
@@ -133,7 +133,7 @@ impl System {
         }
     }
 
-    /// Factorises it with these entries.
+    /// Factorises the system with these entries.
     pub(super) fn factorise(&self, values: &[f64]) -> Result<Factor<'_>, SystemError> {
         let unknowns = self.symbolic.nrows();
         let pattern = SymbolicSparseColMatRef::new_checked(
@@ -168,7 +168,7 @@ impl System {
 }
 
 impl Factor<'_> {
-    /// Solves for several right-hand sides at once, in place.
+    /// Solves for several right-hand sides, in place.
     pub(super) fn solve_in_place(&self, sides: MatMut<'_, f64>) -> Result<(), SystemError> {
         let scratch = self
             .symbolic

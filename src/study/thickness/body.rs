@@ -1,97 +1,85 @@
-//! The whole sensor as a body of rubber: silicone with the lattice of hydrogel in it, held in one of three ways, pressed by a flat
-//! round indenter to which its skin sticks.
+//! The mechanics of the whole sensor: silicone with the lattice of hydrogel inside, held in one of three ways and pressed by
+//! a flat round indenter to which its surface sticks.
 
 use super::super::solid::{
-    Bricks, Elastic, ElasticError, Gradient, Lines, Prescribed, Rubber, Size, bricks::Point,
+    Bricks, Constraint, Elastic, ElasticError, Gradient, Lines, Rubber, Size, bricks::Point,
     growing_lines,
 };
-use super::{Parameters, Touch, under_indenter};
+use super::{ThicknessParameters, Touch, under_indenter};
 use crate::pad::Pad;
 use crate::types::PointMm;
 
-/// Lines are this far apart under the indenter, mm: in full and in quick studies.
+/// Distance of grid lines under the indenter, in full and in quick studies, mm.
 const STEP_MM: (f64, f64) = (1.0, 1.25);
-/// They stay so near this far beyond its rim, mm ...
+/// The distance stays the same up to here beyond its rim, mm ...
 const EVEN_BEYOND_MM: f64 = 1.5;
-/// ... and then grow apart by this factor, to this distance at most, mm.
+/// ... and then grows by this factor, in full and in quick studies, ...
 const GROWTH: (f64, f64) = (1.034, 1.5);
+/// ... up to this distance, mm.
 const MOST_MM: f64 = 8.0;
-/// On a foundation there are more bricks over the height, and lines may grow apart faster.
+/// On a foundation there are more bricks over the height, so lines grow apart faster.
 const FOUNDATION_GROWTH: (f64, f64) = (1.075, 1.7);
-/// Bricks over the height of the lower silicone, the layer, the upper silicone.
+/// Bricks over the height of the lower silicone, the layer and the upper silicone, in full and in quick studies.
 const HEIGHTS: [(usize, usize); 3] = [(1, 1), (3, 2), (1, 1)];
-/// Lines of the foundation, as shares of its depth.
+/// Grid lines of the foundation, as shares of its depth.
 const FOUNDATION_LINES: [f64; 5] = [1.0, 0.6, 0.3, 0.1, 0.0];
 /// Poisson's ratio of the foundation: soft foams are compressible.
 const FOUNDATION_POISSON: f64 = 0.3;
 /// The first step of a press, mm.
 const FIRST_STEP_MM: f64 = 0.4;
-/// Points a side over which a brick's share of hydrogel is counted.
+/// Points along each side by which a brick's share of hydrogel is counted.
 const SHARE_POINTS: usize = 4;
 
-/// What is built and pressed.
+/// A sensor and its touch.
 pub(super) struct Plan<'a> {
     pub pad: &'a Pad,
-    pub parameters: &'a Parameters,
+    pub parameters: &'a ThicknessParameters,
     pub layer_mm: f64,
     pub centre_mm: PointMm,
     pub touch: Touch,
     pub quick: bool,
-    /// How much finer than usual the bricks are.
+    /// Factor by which the bricks are finer than usual.
     pub finer: f64,
 }
 
 /// A sensor that is being pressed.
 pub(super) struct Pressing {
     body: Elastic,
+    /// Nodes under the indenter.
     held: Vec<usize>,
     deepest_mm: f64,
     centre_mm: PointMm,
     layer_mm: f64,
 }
 
-/// What one iteration of a plan's mechanics takes.
+/// Cost of one iteration of the mechanics.
 pub(super) fn size(plan: &Plan<'_>) -> Result<Size, ElasticError> {
     Ok(Pressing::new(plan, FIRST_STEP_MM)?.body.size())
 }
 
 impl Pressing {
-    /// A sensor at rest, to be pressed so deep at most.
+    /// A sensor at rest that will be pressed to `deepest_mm` at most.
     pub(super) fn new(plan: &Plan<'_>, deepest_mm: f64) -> Result<Self, ElasticError> {
         let bricks = Bricks::new(lines(plan), |_| true);
         let held = under_indenter(&bricks, plan.centre_mm, plan.parameters.indenter_mm);
-        let mut told: Vec<Prescribed> = held
-            .iter()
-            .flat_map(|node| {
-                [0.0, 0.0, -deepest_mm]
-                    .into_iter()
-                    .enumerate()
-                    .map(|(axis, by_mm)| Prescribed {
-                        node: *node,
-                        axis,
-                        by_mm,
-                    })
+        let constrain = |node: usize, by_mm: [f64; 3]| {
+            [0, 1, 2].map(|axis| Constraint {
+                node,
+                axis,
+                by_mm: by_mm[axis],
             })
-            .collect();
-        let still = |place: &Point| is_still(plan, place);
-        told.extend(
-            bricks
-                .nodes_mm
-                .iter()
-                .enumerate()
-                .filter(|(_, place)| still(place))
-                .flat_map(|(node, _)| {
-                    (0..3).map(move |axis| Prescribed {
-                        node,
-                        axis,
-                        by_mm: 0.0,
-                    })
-                }),
-        );
+        };
+        let pressed = held
+            .iter()
+            .map(|node| constrain(*node, [0.0, 0.0, -deepest_mm]));
+        let places = bricks.nodes_mm.iter().enumerate();
+        let still = places.filter(|(_, place)| is_still(plan, place));
+        let still = still.map(|(node, _)| constrain(node, [0.0; 3]));
+        let constraints: Vec<Constraint> = pressed.chain(still).flatten().collect();
         let rubbers = rubbers(plan, &bricks);
         let first = (FIRST_STEP_MM / deepest_mm).min(1.0);
         Ok(Self {
-            body: Elastic::new(bricks, rubbers, told, first)?,
+            body: Elastic::new(bricks, rubbers, constraints, first)?,
             held,
             deepest_mm,
             centre_mm: plan.centre_mm,
@@ -112,43 +100,37 @@ impl Pressing {
         -self.body.holding_force_n(&self.held)[2]
     }
 
-    /// How the layer is stretched and turned about a place of it at rest.
+    /// The deformation gradient at a place of the layer at rest.
     pub(super) fn gradient_at(&self, place: Point) -> Gradient {
-        const STILL: Gradient = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        self.body.gradient_at(place).unwrap_or(STILL)
+        self.body
+            .gradient_at(place)
+            .unwrap_or_else(Gradient::identity)
     }
 
-    /// Where the nodes of the conducting layer are now.
+    /// Places of the nodes of the conducting layer in the deformed sensor, mm.
     pub(super) fn moved_layer(&self, layer: &Bricks) -> Vec<Point> {
-        layer
-            .nodes_mm
-            .iter()
-            .map(|place| {
-                let by = self
-                    .body
-                    .bricks()
-                    .interpolate(self.body.moved_mm(), *place)
-                    .unwrap_or_default();
-                std::array::from_fn(|axis| place[axis] + by[axis])
-            })
-            .collect()
+        let places = layer.nodes_mm.iter();
+        places.map(|place| self.moved(*place)).collect()
     }
 
-    /// Height of the layer under the middle of the indenter, mm.
+    /// The place in the deformed sensor of a point at rest, mm.
+    fn moved(&self, place: Point) -> Point {
+        let bricks = self.body.bricks();
+        let by = bricks
+            .interpolate(self.body.moved_mm(), place)
+            .unwrap_or_default();
+        std::array::from_fn(|axis| place[axis] + by[axis])
+    }
+
+    /// Height of the layer under the centre of the indenter, mm.
     pub(super) fn layer_height_mm(&self) -> f64 {
         let [x, y] = self.centre_mm;
-        let [low, high] = [0.0, self.layer_mm].map(|z| {
-            let by = self
-                .body
-                .bricks()
-                .interpolate(self.body.moved_mm(), [x, y, z]);
-            z + by.unwrap_or_default()[2]
-        });
+        let [low, high] = [0.0, self.layer_mm].map(|z| self.moved([x, y, z])[2]);
         high - low
     }
 }
 
-/// The layer lies from z = 0 up, so that the bricks of the current lie in it as they are.
+/// Grid lines. The layer begins at z = 0, as in the model of the current.
 fn lines(plan: &Plan<'_>) -> Lines {
     let parameters = plan.parameters;
     let either = |both: (f64, f64)| if plan.quick { both.1 } else { both.0 };
@@ -183,7 +165,7 @@ fn lines(plan: &Plan<'_>) -> Lines {
     Lines([x, y, z])
 }
 
-/// Whether a node is held where it is.
+/// Whether a node is held in place.
 fn is_still(plan: &Plan<'_>, place: &Point) -> bool {
     let parameters = plan.parameters;
     let on = |a: f64, b: f64| (a - b).abs() < 1e-9;
@@ -200,7 +182,7 @@ fn is_still(plan: &Plan<'_>, place: &Point) -> bool {
     }
 }
 
-/// What each brick is made of: a brick across the edge of a channel is mixed.
+/// Material of each brick; a brick across the edge of a channel is mixed.
 fn rubbers(plan: &Plan<'_>, bricks: &Bricks) -> Vec<Rubber> {
     let parameters = plan.parameters;
     let silicone = Rubber::from_young(parameters.silicone_kpa, parameters.poisson);
@@ -223,16 +205,8 @@ fn rubbers(plan: &Plan<'_>, bricks: &Bricks) -> Vec<Rubber> {
             if !(0.0..plan.layer_mm).contains(&z) {
                 return silicone;
             }
-            let at = |axis: usize, step: usize| {
-                let lines = &bricks.lines().0[axis];
-                let (low, high) = (lines[cell[axis]], lines[cell[axis] + 1]);
-                low + (high - low) * (step as f64 + 0.5) / SHARE_POINTS as f64
-            };
-            let points = SHARE_POINTS * SHARE_POINTS;
-            let gel = (0..points)
-                .filter(|point| is_gel([at(0, point % SHARE_POINTS), at(1, point / SHARE_POINTS)]))
-                .count();
-            silicone.mixed(hydrogel, gel as f64 / points as f64)
+            let gel = bricks.lines().share_of_plan(*cell, SHARE_POINTS, is_gel);
+            silicone.mixed(hydrogel, gel)
         })
         .collect()
 }
@@ -243,14 +217,14 @@ mod tests {
     use crate::pad::{DEFAULT_PAD, shipped_pad};
     use crate::study::thickness::PLACES;
 
-    /// Promised for every touch, wherever it is.
+    /// Promised for every touch at every place.
     const FEWEST_NODES: usize = 25_000;
 
     #[test]
-    fn every_full_case_has_as_many_nodes_as_promised() {
+    fn every_full_case_has_the_promised_number_of_nodes() {
         let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-        let parameters = Parameters::default();
+        let parameters = ThicknessParameters::default();
         for (name, place) in PLACES {
             for touch in [Touch::Edge, Touch::Foundation, Touch::Table] {
                 let plan = Plan {

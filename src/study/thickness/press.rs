@@ -1,13 +1,13 @@
-//! The indenter: which nodes of the surface it holds.
+//! The indenter.
 
 use super::super::solid::Bricks;
 use crate::types::PointMm;
 
-/// Radii closer than this are one ring, mm.
+/// Nodes whose distances from the centre differ by less belong to one ring, mm.
 const RING_MM: f64 = 1e-6;
 
-/// The nodes on the uppermost surface that a round flat indenter holds. On a grid its rim is jagged: rings of nodes are taken from
-/// the middle outwards as long as that brings the surface for which they stand nearer to the indenter's.
+/// The nodes on the upper surface under a round flat indenter. On a grid its rim is jagged: rings of nodes are taken from the
+/// centre outwards as long as that brings their area nearer to the indenter's.
 #[must_use]
 pub fn under_indenter(bricks: &Bricks, centre_mm: PointMm, radius_mm: f64) -> Vec<usize> {
     let lines = &bricks.lines().0;

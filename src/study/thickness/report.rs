@@ -1,208 +1,90 @@
-//! What the thickness study tells: whether thickness matters, for each kind of touch, in numbers.
+//! The report of the thickness study: whether thickness matters, for each kind of touch.
 
-use super::{Case, Outcome, PLACES, Pressed, Thickness, Touch};
-use crate::study::StudyError;
+use super::group::Group;
+use super::{Thickness, ThicknessOutcome, ThicknessParameters, TouchResult};
+use crate::stats::range;
 use crate::study::figure::{Chart, Figure, Series, short};
-use crate::study::report::{Report, Table};
+use crate::study::report::Report;
+use crate::study::{CommandLine, StudyError};
 
-/// Over all thicknesses, a change by more than this factor matters: about what the place of a touch makes.
+/// Thickness matters where it changes a figure by more than this factor: about the effect of the place of a touch.
 const MATTERS: f64 = 1.5;
 
-/// A touch as the report groups it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Kind {
-    touch: Touch,
-    depth_mm: f64,
-    share: Option<f64>,
+pub(super) fn relative_percent(result: &TouchResult) -> f64 {
+    100.0 * result.relative
 }
 
-impl Kind {
-    fn of(case: &Case, pressed: &Pressed) -> Self {
-        Self {
-            touch: case.touch,
-            // Presses by share of the thickness differ in depth.
-            depth_mm: if pressed.share.is_some() {
-                0.0
-            } else {
-                pressed.depth_mm
-            },
-            share: pressed.share,
-        }
-    }
-
-    fn name(self) -> String {
-        match (self.touch, self.share) {
-            (Touch::Rise, _) => self.touch.name().to_owned(),
-            (touch, Some(share)) => format!("{} %, {}", 100.0 * share, touch.name()),
-            (touch, None) => format!("{} mm, {}", self.depth_mm, touch.name()),
-        }
-    }
+pub(super) fn signed_percent(result: &TouchResult) -> f64 {
+    100.0 * result.signed
 }
 
-/// All touches of one kind, by thickness, then by place.
-struct Group<'a> {
-    kind: Kind,
-    found: Vec<(&'a Case, &'a Pressed)>,
-}
-
-impl Group<'_> {
-    /// Mean, least and greatest of a figure over the places at one thickness; nothing if none was pressed there.
-    fn at(&self, layer_mm: f64, figure: impl Fn(&Pressed) -> f64) -> Option<[f64; 3]> {
-        let values: Vec<f64> = self
-            .found
-            .iter()
-            .filter(|(case, _)| case.layer_mm == layer_mm)
-            .map(|(_, pressed)| figure(pressed))
-            .collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (!values.is_empty()).then_some([mean, least, most])
-    }
-
-    /// The greatest over the least mean of all thicknesses.
-    fn factor(&self, layers_mm: &[f64], figure: impl Fn(&Pressed) -> f64) -> f64 {
-        let means = layers_mm
-            .iter()
-            .filter_map(|layer| self.at(*layer, &figure));
-        let (least, most) = means.fold((f64::INFINITY, 0.0_f64), |(least, most), [mean, ..]| {
-            (least.min(mean), most.max(mean))
-        });
-        most / least
-    }
-
-    /// The greatest over the least of all places, mean over the thicknesses.
-    fn factor_of_place(&self, layers_mm: &[f64], figure: impl Fn(&Pressed) -> f64) -> f64 {
-        let factors: Vec<f64> = layers_mm
-            .iter()
-            .filter_map(|layer| self.at(*layer, &figure))
-            .map(|[_, least, most]| most / least)
-            .collect();
-        factors.iter().sum::<f64>() / factors.len() as f64
-    }
+pub(super) fn change_milli(result: &TouchResult) -> f64 {
+    1e3 * result.change
 }
 
 impl Thickness {
-    /// The report of all jobs' results, in the order of the cases.
-    pub(super) fn told(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
-        let usual = self.cases.iter().filter(|case| case.finer == 1.0);
-        let mut layers_mm: Vec<f64> = usual.map(|case| case.layer_mm).collect();
-        layers_mm.dedup();
+    pub(super) fn build_report(&self, outcomes: &[ThicknessOutcome]) -> Result<Report, StudyError> {
         let groups = self.groups(outcomes);
-        let relative = |pressed: &Pressed| 100.0 * pressed.relative;
-        let figures = vec![
-            self.chart(
+        let layers_mm = self.layers_mm();
+        let charts = [
+            (
                 "relative-change",
                 "Mean |dV/V|, %",
-                &groups,
-                &layers_mm,
-                relative,
-            )?,
-            self.chart(
-                "change",
-                "Mean |dV|, mV/A",
-                &groups,
-                &layers_mm,
-                |pressed| 1e3 * pressed.change,
-            )?,
-            self.chart(
-                "signed-change",
-                "Mean dV/V, %",
-                &groups,
-                &layers_mm,
-                |pressed| 100.0 * pressed.signed,
-            )?,
+                relative_percent as fn(&TouchResult) -> f64,
+            ),
+            ("change", "Mean |dV|, mV/A", change_milli),
+            ("signed-change", "Mean dV/V, %", signed_percent),
         ];
-        let mut tables = vec![
-            by_layer(
-                "Mean |dV/V|, % (over the places: least to greatest)",
-                &groups,
-                &layers_mm,
-                relative,
-            ),
-            by_layer("Mean |dV|, mV/A", &groups, &layers_mm, |p| 1e3 * p.change),
-            by_layer(
-                "Mean dV/V, %: above zero, the layer conducts worse",
-                &groups,
-                &layers_mm,
-                |p| 100.0 * p.signed,
-            ),
-            by_layer("Readings that rose, %", &groups, &layers_mm, |p| {
-                100.0 * p.rose_fell[0] as f64 / (p.rose_fell[0] + p.rose_fell[1]) as f64
-            }),
-            by_layer(
-                "Height of the layer under the touch, % of its height at rest",
-                &groups,
-                &layers_mm,
-                |p| 100.0 * p.height_share,
-            ),
-            by_layer("Force, N", &groups, &layers_mm, |p| p.force_n),
-        ];
-        if layers_mm.len() > 1 {
-            tables.insert(0, self.verdicts(&groups, &layers_mm));
-        }
-        tables.extend((!self.settings.quick).then(|| self.refinement(outcomes)));
+        let figures = charts
+            .into_iter()
+            .map(|(name, label, figure)| chart(name, label, &groups, &layers_mm, figure));
         Ok(Report {
             title: "Does the thickness of the layer matter?".to_owned(),
             command: self.command(),
             version: self.settings.version.clone(),
-            seed: 0,
-            paragraphs: self.paragraphs(&groups, &layers_mm, outcomes),
-            tables,
+            seed: None,
+            advice: advice(&groups, &layers_mm),
+            method: self.method(&layers_mm, outcomes),
+            tables: self.tables(&groups, &layers_mm, outcomes),
             csvs: vec![self.csv(outcomes)],
-            figures,
+            figures: figures.collect::<Result<_, _>>()?,
         })
     }
 
-    fn groups<'a>(&'a self, outcomes: &'a [Outcome]) -> Vec<Group<'a>> {
-        let mut groups: Vec<Group<'a>> = Vec::new();
-        let usual = |(case, _): &(&Case, &Outcome)| case.finer == 1.0;
-        for (case, outcome) in self.cases.iter().zip(outcomes).filter(usual) {
-            for pressed in &outcome.pressed {
-                let kind = Kind::of(case, pressed);
-                match groups.iter_mut().find(|group| group.kind == kind) {
-                    Some(group) => group.found.push((case, pressed)),
-                    None => groups.push(Group {
-                        kind,
-                        found: vec![(case, pressed)],
-                    }),
-                }
-            }
-        }
-        groups.sort_by_key(|group| {
-            Touch::ALL
-                .iter()
-                .position(|touch| *touch == group.kind.touch)
-        });
-        groups
+    /// The shell command that repeats the study: options with default values are left out.
+    #[must_use]
+    pub fn command(&self) -> String {
+        let settings = &self.settings;
+        let defaults = ThicknessParameters::default().options();
+        let options = settings.parameters.options().into_iter().zip(defaults);
+        options
+            .filter(|(option, default)| option != default)
+            .fold(
+                CommandLine::new("study thickness", &settings.pad),
+                |line, ((name, value), _)| line.option(name, value),
+            )
+            .flag("quick", settings.quick)
+            .finish()
     }
 
-    fn command(&self) -> String {
-        let quick = if self.settings.quick { " --quick" } else { "" };
-        format!(
-            "gelpad study thickness --pad {}{quick} --out DIR",
-            self.settings.pad
-        )
+    /// The thicknesses of the layer that were studied, mm.
+    fn layers_mm(&self) -> Vec<f64> {
+        let usual = self.cases.iter().filter(|case| case.finer == 1.0);
+        let mut layers_mm: Vec<f64> = usual.map(|case| case.layer_mm).collect();
+        layers_mm.dedup();
+        layers_mm
     }
 
-    fn paragraphs(
-        &self,
-        groups: &[Group<'_>],
-        layers_mm: &[f64],
-        outcomes: &[Outcome],
-    ) -> Vec<String> {
+    fn method(&self, layers_mm: &[f64], outcomes: &[ThicknessOutcome]) -> Vec<String> {
         let p = &self.settings.parameters;
+        let layers: Vec<String> = layers_mm.iter().map(f64::to_string).collect();
         let mut texts = vec![
             format!(
                 "The pad {} in three dimensions: a conducting layer of {} mm with {} mm of silicone below and above it and {} mm \
-                 around it, electrodes on its underside. It is touched at {} places by a flat round indenter of {} mm radius to \
-                 which the skin sticks, or made to conduct {} S/m within that radius.",
+                 around it, electrodes on its underside. At {} places it is pressed by a flat round indenter of {} mm radius to \
+                 which its surface sticks, or its conductivity is raised to {} S/m within that radius.",
                 self.settings.pad,
-                layers_mm
-                    .iter()
-                    .map(f64::to_string)
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                layers.join(", "),
                 p.cover_mm,
                 p.rim_mm,
                 self.cases.iter().map(|case| case.place).max().unwrap_or(0) + 1,
@@ -210,225 +92,93 @@ impl Thickness {
                 p.rise_s_per_m,
             ),
             format!(
-                "Rubber is neo-Hookean and deforms as far as it is pressed (no linearisation): silicone of {} kPa (Ecoflex 00-30's \
-                 data sheet: 69 kPa at 100 % strain), hydrogel of {} kPa, Poisson's ratio {}, a foundation of {} mm and {} kPa. \
-                 The paper gives none of these; each is an option of the command.",
+                "Rubber is neo-Hookean with large deformation (no linearisation): silicone of {} kPa (data sheet of Ecoflex 00-30: \
+                 69 kPa at 100 % strain), hydrogel of {} kPa, Poisson's ratio {}, a foundation of {} mm and {} kPa. The paper \
+                 gives none of these; each is an option of the command.",
                 p.silicone_kpa, p.hydrogel_kpa, p.poisson, p.foundation_mm, p.foundation_kpa
             ),
         ];
-        if layers_mm.len() > 1 {
-            texts.extend(groups.iter().map(|group| self.answer(group, layers_mm)));
-        }
-        texts.push(
-            "A press thins an incompressible channel: it conducts worse, and readings rise where a local rise of the \
-             conductivity lets them fall. A pad's text says which of the two play looks for: touch_sign = \"rise\" or \"fall\"."
-                .to_owned(),
-        );
         let nodes = |which: usize| {
             let cases = self.cases.iter().zip(outcomes);
-            cases
-                .filter(|(case, _)| case.finer == 1.0)
-                .map(move |(_, outcome)| outcome.nodes[which])
-                .filter(|n| *n > 0)
+            let usual = cases.filter(|(case, _)| case.finer == 1.0);
+            usual
+                .map(|(_, one)| one.nodes[which])
+                .filter(|nodes| *nodes > 0)
+                .min()
         };
-        if let (Some(mechanics), Some(current)) = (nodes(0).min(), nodes(1).min()) {
+        if let (Some(mechanics), Some(current)) = (nodes(0), nodes(1)) {
             texts.push(format!(
-                "Nodes: {mechanics} and more for mechanics, {current} and more for the current."
+                "Nodes: at least {mechanics} for mechanics and {current} for the current."
             ));
         }
-        let mut refused: Vec<&String> = outcomes.iter().flat_map(|o| &o.refused).collect();
-        refused.sort();
+        let mut refused: Vec<&str> = outcomes
+            .iter()
+            .flat_map(|one| one.refused.iter().map(String::as_str))
+            .collect();
+        refused.sort_unstable();
         refused.dedup();
         if !refused.is_empty() {
-            let list: Vec<&str> = refused.iter().map(|text| text.as_str()).collect();
-            texts.push(format!("Not pressed: {}.", list.join("; ")));
+            texts.push(format!("Not pressed: {}.", refused.join("; ")));
         }
         texts
     }
-
-    fn answer(&self, group: &Group<'_>, layers_mm: &[f64]) -> String {
-        let relative = group.factor(layers_mm, |p| p.relative);
-        let change = group.factor(layers_mm, |p| p.change);
-        let place = group.factor_of_place(layers_mm, |p| p.relative);
-        let verdict = if relative > MATTERS {
-            "matters"
-        } else {
-            "matters little"
-        };
-        format!(
-            "{}: thickness {verdict}: over all thicknesses |dV/V| changes by a factor of {}, |dV| at constant current by {}; \
-             over the places |dV/V| changes by {}. {}.",
-            group.kind.name(),
-            short(relative),
-            short(change),
-            short(place),
-            sign(group, layers_mm)
-        )
-    }
-
-    /// One case on meshes of several finenesses.
-    fn refinement(&self, outcomes: &[Outcome]) -> Table {
-        let solved = self.cases.iter().zip(outcomes);
-        let refined: Vec<&Case> = self.cases.iter().filter(|c| c.finer != 1.0).collect();
-        let same = |case: &Case| {
-            refined.iter().any(|refined| {
-                (refined.layer_mm, refined.place, refined.touch)
-                    == (case.layer_mm, case.place, case.touch)
-            })
-        };
-        let mut shown: Vec<(&Case, &Outcome)> = solved.filter(|(case, _)| same(case)).collect();
-        shown.sort_by(|(a, _), (b, _)| a.finer.total_cmp(&b.finer));
-        let rows = shown.iter().flat_map(|(case, outcome)| {
-            let [mechanics, current] = outcome.nodes;
-            outcome.pressed.iter().map(move |p| {
-                vec![
-                    format!("{} mm, {} mm layer", p.depth_mm, case.layer_mm),
-                    format!("{}", case.finer),
-                    mechanics.to_string(),
-                    current.to_string(),
-                    format!("{:.4}", p.force_n),
-                    format!("{:.2}", 100.0 * p.height_share),
-                    format!("{:.4}", 100.0 * p.relative),
-                    format!("{:+.4}", 100.0 * p.signed),
-                ]
-            })
-        });
-        let (place, _) = PLACES[0];
-        Table {
-            title: format!("Refinement: {}, {place}", super::REFINED.name()),
-            head: [
-                "pressed",
-                "finer by",
-                "mechanics nodes",
-                "current nodes",
-                "force, N",
-                "layer's height, %",
-                "mean |dV/V|, %",
-                "mean dV/V, %",
-            ]
-            .map(str::to_owned)
-            .into(),
-            rows: rows.collect(),
-        }
-    }
-
-    fn verdicts(&self, groups: &[Group<'_>], layers_mm: &[f64]) -> Table {
-        Table {
-            title: "Greatest over least".to_owned(),
-            head: [
-                "touch",
-                "|dV/V| over thicknesses",
-                "|dV| over thicknesses",
-                "|dV/V| over places",
-            ]
-            .map(str::to_owned)
-            .into(),
-            rows: groups
-                .iter()
-                .map(|group| {
-                    vec![
-                        group.kind.name(),
-                        short(group.factor(layers_mm, |p| p.relative)),
-                        short(group.factor(layers_mm, |p| p.change)),
-                        short(group.factor_of_place(layers_mm, |p| p.relative)),
-                    ]
-                })
-                .collect(),
-        }
-    }
-
-    fn chart(
-        &self,
-        name: &str,
-        y_label: &str,
-        groups: &[Group<'_>],
-        layers_mm: &[f64],
-        figure: impl Fn(&Pressed) -> f64,
-    ) -> Result<Figure, StudyError> {
-        // Where a layer was not pressed so far, its line has no point.
-        let series = groups.iter().map(|group| Series {
-            name: group.kind.name(),
-            points: layers_mm
-                .iter()
-                .map(|layer| group.at(*layer, &figure).unwrap_or([f64::NAN; 3]))
-                .collect(),
-            ..Series::default()
-        });
-        Chart {
-            name: name.to_owned(),
-            title: format!("{y_label}, against the thickness of the layer"),
-            x_label: "thickness of the layer, mm".to_owned(),
-            y_label: y_label.to_owned(),
-            places: layers_mm.iter().map(f64::to_string).collect(),
-            series: series.collect(),
-            ..Chart::default()
-        }
-        .draw()
-    }
-
-    fn csv(&self, outcomes: &[Outcome]) -> Table {
-        let head = [
-            "layer_mm",
-            "finer",
-            "place",
-            "x_share",
-            "y_share",
-            "touch",
-            "depth_mm",
-            "share_of_thickness",
-            "force_n",
-            "height_share",
-            "mean_change_v_per_a",
-            "mean_relative",
-            "mean_signed",
-            "rose",
-            "fell",
-            "at_rest_v_per_a",
-            "mechanics_nodes",
-            "current_nodes",
-        ];
-        let rows = self.cases.iter().zip(outcomes).flat_map(|(case, outcome)| {
-            outcome.pressed.iter().map(move |p| {
-                let (place, at) = PLACES[case.place];
-                vec![
-                    case.layer_mm.to_string(),
-                    case.finer.to_string(),
-                    place.to_owned(),
-                    at[0].to_string(),
-                    at[1].to_string(),
-                    case.touch.name().to_owned(),
-                    p.depth_mm.to_string(),
-                    p.share.map(|share| share.to_string()).unwrap_or_default(),
-                    p.force_n.to_string(),
-                    p.height_share.to_string(),
-                    p.change.to_string(),
-                    p.relative.to_string(),
-                    p.signed.to_string(),
-                    p.rose_fell[0].to_string(),
-                    p.rose_fell[1].to_string(),
-                    outcome.at_rest.to_string(),
-                    outcome.nodes[0].to_string(),
-                    outcome.nodes[1].to_string(),
-                ]
-            })
-        });
-        Table {
-            title: "touches".to_owned(),
-            head: head.map(str::to_owned).into(),
-            rows: rows.collect(),
-        }
-    }
 }
 
-/// Which way the readings go.
-fn sign(group: &Group<'_>, layers_mm: &[f64]) -> String {
-    let means = layers_mm
-        .iter()
-        .filter_map(|layer| group.at(*layer, |p| 100.0 * p.signed));
-    let (least, most) = means.fold(
-        (f64::INFINITY, f64::NEG_INFINITY),
-        |(least, most), [_, low, high]| (least.min(low), most.max(high)),
+/// What to build, and how to set `touch_sign`.
+fn advice(groups: &[Group<'_>], layers_mm: &[f64]) -> Vec<String> {
+    let mut texts = Vec::new();
+    if layers_mm.len() > 1 {
+        let factor = |group: &Group| group.factor(layers_mm, |result| result.relative);
+        let (matters, free): (Vec<&Group>, Vec<&Group>) =
+            groups.iter().partition(|group| factor(group) > MATTERS);
+        texts.push(if matters.is_empty() {
+            "Choose the thickness of the layer freely: it matters little for every touch.".to_owned()
+        } else if free.is_empty() {
+            "Choose the thickness of the layer with care: it matters for every touch.".to_owned()
+        } else {
+            let names: Vec<String> = matters.iter().map(|group| group.kind.name()).collect();
+            format!(
+                "Choose the thickness of the layer with care only for these touches, for the others it matters little: {}.",
+                names.join("; ")
+            )
+        });
+        texts.extend(groups.iter().map(|group| verdict(group, layers_mm)));
+    }
+    texts.push(
+        "Set touch_sign = \"fall\" in the text of a pad that is pressed, and \"rise\" for a pad whose touches raise the conductivity: a \
+         press thins an incompressible channel, which then conducts worse, and readings rise; a local rise of the conductivity \
+         lets them fall."
+            .to_owned(),
     );
+    texts
+}
+
+fn verdict(group: &Group<'_>, layers_mm: &[f64]) -> String {
+    let relative = group.factor(layers_mm, |result| result.relative);
+    let change = group.factor(layers_mm, |result| result.change);
+    let place = group.factor_of_place(layers_mm, |result| result.relative);
+    let verdict = if relative > MATTERS {
+        "matters"
+    } else {
+        "matters little"
+    };
+    format!(
+        "{}: thickness {verdict}. Between thicknesses |dV/V| differs by a factor of {}, |dV| at constant current by {}; between \
+         places |dV/V| differs by {}. {}.",
+        group.kind.name(),
+        short(relative),
+        short(change),
+        short(place),
+        direction(group, layers_mm)
+    )
+}
+
+/// Whether the readings rise or fall.
+fn direction(group: &Group<'_>, layers_mm: &[f64]) -> String {
+    let layers = layers_mm
+        .iter()
+        .filter_map(|layer| group.at(*layer, signed_percent));
+    let [least, most] = range(layers.flat_map(|[_, low, high]| [low, high]));
     let way = if least > 0.0 {
         "Readings rise (the layer conducts worse)"
     } else if most < 0.0 {
@@ -439,33 +189,28 @@ fn sign(group: &Group<'_>, layers_mm: &[f64]) -> String {
     format!("{way}: mean dV/V {least:+.3} to {most:+.3} %")
 }
 
-/// A table of one figure: a row a kind of touch, a column a thickness.
-fn by_layer(
-    title: &str,
+fn chart(
+    name: &str,
+    y_label: &str,
     groups: &[Group<'_>],
     layers_mm: &[f64],
-    figure: impl Fn(&Pressed) -> f64,
-) -> Table {
-    let head = std::iter::once("touch".to_owned());
-    Table {
-        title: title.to_owned(),
-        head: head
-            .chain(layers_mm.iter().map(|layer| format!("{layer} mm")))
-            .collect(),
-        rows: groups
-            .iter()
-            .map(|group| {
-                let cells = layers_mm
-                    .iter()
-                    .map(|layer| match group.at(*layer, &figure) {
-                        Some([mean, least, most]) if least < most => {
-                            format!("{} ({} to {})", short(mean), short(least), short(most))
-                        }
-                        Some([mean, ..]) => short(mean),
-                        None => "not pressed".to_owned(),
-                    });
-                std::iter::once(group.kind.name()).chain(cells).collect()
-            })
-            .collect(),
+    figure: impl Fn(&TouchResult) -> f64,
+) -> Result<Figure, StudyError> {
+    // A line has no point at a thickness without touches of its kind.
+    let point = |group: &Group, layer: &f64| group.at(*layer, &figure).unwrap_or([f64::NAN; 3]);
+    let series = groups.iter().map(|group| Series {
+        name: group.kind.name(),
+        points: layers_mm.iter().map(|layer| point(group, layer)).collect(),
+        ..Series::default()
+    });
+    Chart {
+        name: name.to_owned(),
+        title: format!("{y_label}, by thickness of the layer"),
+        x_label: "thickness of the layer, mm".to_owned(),
+        y_label: y_label.to_owned(),
+        places: layers_mm.iter().map(f64::to_string).collect(),
+        series: series.collect(),
+        ..Chart::default()
     }
+    .draw()
 }

@@ -1,28 +1,28 @@
-//! The sensor in three dimensions: the conducting layer extruded from the plane, its electrodes, and the silicone around it.
+//! The conducting layer in three dimensions, extruded from the plane, with its electrodes.
 
 use super::super::solid::{Bricks, Contact, CurrentModel, Lines};
 use crate::eit::{ForwardError, Mesh, MeshSize};
 use crate::pad::{Electrode, Pad};
 use crate::types::PointMm;
 
-/// How far an electrode on the underside reaches in from the edge, mm: each touches 3 x 3 mm of the layer (the paper).
+/// Depth of an electrode on the underside, from the edge inwards, mm: each touches 3 x 3 mm of the layer (the paper).
 const ELECTRODE_DEPTH_MM: f64 = 3.0;
 /// Points closer than this coincide, mm.
 const CLOSE_MM: f64 = 1e-6;
 
-/// Where the electrodes touch the layer.
+/// Position of the electrodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
-    /// On its underside, as in the paper.
+    /// On the underside of the layer, as in the paper.
     Underside,
-    /// On its side faces over its whole height, as in two dimensions.
+    /// On the side faces of the layer over its whole height, as in two dimensions.
     Side,
 }
 
-/// The conducting layer with its electrodes, from z = 0 up, in so many layers of bricks.
+/// The conducting layer with its electrodes, from z = 0 up, with `layers` bricks over its height.
 ///
 /// # Errors
-/// A pad that is not rectangular or whose electrodes touch nothing; more bricks than fit the memory.
+/// A pad that is not rectangular, an electrode that touches nothing, or more bricks than fit into memory.
 pub fn conductor(
     pad: &Pad,
     layer_mm: f64,
@@ -65,7 +65,7 @@ pub fn conductor(
 fn underside(bricks: &Bricks, pad: &Pad, electrode: &Electrode) -> Vec<[usize; 4]> {
     let size = pad.outline.size_mm();
     let ends = [electrode.start_mm, electrode.end_mm()].map(|at| pad.outline.point_at(at));
-    // Along its side between its ends, across it from the edge inwards.
+    // Along its side of the pad between its ends, across it from the edge inwards.
     let bounds: [[f64; 2]; 2] = [0, 1].map(|axis| {
         let (a, b) = (ends[0][axis], ends[1][axis]);
         if (a - b).abs() > CLOSE_MM {
@@ -91,9 +91,9 @@ fn underside(bricks: &Bricks, pad: &Pad, electrode: &Electrode) -> Vec<[usize; 4
         .collect()
 }
 
-/// Outer faces of the bricks along an electrode's stretch of the edge.
+/// Outer faces of the bricks along an electrode.
 fn side(bricks: &Bricks, pad: &Pad, electrode: &Electrode) -> Vec<[usize; 4]> {
-    // Corners of a brick's four upright faces.
+    // Corners of a brick's four side faces.
     const FACES: [[usize; 4]; 4] = [[0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let mut found = Vec::new();
     for corners in &bricks.corners {
@@ -101,7 +101,7 @@ fn side(bricks: &Bricks, pad: &Pad, electrode: &Electrode) -> Vec<[usize; 4]> {
             let nodes = face.map(|corner| corners[corner] as usize);
             let [a, b] = [nodes[0], nodes[1]].map(|node| bricks.nodes_mm[node]);
             let middle = [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])];
-            let on_edge = pad.outline.along(middle);
+            let on_edge = pad.outline.distance_along(middle);
             if on_edge.is_some_and(|along| electrode.covers(&pad.outline, along)) {
                 found.push(nodes);
             }

@@ -1,10 +1,12 @@
-//! The width study: how the change of the boundary voltages depends on the width of a lattice's channels.
+//! The width study: how the signal of a touch depends on the width of a lattice's channels.
 //!
-//! The paper's figure (section "width study") and what a designer needs beyond it: the absolute change at constant current,
-//! the relative change, both in units of noise, their spread over random places (phantoms at crossings flatter narrow
-//! channels), and the Cramer-Rao bound of a touch's place.
+//! Reproduces the paper's figure (section "width study") and adds what a designer needs: the change at constant current, the
+//! relative change, both in units of noise, their spread over random places (phantoms at crossings favour narrow channels),
+//! and the Cramer-Rao bound of a touch's place.
 
+mod figures;
 mod report;
+mod tables;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -12,9 +14,10 @@ use serde::{Deserialize, Serialize};
 
 use super::job::Study;
 use super::report::Report;
-use super::{Phantom, Press, StudyError, Vary, place_bound_mm};
+use super::{ParameterSweep, Phantom, Press, StudyError, place_bound_mm};
 use crate::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Conductor, Lattice, Pad};
+use crate::stats::{mean, quantile, range, rms};
 use crate::types::PointMm;
 
 /// Radius of a touch, mm: our choice; the paper gives none.
@@ -23,52 +26,52 @@ const TOUCH_MM: f64 = 5.0;
 const LEVELS: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
 /// Channel widths, mm, widest first: our choice; the paper says five.
 const WIDTHS_MM: [f64; 5] = [5.0, 4.0, 3.0, 2.0, 1.0];
-/// Noise against which changes and bounds are measured, dB.
+/// SNR for changes in units of noise, and for bounds, dB.
 const SNR_DB: f64 = 60.0;
 /// Random places of one touch, in full and in quick studies.
 const PLACES: (usize, usize) = (50, 12);
-/// The press whose place is bounded: a fingertip's.
+/// Radius (mm) and rise of the press whose place is bounded: a fingertip.
 const PRESS: (f64, f64) = (7.0, 1.2);
-/// Places a side of the grid over which the bound is taken, in full and in quick studies.
+/// Places along each side of the grid for the bound, in full and in quick studies.
 const BOUND_GRID: (usize, usize) = (4, 3);
-/// Places keep this distance from the edge, mm.
+/// Least distance of places from the edge, mm.
 const MARGIN_MM: f64 = 10.0;
 /// Longest edge of the study's mesh, mm.
 const LONGEST_EDGE_MM: f64 = 0.5;
 
-/// What is studied. Its text is the study's identity: the same settings give the same files.
+/// Settings of the study, stored in `study.json`. The same settings give the same files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct WidthSettings {
     /// Version of gelpad.
     pub version: String,
-    /// The base pad's name and text.
+    /// The base pad as named on the command line.
     pub pad: String,
-    /// Its text.
+    /// Its TOML text.
     pub pad_toml: String,
-    /// A parameter that is swept instead of the channel width.
-    pub vary: Option<Vary>,
-    /// What variants are ranked by.
-    pub rank: Rank,
+    /// A parameter to sweep instead of the channel width.
+    pub vary: Option<ParameterSweep>,
+    /// Criterion of the ranking.
+    pub rank: RankCriterion,
     /// Fewer places.
     pub quick: bool,
     /// Seed of the random places.
     pub seed: u64,
 }
 
-/// What variants are ranked by, best first.
+/// Criterion by which variants are ranked, best first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Rank {
-    /// Mean |dV| at constant current over random places.
+pub enum RankCriterion {
+    /// Greatest mean |dV| at constant current over random places.
     Change,
-    /// Mean |dV/V| over random places.
+    /// Greatest mean |dV/V| over random places.
     Relative,
-    /// Cramer-Rao bound of a touch's place, median over the pad.
+    /// Least Cramer-Rao bound of a touch's place, median over the pad.
     #[default]
     Bound,
 }
 
-/// A pad of the comparison.
+/// One of the compared pads.
 #[derive(Clone, Debug)]
 pub struct Variant {
     /// Its name along the x axis.
@@ -77,73 +80,60 @@ pub struct Variant {
     pub pad: Pad,
 }
 
-/// What one variant gave.
+/// The results of one variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
-    /// Touches by levels, in that order.
+pub struct WidthOutcome {
+    /// The phantoms; for each, the levels.
     phantoms: Vec<Change>,
-    /// One touch at each random place.
+    /// One touch at each random place, at the highest level.
     places: Vec<Change>,
-    /// Places and bounds, mm.
+    /// Places, and the bound at each, mm.
     bounds: Vec<([f64; 2], f64)>,
 }
 
-/// How the voltages change.
+/// The change of the voltages by a touch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
-    /// Mean |dV| per ampere in 2-D units (a layer 1 m thick), V/A.
+    /// Mean |dV| in 2-D units (a layer 1 m thick), V/A.
     pub absolute: f64,
     /// Mean |dV/V|.
     pub relative: f64,
-    /// Root mean square of dV over noise in proportion to each reading.
+    /// Root mean square of dV over noise proportional to each reading.
     pub over_proportional_noise: f64,
-    /// Root mean square of dV over noise in proportion to the largest reading.
+    /// Root mean square of dV over noise proportional to the largest reading.
     pub over_full_scale_noise: f64,
 }
 
-/// The phantoms: one, two and three points, at REFERENCE's places.
-fn phantoms() -> [Phantom; 3] {
-    [
-        Phantom::discs("one point", &[[50.0, 50.0]], TOUCH_MM),
-        Phantom::discs("two points", &[[30.0, 50.0], [70.0, 50.0]], TOUCH_MM),
-        Phantom::discs(
-            "three points",
-            &[[30.0, 30.0], [70.0, 30.0], [50.0, 70.0]],
-            TOUCH_MM,
-        ),
-    ]
-}
-
-/// A study that is checked: every pad can be built and every touch lies on it.
+/// The study with valid settings: every pad can be built, and every touch lies on it.
 #[derive(Clone, Debug)]
 pub struct Width {
-    settings: Settings,
+    settings: WidthSettings,
     variants: Vec<Variant>,
     places: Vec<PointMm>,
     bound_places: Vec<PointMm>,
 }
 
 impl Width {
-    /// Checks settings before anything is solved.
+    /// Validates the settings.
     ///
     /// # Errors
-    /// A pad that cannot be built, or a touch off a pad, with the reason.
-    pub fn new(settings: Settings) -> Result<Self, StudyError> {
+    /// A pad that is invalid, or a touch that reaches off a pad.
+    pub fn new(settings: WidthSettings) -> Result<Self, StudyError> {
         let variants = variants(&settings)?;
         for variant in &variants {
-            if let Some(misfit) = phantoms()
-                .iter()
-                .find_map(|phantom| phantom.misfit(&variant.pad))
-            {
-                return Err(StudyError::Refused {
-                    reason: format!("{}: {misfit}", variant.label),
-                });
+            let mut misfits = Phantom::points(TOUCH_MM)
+                .into_iter()
+                .filter_map(|phantom| phantom.misfit(&variant.pad));
+            if let Some(misfit) = misfits.next() {
+                return Err(StudyError::refused(format!("{}: {misfit}", variant.label)));
             }
         }
-        // The places that all variants share lie on the smallest of them.
-        let size = variants.iter().fold([f64::INFINITY; 2], |least, variant| {
-            let size = variant.pad.outline.size_mm();
-            [least[0].min(size[0]), least[1].min(size[1])]
+        // All variants share the places, which lie on the smallest of them.
+        let size = [0, 1].map(|axis| {
+            let sizes = variants
+                .iter()
+                .map(|variant| variant.pad.outline.size_mm()[axis]);
+            range(sizes)[0]
         });
         let everywhere = |place: &PointMm| variants.iter().all(|v| v.pad.outline.contains(*place));
         let (places, grid) = if settings.quick {
@@ -176,16 +166,16 @@ impl Width {
         })
     }
 
-    /// What is studied.
+    /// The settings.
     #[must_use]
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &WidthSettings {
         &self.settings
     }
 }
 
 impl Study for Width {
     type Case = Variant;
-    type Outcome = Outcome;
+    type Outcome = WidthOutcome;
 
     fn cases(&self) -> &[Variant] {
         &self.variants
@@ -195,22 +185,21 @@ impl Study for Width {
         variant.label.replace(' ', "-")
     }
 
-    fn solve(&self, variant: &Variant) -> Result<Outcome, StudyError> {
+    fn solve(&self, variant: &Variant) -> Result<WidthOutcome, StudyError> {
         let pad = &variant.pad;
         let contacts = ContactModel {
             thickness_m: 1.0,
-            ..ContactModel::of_pad(pad)
+            ..ContactModel::from_pad(pad)
         };
-        let model = ForwardModel::new(Mesh::of_pad(pad, mesh_size(pad)), &contacts)?;
+        let model = ForwardModel::new(Mesh::from_pad(pad, mesh_size(pad)), &contacts)?;
         let rest = volts(pad, &model, |_| false, pad.background_s_per_m)?;
         let change = |touch: &Phantom, level: f64| -> Result<Change, StudyError> {
             let touched = volts(pad, &model, |point| touch.contains(point), level)?;
             Ok(Change::between(&rest, &touched))
         };
-        let phantoms = phantoms();
-        let by_level = phantoms
-            .iter()
-            .flat_map(|touch| LEVELS.map(|level| change(touch, level)));
+        let by_level = Phantom::points(TOUCH_MM)
+            .into_iter()
+            .flat_map(|touch| LEVELS.map(|level| change(&touch, level)));
         let by_place = self.places.iter().map(|place| {
             let touch = Phantom::discs("one point", &[*place], TOUCH_MM);
             change(&touch, LEVELS[LEVELS.len() - 1])
@@ -223,19 +212,19 @@ impl Study for Width {
             };
             Ok((*place, place_bound_mm(pad, &model, &press, SNR_DB)?))
         });
-        Ok(Outcome {
+        Ok(WidthOutcome {
             phantoms: by_level.collect::<Result<_, StudyError>>()?,
             places: by_place.collect::<Result<_, StudyError>>()?,
             bounds: bounds.collect::<Result<_, StudyError>>()?,
         })
     }
 
-    fn report(&self, outcomes: &[Outcome]) -> Result<Report, StudyError> {
-        self.told(outcomes)
+    fn report(&self, outcomes: &[WidthOutcome]) -> Result<Report, StudyError> {
+        self.build_report(outcomes)
     }
 }
 
-/// A mesh on which touches of 5 mm are resolved: the figures of the phantoms change by less than 3 % when it is refined.
+/// A mesh that resolves touches of 5 mm: refining it changes the figures of the phantoms by less than 3 %.
 fn mesh_size(pad: &Pad) -> MeshSize {
     let size = MeshSize::relative(pad, 1.0, false);
     MeshSize {
@@ -246,7 +235,8 @@ fn mesh_size(pad: &Pad) -> MeshSize {
     }
 }
 
-fn variants(settings: &Settings) -> Result<Vec<Variant>, StudyError> {
+/// The pads to compare: the values of a sweep, or the solid layer and lattices.
+fn variants(settings: &WidthSettings) -> Result<Vec<Variant>, StudyError> {
     if let Some(vary) = &settings.vary {
         return vary
             .values()
@@ -259,18 +249,12 @@ fn variants(settings: &Settings) -> Result<Vec<Variant>, StudyError> {
             })
             .collect();
     }
-    let base = Pad::from_toml(&settings.pad, &settings.pad_toml).map_err(|faulty| {
-        StudyError::Refused {
-            reason: faulty.to_string(),
-        }
-    })?;
+    let base = super::parse_pad(&settings.pad, &settings.pad_toml)?;
     let Conductor::Lattice(lattice) = base.conductor.clone() else {
-        return Err(StudyError::Refused {
-            reason: format!(
-                "the pad {} has no channels whose width could be studied: choose a lattice, or --vary another parameter",
-                base.name
-            ),
-        });
+        return Err(StudyError::refused(format!(
+            "the pad {} has no channels: choose a lattice, or --vary another parameter",
+            base.name
+        )));
     };
     let lines = [lattice.x_lines_mm.len(), lattice.y_lines_mm.len()];
     let solid = Variant {
@@ -296,7 +280,7 @@ fn variants(settings: &Settings) -> Result<Vec<Variant>, StudyError> {
     Ok(std::iter::once(solid).chain(lattices).collect())
 }
 
-/// The voltages, V/A in 2-D units, with a level of conductivity where a shape is.
+/// The voltages with the conductivity at a level (S/m) where the pad is touched, V/A in 2-D units.
 fn volts(
     pad: &Pad,
     model: &ForwardModel,
@@ -316,20 +300,38 @@ fn volts(
 impl Change {
     fn between(rest: &[f64], touched: &[f64]) -> Self {
         let noise = 10f64.powf(-SNR_DB / 20.0);
-        let full_scale = rest.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
-        let count = rest.len() as f64;
-        let over = |value: &dyn Fn(f64, f64) -> f64| {
-            rest.iter()
-                .zip(touched)
-                .map(|(v, t)| value(*v, t - v))
-                .sum::<f64>()
-        };
+        let [_, full_scale] = range(rest.iter().map(|volt| volt.abs()));
+        let pairs = || rest.iter().zip(touched).map(|(v, t)| (v, t - v));
         Self {
-            absolute: over(&|_, dv| dv.abs()) / count,
-            relative: over(&|v, dv| (dv / v).abs()) / count,
-            over_proportional_noise: (over(&|v, dv| (dv / v / noise).powi(2)) / count).sqrt(),
-            over_full_scale_noise: (over(&|_, dv| (dv / full_scale / noise).powi(2)) / count)
-                .sqrt(),
+            absolute: mean(pairs().map(|(_, dv)| dv.abs())),
+            relative: mean(pairs().map(|(v, dv)| (dv / v).abs())),
+            over_proportional_noise: rms(pairs().map(|(v, dv)| dv / v / noise)),
+            over_full_scale_noise: rms(pairs().map(|(_, dv)| dv / full_scale / noise)),
         }
+    }
+}
+
+impl WidthOutcome {
+    fn phantom(&self, phantom: usize, level: usize) -> Change {
+        self.phantoms[phantom * LEVELS.len() + level]
+    }
+
+    /// Mean over the three phantoms at one level.
+    fn mean_of_phantoms(&self, level: usize, figure: impl Fn(&Change) -> f64) -> f64 {
+        mean((0..3).map(|phantom| figure(&self.phantom(phantom, level))))
+    }
+
+    /// Mean, least and greatest over the random places.
+    fn over_places(&self, figure: impl Fn(&Change) -> f64) -> [f64; 3] {
+        let values = || self.places.iter().map(&figure);
+        let [least, most] = range(values());
+        [mean(values()), least, most]
+    }
+
+    /// Median, least and greatest bound, mm.
+    fn bound_mm(&self) -> [f64; 3] {
+        let bounds = || self.bounds.iter().map(|(_, bound)| *bound);
+        let [least, most] = range(bounds());
+        [quantile(bounds(), 0.5).unwrap_or(f64::NAN), least, most]
     }
 }

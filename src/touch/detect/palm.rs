@@ -1,43 +1,44 @@
-//! A palm or a forearm that comes to lie on the pad.
+//! A palm or a forearm resting on the pad.
 //!
-//! It is no finger: fitted as fingers it is several strong ones, or one too many, in places that change from frame to frame. So
-//! as soon as it may be one the image is asked, and it is told as what it is, one wide contact. When it has lain for a
-//! moment it goes into the reference: the pad is touched beside it as if it were not there, as if it had lain there from the
-//! start; and when it leaves, the pad's rebound takes the reference anew.
+//! Fitted as fingers it would be several strong ones, in places that change from frame to frame. So if a frame may show
+//! one, the image decides, and the palm becomes one wide contact. After a moment the reference is taken again with the palm
+//! on the pad, which can then be played beside it; when it leaves, the rebound takes the reference once more.
 
 use super::Detector;
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
 
-/// Located touches that leave this many times what noise and the model's error explain may be a palm, ...
+/// A frame may show a palm if located touches leave this many times noise and model error, ...
 const POOR_REST: f64 = 4.0;
-/// ... as may so many touches at once, ...
-const MANY: usize = 5;
-/// ... or so many of full force.
-const HEAVY: usize = 3;
-/// A palm that has lain for so long is taken into the reference.
-const LIES_NS: Nanos = 300 * NANOS_PER_MS;
-/// A palm that is not seen for so long has gone.
+/// ... or there are this many touches, ...
+const MANY_TOUCHES: usize = 5;
+/// ... or this many of full force.
+const HEAVY_TOUCHES: usize = 3;
+/// A palm that rests for this long becomes part of the reference.
+const REST_NS: Nanos = 300 * NANOS_PER_MS;
+/// A palm that is not detected for this long has left.
 const GONE_NS: Nanos = 100 * NANOS_PER_MS;
 
 impl Detector {
-    /// Whether a frame whose touches were located is that of a palm; the contacts are then those of its image.
+    /// Whether a frame shows a palm. If so, the contacts of the image replace the located ones.
     pub(super) fn is_under_palm(&mut self, rest: f64, t_ns: Nanos) -> bool {
         let heavy = self
             .contacts
             .iter()
             .filter(|contact| contact.force >= 1.0)
             .count()
-            >= HEAVY;
-        let may_be =
-            heavy || rest > POOR_REST || self.contacts.len() >= MANY || self.palm_ns.is_some();
-        if !may_be {
+            >= HEAVY_TOUCHES;
+        let is_possible = heavy
+            || rest > POOR_REST
+            || self.contacts.len() >= MANY_TOUCHES
+            || self.palm_ns.is_some();
+        if !is_possible {
             return false;
         }
         let (doubt, down) = (self.reference.doubt(), self.tracker.down());
-        let is_seen = self
-            .by_image
-            .palm(&self.image, doubt, down, heavy, &mut self.contacts);
-        if is_seen {
+        let is_palm =
+            self.by_image
+                .replace_by_palm(&self.image, doubt, down, heavy, &mut self.contacts);
+        if is_palm {
             let since = self.palm_ns.map_or(t_ns, |[since, _]| since);
             self.palm_ns = Some([since, t_ns]);
         } else if self
@@ -46,18 +47,17 @@ impl Detector {
         {
             self.palm_ns = None;
         }
-        is_seen
+        is_palm
     }
 
-    /// Tells a palm's contacts, and takes it into the reference when it has lain for a while.
-    pub(super) fn bear_palm(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
-        let lies = self
+    /// Reports the contacts of a palm, or retakes the reference when it has rested for a while.
+    pub(super) fn handle_palm(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        let rests = self
             .palm_ns
-            .is_some_and(|[since, _]| frame.t_ns.saturating_sub(since) > LIES_NS);
-        if lies {
+            .is_some_and(|[since, _]| frame.t_ns.saturating_sub(since) > REST_NS);
+        if rests {
             self.tracker.lift_all(changed);
-            self.retaken += 1;
-            self.start_anew(frame);
+            self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
         } else {
             self.tracker.follow(frame.t_ns, &self.contacts, changed);
         }

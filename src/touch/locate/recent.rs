@@ -1,64 +1,66 @@
-//! What the last few frames left unexplained, while the same touches were down.
+//! The residuals of the last few frames with the same touches.
 
-/// Rests kept.
-const KEPT: usize = super::seek::MEAN_FRAMES;
+/// A touch too faint for one frame is searched for in the mean of this many.
+pub(super) const MEAN_FRAMES: usize = 4;
+/// After a failed search, the next one waits until the residual has grown by this factor.
+pub(super) const REFUSED_GROWTH: f64 = 1.3;
+/// Frames after a touch began or ended, during which the reference still finds its level: a faint touch could not be
+/// distinguished from its error.
+const SETTLING_FRAMES: usize = 20;
 
-/// Frames after a change of the touches in which the reference is still finding its level: no faint touch can be told from
-/// what it is off by.
-const SETTLING: usize = 20;
-
-/// The last rests, and their mean.
+/// The last residuals and their mean.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Recent {
+pub(super) struct RecentResiduals {
     touches: usize,
-    taken: usize,
-    rests: [Vec<f32>; KEPT],
+    pushed: usize,
+    residuals: [Vec<f32>; MEAN_FRAMES],
     mean: Vec<f32>,
-    /// The gain that was last sought in vain with these touches.
+    /// The gain of the last failed search with these touches.
     refused_gain: f64,
 }
 
-impl Recent {
-    /// Forgets all.
+impl RecentResiduals {
+    /// Forgets all residuals.
     pub(super) fn clear(&mut self) {
-        self.taken = 0;
+        self.pushed = 0;
         self.refused_gain = 0.0;
     }
 
-    /// Whether a gain is far more than was last asked for; a try that follows is expected to fail.
-    pub(super) fn is_news(&mut self, gain: f64) -> bool {
-        let is_news = gain > super::seek::REFUSED_GROWTH * self.refused_gain;
-        if is_news {
+    /// Whether a gain is far above that of the last failed search. If so, it is stored, as the next search may fail too.
+    pub(super) fn exceeds_refused(&mut self, gain: f64) -> bool {
+        let exceeds = gain > REFUSED_GROWTH * self.refused_gain;
+        if exceeds {
             self.refused_gain = gain;
         }
-        is_news
+        exceeds
     }
 
-    /// Takes the rest of a frame with so many touches; returns how many rests the mean is of, none while the reference
-    /// settles.
-    pub(super) fn take(&mut self, touches: usize, rest: &[f32]) -> usize {
+    /// Adds the residual of a frame with the given number of touches. Returns the number of residuals in the mean: 0
+    /// while the reference settles.
+    pub(super) fn push(&mut self, touches: usize, residual: &[f32]) -> usize {
         if touches != self.touches {
             self.touches = touches;
             self.clear();
         }
-        self.rests[self.taken % KEPT].clear();
-        self.rests[self.taken % KEPT].extend_from_slice(rest);
-        self.taken += 1;
-        if self.taken < SETTLING {
+        let slot = &mut self.residuals[self.pushed % MEAN_FRAMES];
+        slot.clear();
+        slot.extend_from_slice(residual);
+        self.pushed += 1;
+        if self.pushed < SETTLING_FRAMES {
             return 0;
         }
-        let count = self.taken.min(KEPT);
+        let count = self.pushed.min(MEAN_FRAMES);
         self.mean.clear();
-        self.mean.resize(rest.len(), 0.0);
-        for kept in &self.rests[..count] {
-            for (sum, value) in self.mean.iter_mut().zip(kept) {
+        self.mean.resize(residual.len(), 0.0);
+        for residual in &self.residuals[..count] {
+            for (sum, value) in self.mean.iter_mut().zip(residual) {
                 *sum += value / count as f32;
             }
         }
         count
     }
 
-    /// The mean of the rests that were taken.
+    /// The mean of the last residuals.
     pub(super) fn mean(&self) -> &[f32] {
         &self.mean
     }
@@ -69,13 +71,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_is_of_the_last_rests_with_the_same_touches() {
-        let mut recent = Recent::default();
-        for value in 1..SETTLING {
-            assert_eq!(recent.take(1, &[value as f32]), 0, "settling");
+    fn the_mean_is_of_the_last_residuals_with_the_same_touches() {
+        let mut recent = RecentResiduals::default();
+        for value in 1..SETTLING_FRAMES {
+            assert_eq!(recent.push(1, &[value as f32]), 0, "settling");
         }
-        assert_eq!(recent.take(1, &[SETTLING as f32]), KEPT);
-        assert_eq!(recent.mean(), [SETTLING as f32 - 1.5]);
-        assert_eq!(recent.take(2, &[9.0]), 0, "another touch");
+        assert_eq!(recent.push(1, &[SETTLING_FRAMES as f32]), MEAN_FRAMES);
+        assert_eq!(recent.mean(), [SETTLING_FRAMES as f32 - 1.5]);
+        assert_eq!(recent.push(2, &[9.0]), 0, "another touch");
     }
 }

@@ -1,29 +1,29 @@
-//! Sciospec's EIT instruments: frames `CT LEN data CT`, single-ended potentials of sixteen electrodes in each.
+//! Sciospec's EIT instruments: messages `CT LEN data CT`, with single-ended potentials of sixteen electrodes in each.
 //!
-//! The instrument is set up for the pad's drives and for endless single-ended frames; every command waits for its
-//! acknowledgement (`18 01 83 18`). A reading comes drive by drive, in groups of sixteen electrodes; it is a frame when
-//! each drive of the sequence has come in its turn with all its groups. What gelpad works with are differences of
-//! neighbours, real parts, those left out that meet the drive.
+//! The instrument is set up for the pad's drives and for endless single-ended measurement; every command
+//! waits for its acknowledgement (`18 01 83 18`). A measurement arrives drive by drive, in groups of sixteen
+//! electrodes; it is a frame when each drive has arrived in its order with all groups. Values are the real
+//! parts of the differences of neighbours, without those that include a driven electrode.
 //!
-//! There is no check sum. A row counts only if it closes where its length says, names two electrodes, holds potentials that
-//! the instrument can measure, and comes in its turn.
+//! There is no check sum. A row is valid only if it ends where its length says, names two electrodes, has
+//! potentials that the instrument can measure, and arrives in its order.
 
 mod rows;
 
 use std::collections::VecDeque;
 
-use super::{Decoded, Dialect, FormatKind, SHOWN_BYTES, Wiring};
+use super::{Decoded, Dialect, SHOWN_BYTES, WireFormat, Wiring};
 use crate::pad::Pair;
 use crate::types::{NANOS_PER_MS, Nanos};
 pub use rows::encode_row;
 use rows::{ROW_BYTES, Row, Rows};
 
-/// An answer that has not come after so long is not waited for.
-const PATIENCE_NS: Nanos = 500 * NANOS_PER_MS;
-/// Silence of a running measurement after which it is set up again.
+/// Longest wait for an answer.
+const ANSWER_NS: Nanos = 500 * NANOS_PER_MS;
+/// Silence after which a running measurement is set up again.
 const SILENCE_NS: Nanos = 3000 * NANOS_PER_MS;
 
-/// What the instrument is asked for: frames a second, Hz of the current, and its amplitude, A.
+/// Settings of the instrument: frame rate, 1/s, and frequency, Hz, and amplitude, A, of the current.
 const FRAMES_PER_S: f32 = 100.0;
 const EXCITATION_HZ: f32 = 10_000.0;
 const AMPLITUDE_A: f64 = 1e-3;
@@ -34,46 +34,46 @@ pub(in crate::source) const SET_UP: u8 = 0xb0;
 const READ_BACK: u8 = 0xb1;
 pub(in crate::source) const OUTPUT: u8 = 0xb2;
 pub(in crate::source) const MEASURE: u8 = 0xb4;
-/// What an acknowledgement says.
+/// Contents of an acknowledgement.
 pub(in crate::source) const DONE: u8 = 0x83;
 const REFUSED: [u8; 2] = [0x81, 0x82];
 
-/// Starts and stops the measurement.
+/// Starts the measurement.
 pub const START: &[u8] = &[MEASURE, 1, 1, MEASURE];
-/// See [`START`].
+/// Stops the measurement.
 pub const STOP: &[u8] = &[MEASURE, 1, 0, MEASURE];
 
-/// Reads the format from bytes, sets the instrument up and starts it.
+/// Decoder of the format, which also sets up and starts the instrument.
 #[derive(Clone, Debug)]
 pub struct Sciospec {
     wiring: Wiring,
     buffer: Vec<u8>,
-    /// Bytes that fit nowhere, since the last thing that did.
-    astray: Vec<u8>,
+    /// Bytes since the last message that belong to none.
+    stray_bytes: Vec<u8>,
     rows: Rows,
-    /// Commands that are still to be sent; none before the talk has begun.
+    /// Commands still to be sent; none before the dialogue has started.
     commands: Option<VecDeque<Vec<u8>>>,
-    /// When the command on its way was sent.
+    /// When the unanswered command was sent.
     awaiting_since_ns: Option<Nanos>,
-    heard_ns: Nanos,
+    received_ns: Nanos,
 }
 
 impl Sciospec {
-    /// An instrument on a pad that is wired so.
+    /// An instrument on a pad with this wiring.
     #[must_use]
     pub fn new(wiring: &Wiring) -> Self {
         Self {
             wiring: wiring.clone(),
             buffer: Vec::new(),
-            astray: Vec::new(),
+            stray_bytes: Vec::new(),
             rows: Rows::default(),
             commands: None,
             awaiting_since_ns: None,
-            heard_ns: 0,
+            received_ns: 0,
         }
     }
 
-    /// One that was set up and started by someone else: it is only read, until it falls silent.
+    /// An instrument that was already set up and started: it is only read, until it falls silent.
     #[must_use]
     pub fn running(wiring: &Wiring) -> Self {
         Self {
@@ -82,8 +82,8 @@ impl Sciospec {
         }
     }
 
-    /// Takes what the bytes begin with; how many they were, none if more must come first.
-    fn take(&mut self, bytes: &[u8], decoded: &mut Vec<Decoded>) -> Option<usize> {
+    /// Decodes the message at the start of the bytes; returns its length, or none if it is incomplete.
+    fn take_message(&mut self, bytes: &[u8], decoded: &mut Vec<Decoded>) -> Option<usize> {
         let (tag, length) = (*bytes.first()?, usize::from(*bytes.get(1)?));
         let is_known = match tag {
             ACK => length == 1,
@@ -96,20 +96,20 @@ impl Sciospec {
             return None;
         }
         if !is_known || bytes[whole - 1] != tag {
-            if self.astray.len() < SHOWN_BYTES {
-                self.astray.push(tag);
+            if self.stray_bytes.len() < SHOWN_BYTES {
+                self.stray_bytes.push(tag);
             }
             return Some(1);
         }
-        self.tell_strays(decoded);
+        self.report_strays(decoded);
         let data = &bytes[2..whole - 1];
         match tag {
-            ACK => self.answered(data[0], decoded),
-            MEASURE => match Row::of(data).and_then(|row| self.rows.take(row)) {
+            ACK => self.take_answer(data[0], decoded),
+            MEASURE => match Row::parse(data).and_then(|row| self.rows.add(row)) {
                 Ok(Some(frame)) => decoded.push(Decoded::Frame(frame)),
                 Ok(None) => {}
                 Err(reason) => {
-                    self.rows.spoil();
+                    self.rows.drop_cycle();
                     decoded.push(Decoded::garbled(reason, &bytes[..whole]));
                 }
             },
@@ -118,10 +118,10 @@ impl Sciospec {
         Some(whole)
     }
 
-    fn answered(&mut self, answer: u8, decoded: &mut Vec<Decoded>) {
+    fn take_answer(&mut self, answer: u8, decoded: &mut Vec<Decoded>) {
         if REFUSED.contains(&answer) {
             decoded.push(Decoded::Note(format!(
-                "the instrument refused a command (answer {answer:02x}): it goes on as it is set up"
+                "the instrument refused a command (answer {answer:02x}): it continues with its present settings"
             )));
         }
         if answer == DONE || REFUSED.contains(&answer) {
@@ -129,12 +129,12 @@ impl Sciospec {
         }
     }
 
-    fn tell_strays(&mut self, decoded: &mut Vec<Decoded>) {
-        if !self.astray.is_empty() {
-            self.rows.spoil();
-            let reason = "bytes between what is known: some were lost";
-            decoded.push(Decoded::garbled(reason, &self.astray));
-            self.astray.clear();
+    fn report_strays(&mut self, decoded: &mut Vec<Decoded>) {
+        if !self.stray_bytes.is_empty() {
+            self.rows.drop_cycle();
+            let reason = "unknown bytes between messages: bytes were lost";
+            decoded.push(Decoded::garbled(reason, &self.stray_bytes));
+            self.stray_bytes.clear();
         }
     }
 }
@@ -142,14 +142,14 @@ impl Sciospec {
 impl Dialect for Sciospec {
     fn feed(&mut self, now_ns: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
         if !bytes.is_empty() {
-            self.heard_ns = now_ns;
+            self.received_ns = now_ns;
         }
         let mut buffer = std::mem::take(&mut self.buffer);
-        // In pieces, so that the buffer stays short, whatever is fed.
+        // In pieces, so that the buffer stays short.
         for piece in bytes.chunks(1024) {
             buffer.extend_from_slice(piece);
             let mut taken = 0;
-            while let Some(count) = self.take(&buffer[taken..], decoded) {
+            while let Some(count) = self.take_message(&buffer[taken..], decoded) {
                 taken += count;
             }
             buffer.drain(..taken);
@@ -157,20 +157,20 @@ impl Dialect for Sciospec {
         self.buffer = buffer;
     }
 
-    fn say(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
+    fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
         let since = |then: Nanos| now_ns.saturating_sub(then);
         if self
             .awaiting_since_ns
-            .is_some_and(|sent| since(sent) < PATIENCE_NS)
+            .is_some_and(|sent| since(sent) < ANSWER_NS)
         {
             return None;
         }
         self.awaiting_since_ns = None;
-        let is_silent = since(self.heard_ns) >= SILENCE_NS;
+        let is_silent = since(self.received_ns) >= SILENCE_NS;
         let wiring = &self.wiring;
         let commands = match &mut self.commands {
             Some(commands) if commands.is_empty() && is_silent => {
-                self.heard_ns = now_ns;
+                self.received_ns = now_ns;
                 self.commands.insert(set_up(wiring))
             }
             Some(commands) => commands,
@@ -185,16 +185,16 @@ impl Dialect for Sciospec {
         *self = Self::new(&self.wiring);
     }
 
-    fn farewell(&self) -> &'static [u8] {
+    fn stop_command(&self) -> &'static [u8] {
         STOP
     }
 
     fn held_bytes(&self) -> usize {
-        self.buffer.len() + self.astray.len() + self.rows.held_bytes()
+        self.buffer.len() + self.stray_bytes.len() + self.rows.held_bytes()
     }
 
-    fn kind(&self) -> Option<FormatKind> {
-        Some(FormatKind::Sciospec)
+    fn kind(&self) -> Option<WireFormat> {
+        Some(WireFormat::Sciospec)
     }
 }
 
@@ -208,13 +208,13 @@ pub fn set_up(wiring: &Wiring) -> VecDeque<Vec<u8>> {
         bytes
     };
     let hz = EXCITATION_HZ.to_be_bytes();
-    // One frequency: from, to, how many, linear.
+    // One frequency: start, end, count, linear scale.
     let frequencies = [&hz[..], &hz[..], &[0, 1], &[0]].concat();
     let mut commands = VecDeque::from([
         STOP.to_vec(),
-        // Back to the instrument's defaults: the sequence of drives below is added to what is there.
+        // Reset to the defaults: the drives below are added to those that are set.
         vec![SET_UP, 1, 1, SET_UP],
-        // Endless.
+        // Endless measurement.
         command(SET_UP, 2, &[0, 0]),
         command(SET_UP, 3, &FRAMES_PER_S.to_be_bytes()),
         command(SET_UP, 4, &frequencies),
@@ -225,7 +225,7 @@ pub fn set_up(wiring: &Wiring) -> VecDeque<Vec<u8>> {
     for Pair(into, out) in &wiring.drives {
         commands.push_back(command(SET_UP, 6, &[*into as u8 + 1, *out as u8 + 1]));
     }
-    // Rows name their drive and time, and no frequency.
+    // Rows contain their drive and time, but no frequency.
     for (option, is_on) in [(1, 1), (2, 0), (3, 1)] {
         commands.push_back(command(OUTPUT, option, &[is_on]));
     }
@@ -239,7 +239,7 @@ mod tests {
     use super::super::tests_support::{frames, reasons};
     use super::*;
 
-    /// A frame of sixteen drives; potentials are whole numbers, so that their differences are exact.
+    /// A frame of sixteen drives; the potentials are integers, so that differences are exact.
     fn frame(seed: u32) -> Vec<u8> {
         (0..16)
             .flat_map(|drive| {
@@ -252,7 +252,7 @@ mod tests {
             .collect()
     }
 
-    fn fed(board: &mut Sciospec, bytes: &[u8]) -> Vec<Decoded> {
+    fn decode_all(board: &mut Sciospec, bytes: &[u8]) -> Vec<Decoded> {
         let mut decoded = Vec::new();
         board.feed(0, bytes, &mut decoded);
         decoded
@@ -267,14 +267,14 @@ mod tests {
         let mut board = board();
         let mut sent = Vec::new();
         let mut now_ns = 0;
-        while let Some(command) = board.say(now_ns) {
-            assert_eq!(board.say(now_ns), None, "not before the answer");
+        while let Some(command) = board.poll_command(now_ns) {
+            assert_eq!(board.poll_command(now_ns), None, "not before the answer");
             sent.push(command);
-            // Every other answer is lost: it is not waited for longer than half a second.
+            // Every other answer is lost: the next command follows after half a second.
             if sent.len() % 2 == 0 {
                 board.feed(now_ns, &[ACK, 1, DONE, ACK], &mut Vec::new());
             } else {
-                now_ns += PATIENCE_NS;
+                now_ns += ANSWER_NS;
             }
         }
         assert_eq!(sent[0], STOP);
@@ -286,8 +286,8 @@ mod tests {
         assert!(sent.contains(&vec![0xb0, 3, 6, 16, 1, 0xb0]));
         assert!(sent.contains(&vec![0xb2, 2, 2, 0, 0xb2]));
         assert_eq!(sent.last().expect("some"), START);
-        let told = fed(&mut board, &[ACK, 1, 0x81, ACK]);
-        assert!(matches!(&told[..], [Decoded::Note(_)]), "{told:?}");
+        let noted = decode_all(&mut board, &[ACK, 1, 0x81, ACK]);
+        assert!(matches!(&noted[..], [Decoded::Note(_)]), "{noted:?}");
     }
 
     #[test]
@@ -297,16 +297,16 @@ mod tests {
         for seed in 0..4 {
             bytes.extend(frame(seed));
         }
-        let decoded = fed(&mut board, &bytes);
+        let decoded = decode_all(&mut board, &bytes);
         let found = frames(&decoded);
         assert_eq!(
             found.len(),
             4,
-            "the first one is told when the second begins"
+            "the first is complete when the second starts"
         );
         for (seed, values) in found.iter().enumerate() {
             assert_eq!(values.len(), 208);
-            // Drive 0 leaves the neighbours from (2, 3) on.
+            // The first difference without an electrode of drive 0 is (2, 3).
             let potential = |e: usize| ((seed + e * e) % 19) as f32 - 9.0;
             assert_eq!(values[0], potential(3) - potential(2));
         }
@@ -324,15 +324,15 @@ mod tests {
         assert_eq!(
             listing[13].measure,
             Pair(3, 4),
-            "drive 1 begins behind itself"
+            "the measurements of drive 1 start after it"
         );
     }
 
     #[test]
-    fn a_frame_without_a_row_or_with_a_shifted_one_is_none() {
+    fn a_frame_with_a_missing_or_shifted_row_is_dropped() {
         let mut board = board();
         let whole = frame(0);
-        fed(&mut board, &[whole.clone(), whole.clone()].concat());
+        decode_all(&mut board, &[whole.clone(), whole.clone()].concat());
         let row = whole.len() / 16;
         let without_row = [&whole[..row * 3], &whole[row * 4..]].concat();
         let mut shifted = whole.clone();
@@ -342,7 +342,7 @@ mod tests {
         let mut bad_volt = whole.clone();
         bad_volt[row * 7 + 9] = 0x7f;
         for damaged in [without_row, shifted, bad_drive, bad_volt] {
-            let decoded = fed(&mut board, &[damaged, whole.clone()].concat());
+            let decoded = decode_all(&mut board, &[damaged, whole.clone()].concat());
             assert_eq!(frames(&decoded).len(), 1, "{decoded:?}");
             assert!(!reasons(&decoded).is_empty());
         }
@@ -360,7 +360,7 @@ mod tests {
                 })
             })
             .collect();
-        let found = frames(&fed(&mut board, &[frame.clone(), frame].concat()));
+        let found = frames(&decode_all(&mut board, &[frame.clone(), frame].concat()));
         assert_eq!(found.len(), 2);
         assert_eq!(found[1].len(), 32 * 29);
         assert_eq!(found[1][13], 0.5 - 15.0, "across the groups");

@@ -1,4 +1,4 @@
-//! Rows of an instrument, and the frames that they make.
+//! Rows of an instrument, and the frames that they form.
 
 use std::sync::Arc;
 
@@ -6,22 +6,22 @@ use super::MEASURE;
 use crate::pad::{Channel, Pair, Protocol};
 use crate::source::wire::{Stamp, WireFrame};
 
-/// Electrodes of a group: what one row holds.
+/// Number of electrodes of a group, and so of potentials of a row.
 const GROUP: usize = 16;
-/// Electrodes of the largest instrument.
+/// Number of electrodes of the largest instrument.
 const MOST_ELECTRODES: usize = 32;
-/// A row's data: group, drive and time, then the potentials; the longer has the row of the frequency stack too.
+/// Lengths of a row's data: group, drive, time and potentials, with or without the row of the frequency stack.
 pub(super) const ROW_BYTES: [usize; 2] = [7 + 8 * GROUP, 9 + 8 * GROUP];
-/// No potential is larger, V: the converter's range is 10 V. What is shifted by a lost byte soon is.
+/// Largest potential, V; the converter's range is 10 V. Bytes shifted by a loss soon exceed it.
 const MOST_VOLTS: f32 = 20.0;
-/// Drives of the longest sequence.
+/// Number of drives of the longest sequence.
 const MOST_DRIVES: usize = 64;
-/// A cycle that fits no more so many times is learned anew: the first one may have lacked a row.
-const MOST_SPOILT: u32 = 8;
+/// After this many interrupted cycles the cycle is learned again: the first one may have lacked a row.
+const MOST_INTERRUPTIONS: u32 = 8;
 /// The instrument's clock counts milliseconds.
 const TICK_NS: u32 = 1_000_000;
 
-/// What one drive gave in one group of electrodes.
+/// The potentials of one group of electrodes under one drive.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
     /// From 0.
@@ -33,17 +33,17 @@ pub(super) struct Row {
 }
 
 impl Row {
-    pub(super) fn of(data: &[u8]) -> Result<Self, String> {
+    pub(super) fn parse(data: &[u8]) -> Result<Self, String> {
         let head = data.len() - 8 * GROUP;
         let group = usize::from(data[0]);
         let drive = Pair(usize::from(data[1]), usize::from(data[2]));
         let electrodes = 1..=MOST_ELECTRODES;
         if !(1..=MOST_ELECTRODES / GROUP).contains(&group) {
-            return Err(format!("a row of the channel group {group}"));
+            return Err(format!("a row of the unknown channel group {group}"));
         }
         if !electrodes.contains(&drive.0) || !electrodes.contains(&drive.1) || drive.0 == drive.1 {
             return Err(format!(
-                "a row driven between the electrodes {} and {}",
+                "a row driven between electrodes {} and {}",
                 drive.0, drive.1
             ));
         }
@@ -66,30 +66,30 @@ impl Row {
     }
 }
 
-/// Rows on their way to a frame.
+/// Collects rows until they form a frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rows {
     rows: Vec<Row>,
-    /// Group and drive of every row of a whole frame, as soon as one was seen.
+    /// Group and drive of every row of a frame; empty until the first complete frame.
     cycle: Vec<(usize, Pair)>,
-    /// What each value is a reading of.
+    /// The channel of each value.
     listing: Option<Arc<[Channel]>>,
-    /// Rows are missing: until the cycle begins again nothing is a frame.
-    spoilt: bool,
-    /// How often that was so since the last frame.
-    spoilt_times: u32,
+    /// Rows are missing: no frame until the cycle starts again.
+    is_interrupted: bool,
+    /// How often rows were missing since the last frame.
+    interruptions: u32,
 }
 
 impl Rows {
-    pub(super) fn take(&mut self, row: Row) -> Result<Option<WireFrame>, String> {
-        let turn = (row.group, row.drive);
+    pub(super) fn add(&mut self, row: Row) -> Result<Option<WireFrame>, String> {
+        let position = (row.group, row.drive);
         if self.cycle.is_empty() {
-            return self.learn(row, turn);
+            return self.learn(row, position);
         }
-        if turn == self.cycle[0] {
-            let missing = !self.rows.is_empty() && !self.spoilt;
+        if position == self.cycle[0] {
+            let missing = !self.rows.is_empty() && !self.is_interrupted;
             self.rows.clear();
-            self.spoilt = false;
+            self.is_interrupted = false;
             self.rows.push(row);
             let whole = (self.cycle.len() == 1).then(|| self.frame());
             return if missing {
@@ -98,18 +98,18 @@ impl Rows {
                 Ok(whole)
             };
         }
-        if !self.cycle.contains(&turn) {
+        if !self.cycle.contains(&position) {
             // The cycle was learned from a frame that lacked its end.
             *self = Self::default();
-            return Err("a drive that was not there before".to_owned());
+            return Err("a drive that was not in the frames before".to_owned());
         }
-        if self.spoilt || self.rows.is_empty() {
+        if self.is_interrupted || self.rows.is_empty() {
             return Ok(None);
         }
-        if turn != self.cycle[self.rows.len()] {
+        if position != self.cycle[self.rows.len()] {
             let Pair(into, out) = row.drive;
             return Err(format!(
-                "a row driven between the electrodes {} and {} out of its turn",
+                "a row driven between electrodes {} and {} out of order",
                 into + 1,
                 out + 1
             ));
@@ -118,17 +118,18 @@ impl Rows {
         Ok((self.rows.len() == self.cycle.len()).then(|| self.frame()))
     }
 
-    /// The first frame is whole when its first row comes again.
-    fn learn(&mut self, row: Row, turn: (usize, Pair)) -> Result<Option<WireFrame>, String> {
-        let turn_of = |row: &Row| (row.group, row.drive);
-        self.spoilt = false;
+    /// Learns the cycle: the first frame is complete when its first row repeats.
+    fn learn(&mut self, row: Row, position: (usize, Pair)) -> Result<Option<WireFrame>, String> {
+        let position_of = |row: &Row| (row.group, row.drive);
+        self.is_interrupted = false;
         let begins_again = self
             .rows
             .first()
-            .is_some_and(|first| turn_of(first) == turn);
+            .is_some_and(|first| position_of(first) == position);
         if begins_again {
-            let mut cycle: Vec<(usize, Pair)> = self.rows.iter().map(turn_of).collect();
-            // Wherever reading began, a frame begins with the first drive: its values never change their meaning.
+            let mut cycle: Vec<(usize, Pair)> = self.rows.iter().map(position_of).collect();
+            // A frame starts with the first drive, wherever decoding started, so that the order of values is
+            // always the same.
             let first = (0..cycle.len()).min_by_key(|index| (cycle[*index].1, cycle[*index].0));
             let first = first.unwrap_or(0);
             cycle.rotate_left(first);
@@ -149,19 +150,19 @@ impl Rows {
         Ok(None)
     }
 
-    /// Something was lost: the rows so far are no frame.
-    pub(super) fn spoil(&mut self) {
-        self.spoilt = true;
+    /// Bytes were lost: drops the rows of the present cycle.
+    pub(super) fn drop_cycle(&mut self) {
+        self.is_interrupted = true;
         self.rows.clear();
-        self.spoilt_times += 1;
-        if self.spoilt_times == MOST_SPOILT {
+        self.interruptions += 1;
+        if self.interruptions == MOST_INTERRUPTIONS {
             *self = Self::default();
         }
     }
 
-    /// The frame that the rows are; they are gone then.
+    /// The frame of the collected rows, which are removed.
     fn frame(&mut self) -> WireFrame {
-        self.spoilt_times = 0;
+        self.interruptions = 0;
         let ticks = self.rows.first().map_or(0, |row| row.ms);
         let mut values = Vec::with_capacity(self.listing.as_ref().map_or(0, |list| list.len()));
         for rows in self.rows.chunk_by(|a, b| a.drive == b.drive) {
@@ -187,7 +188,7 @@ impl Rows {
     }
 }
 
-/// What the values of a cycle are readings of.
+/// The channels of the values of a cycle.
 fn listing(cycle: &[(usize, Pair)]) -> Result<Arc<[Channel]>, String> {
     let mut channels = Vec::new();
     let mut groups = None;
@@ -199,22 +200,22 @@ fn listing(cycle: &[(usize, Pair)]) -> Result<Arc<[Channel]>, String> {
             || drive.0.max(drive.1) >= electrodes
             || *groups.get_or_insert(rows.len()) != rows.len()
         {
-            return Err("rows that make no frame: each drive needs all channel groups".to_owned());
+            return Err("rows that form no frame: each drive needs all channel groups".to_owned());
         }
         channels.extend(adjacent(drive, electrodes));
     }
     Ok(channels.into())
 }
 
-/// The differences of neighbours that a drive leaves: the second's potential minus the first's.
+/// The differences of neighbours without a driven electrode: the second potential minus the first.
 fn adjacent(drive: Pair, electrodes: usize) -> impl Iterator<Item = Channel> {
-    Protocol::stepped(electrodes, 1)
+    Protocol::pairs_with_step(electrodes, 1)
         .into_iter()
-        .filter(move |measure| !drive.meets(*measure))
+        .filter(move |measure| !drive.shares_electrode(*measure))
         .map(move |measure| Channel { drive, measure })
 }
 
-/// A row as the instrument sends it, the imaginary parts zero, without the row of the frequency stack.
+/// A row as the instrument sends it, with imaginary parts of zero and without the row of the frequency stack.
 #[must_use]
 pub fn encode_row(group: usize, drive: Pair, ms: u32, potentials: &[f32]) -> Vec<u8> {
     let mut row = vec![MEASURE, ROW_BYTES[0] as u8, group as u8 + 1];

@@ -1,0 +1,104 @@
+//! Calibration files: presses as CSV, the correction as JSON.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::texts::{is_path, read_limited};
+use super::{AppError, files};
+use crate::calibrate::Presses;
+use crate::pad::Pad;
+use crate::touch::{Correction, CorrectionData};
+
+/// Limit for presses and calibrations, bytes: 2500 presses of 192 channels take 3 MB.
+const MAX_FILE_BYTES: u64 = 256 << 20;
+/// First field of a calibration file.
+const FORMAT: &str = "gelpad-calibration";
+/// The only version.
+const VERSION: u32 = 1;
+
+/// A saved calibration.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CalibrationFile {
+    format: String,
+    version: u32,
+    /// Name of the pad.
+    pad: String,
+    /// Expected error of a lone touch, mm.
+    expected_mm: f64,
+    correction: CorrectionData,
+}
+
+/// Reads presses.
+pub(crate) fn load_presses(path: &Path) -> Result<Presses, AppError> {
+    let text = read_limited(path, MAX_FILE_BYTES)?;
+    Ok(Presses::from_csv(&path.display().to_string(), &text)?)
+}
+
+/// Reads a calibration of a pad.
+pub(crate) fn load(path: &Path, pad: &Pad) -> Result<Correction, AppError> {
+    let content_error = |reason: String| AppError::Content {
+        path: path.to_owned(),
+        reason,
+    };
+    let text = read_limited(path, MAX_FILE_BYTES)?;
+    let file: CalibrationFile = serde_json::from_str(&text).map_err(|error| {
+        content_error(format!(
+            "this is no calibration ({error})\n  help: `gelpad calibrate` makes one"
+        ))
+    })?;
+    if file.format != FORMAT || file.version != VERSION {
+        return Err(content_error(format!(
+            "unknown format {} version {}\n  help: calibrate again with this gelpad",
+            file.format, file.version
+        )));
+    }
+    let correction =
+        Correction::new(file.correction).map_err(|error| content_error(error.to_string()))?;
+    let (has, needs) = (correction.channels(), pad.channels());
+    let mismatch = if has != needs {
+        format!(
+            "made for the pad {} with {has} channels, but {} has {needs}",
+            file.pad, pad.name
+        )
+    } else if file.pad != pad.name {
+        format!("made for the pad {}, not {}", file.pad, pad.name)
+    } else {
+        return Ok(correction);
+    };
+    Err(content_error(format!(
+        "{mismatch}\n  help: choose its pad with --pad, or calibrate this one"
+    )))
+}
+
+/// Saves a calibration; `expected_mm` is the expected error of a single touch.
+pub(crate) fn save(
+    path: &Path,
+    pad: &Pad,
+    correction: &Correction,
+    expected_mm: f64,
+) -> Result<(), AppError> {
+    let file = CalibrationFile {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        pad: pad.name.clone(),
+        expected_mm,
+        correction: correction.data().clone(),
+    };
+    let json = serde_json::to_vec(&file).map_err(|error| AppError::Write {
+        path: path.to_owned(),
+        error: error.into(),
+    })?;
+    files::write(path, &json)
+}
+
+/// The default file of a pad's calibration: beside the pad's file, or in the current folder for a shipped pad.
+pub(crate) fn default_path(argument: &str, pad: &Pad) -> PathBuf {
+    let file = format!("{}.calibration.json", pad.name);
+    if is_path(argument) {
+        Path::new(argument).with_file_name(file)
+    } else {
+        PathBuf::from(file)
+    }
+}

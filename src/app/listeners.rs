@@ -1,0 +1,53 @@
+//! Listeners of a game: the recorder, and the sender of touches as TUIO.
+
+use std::path::Path;
+
+use super::AppError;
+use super::recording::ActiveRecording;
+use super::request::{PlayRequest, SourceChoice};
+use crate::output::Tuio;
+use crate::runtime::{self, StepListener};
+use crate::tape::EngineConfig;
+
+/// Listeners of a game, and the recording that one of them makes.
+#[derive(Default)]
+pub(super) struct Listeners {
+    pub listeners: Vec<Box<dyn StepListener>>,
+    pub recording: Option<ActiveRecording>,
+}
+
+impl Listeners {
+    pub(super) fn start(request: &PlayRequest, config: &EngineConfig) -> Result<Self, AppError> {
+        let mut started = Self::default();
+        if let Some(address) = &request.tuio {
+            let tuio = Tuio::connect(address, config.pad.outline.size_mm())?;
+            let listener = runtime::send_touches(tuio).map_err(AppError::Thread)?;
+            started.listeners.push(listener);
+        }
+        if let Some(path) = &request.record {
+            if let SourceChoice::Replay(file) = &request.source
+                && is_same(file, path)
+            {
+                return Err(AppError::Content {
+                    path: path.clone(),
+                    reason: "this recording is being played\n  help: record to another file"
+                        .to_owned(),
+                });
+            }
+            let (listener, recorder) = runtime::start_recording(path, &config.to_setup())?;
+            started.listeners.push(listener);
+            started.recording = Some(ActiveRecording {
+                path: path.clone(),
+                recorder,
+            });
+        }
+        Ok(started)
+    }
+}
+
+fn is_same(one: &Path, other: &Path) -> bool {
+    match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
+}

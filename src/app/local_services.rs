@@ -1,0 +1,180 @@
+//! The services of the window on this computer.
+
+use std::path::{Path, PathBuf};
+
+use super::calibration;
+use super::folders::{own_folder, own_texts};
+use super::load_timeline::load_timeline;
+use super::places::calibration_places;
+use super::play::{Game, PreparedGame};
+use super::profiles::{bases_of, check_text};
+use super::recording::ActiveRecording;
+use super::reload::ProfileReload;
+use super::services::{AppServices, OutputChoice, PlayRequest, Started, Watch};
+use super::texts::{pad_text, profile_text};
+use super::timeline::RecordingTimeline;
+use super::{AppError, first_fault};
+use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
+use crate::calibrate::{Press, Presses, calibration_file_name, fit_correction};
+use crate::pad::{Pad, SHIPPED_PADS};
+use crate::profile::{Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source};
+use crate::runtime::RunningGame;
+use crate::types::{PointMm, SourceErrors};
+
+/// Starts games as `gelpad play` does.
+pub struct LocalServices;
+
+impl AppServices for LocalServices {
+    fn start(&self, request: &PlayRequest) -> Result<Started, String> {
+        start(request).map_err(|error| error.one_line())
+    }
+
+    fn profiles(&self) -> Vec<String> {
+        with_own_texts(SHIPPED_PROFILES.iter().map(|p| p.name), "profiles")
+    }
+
+    fn pads(&self) -> Vec<String> {
+        with_own_texts(SHIPPED_PADS.iter().map(|p| p.name), "pads")
+    }
+
+    fn users(&self) -> Vec<String> {
+        with_own_texts(SHIPPED_USERS.iter().map(|p| p.name), "users")
+    }
+
+    fn ports(&self) -> Vec<String> {
+        let ports = serialport::available_ports().unwrap_or_default();
+        let mut names: Vec<String> = ports.into_iter().map(|port| port.port_name).collect();
+        names.sort();
+        names
+    }
+
+    fn profile_text(&self, name: &str) -> Result<String, String> {
+        text_or_line(profile_text(name))
+    }
+
+    fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors> {
+        check_text(profile, user)
+    }
+
+    fn pad_text(&self, name: &str) -> Result<String, String> {
+        text_or_line(pad_text(name))
+    }
+
+    fn load_timeline(
+        &self,
+        file: &Path,
+        request: &PlayRequest,
+    ) -> Result<RecordingTimeline, String> {
+        load_timeline(file, request, &log_solving).map_err(|error| error.to_string())
+    }
+
+    fn calibration_places(&self, pad: &Pad, count: usize) -> Vec<PointMm> {
+        calibration_places(pad, count)
+    }
+
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
+        learn(pad, presses).map_err(|error| error.to_string())
+    }
+
+    fn recommend(
+        &self,
+        trials: &[PressTrial],
+        request: &PlayRequest,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String> {
+        let profile = profile_text(&request.profile).map_err(|error| error.to_string())?;
+        let find = bases_of(&profile.name);
+        recommend(trials, &profile, &find, pad_mm).map_err(|error| error.to_string())
+    }
+
+    fn own_folder(&self) -> Option<PathBuf> {
+        own_folder()
+    }
+}
+
+/// Shipped names, then the user's own files.
+fn with_own_texts(shipped: impl Iterator<Item = &'static str>, kind: &str) -> Vec<String> {
+    shipped.map(str::to_owned).chain(own_texts(kind)).collect()
+}
+
+fn text_or_line(text: Result<Source, AppError>) -> Result<String, String> {
+    text.map(|text| text.toml)
+        .map_err(|error| error.to_string())
+}
+
+fn log_solving(done: usize, rows: usize) {
+    if done == 1 {
+        tracing::warn!("solving the touches of this pad ({rows} rows), once: takes seconds");
+    }
+}
+
+fn start(request: &PlayRequest) -> Result<Started, AppError> {
+    let prepared = PreparedGame::prepare(request, &log_solving)?;
+    let prepared = match request.output {
+        OutputChoice::Nothing => prepared,
+        _ => prepared.with_focus_gate(),
+    };
+    let Game {
+        running,
+        pad,
+        output,
+        hand,
+        keys_blocked,
+        reload,
+        recording,
+        warnings,
+    } = prepared.start()?;
+    Ok(Started {
+        running,
+        hand,
+        pad,
+        output,
+        keys_blocked,
+        watch: Box::new(GameWatch { reload, recording }),
+        warnings: warnings.iter().map(first_fault).collect(),
+    })
+}
+
+/// Learns a calibration and saves it in the player's own folder.
+fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> {
+    let presses = Presses::new("the presses", presses)?;
+    let fitted = fit_correction(&presses, pad.outline.size_mm())?;
+    let folder = own_folder().ok_or_else(|| {
+        AppError::Unsuitable("there is no folder for your own settings: set HOME".to_owned())
+    })?;
+    let folder = folder.join("calibrations");
+    std::fs::create_dir_all(&folder).map_err(|error| AppError::Write {
+        path: folder.clone(),
+        error,
+    })?;
+    let name = calibration_file_name(&pad.name, |name| folder.join(name).exists());
+    let path = folder.join(name);
+    calibration::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;
+    let summary = format!(
+        "mean error of a touch: {:.1} mm before, {:.1} mm with the calibration (leave-one-out)",
+        fitted.model.mean_mm, fitted.lone.mean_mm
+    );
+    Ok((path, summary))
+}
+
+/// Follows a game of the window.
+struct GameWatch {
+    reload: Option<ProfileReload>,
+    recording: Option<ActiveRecording>,
+}
+
+impl Watch for GameWatch {
+    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String)) {
+        if let Some(reload) = &mut self.reload {
+            reload.poll(running, &mut |notice| say(notice.to_string()));
+        }
+    }
+
+    fn finish(&mut self) {
+        match self.recording.take().map(ActiveRecording::finish) {
+            Some((summary, true)) => tracing::info!("{summary}"),
+            Some((summary, false)) => tracing::warn!("{summary}"),
+            None => {}
+        }
+    }
+}

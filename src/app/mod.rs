@@ -1,0 +1,42 @@
+//! What the command line and the window share: they pass a typed request and get a running game or a typed error.
+//!
+//! Nothing here prints or parses arguments: faces render errors, warnings and progress.
+
+pub(crate) mod calibration;
+mod candidates;
+mod error;
+pub mod file_watch;
+pub(crate) mod files;
+pub mod focus_gate;
+pub(crate) mod folders;
+mod gamepads;
+mod listeners;
+mod load_timeline;
+mod local_services;
+pub(crate) mod outputs;
+pub(crate) mod pads;
+pub(crate) mod places;
+mod play;
+mod play_config;
+mod process_match;
+pub(crate) mod profiles;
+mod read_ahead;
+pub(crate) mod recording;
+mod reload;
+mod request;
+pub mod services;
+pub mod signals;
+pub(crate) mod source;
+pub(crate) mod texts;
+pub mod timeline;
+
+pub use local_services::LocalServices;
+
+pub(crate) use error::{AppError, first_fault};
+pub(crate) use file_watch::{FileWatcher, WatchedFile};
+pub(crate) use play::{Game, PreparedGame};
+pub(crate) use read_ahead::ReadAhead;
+pub(crate) use reload::ReloadNotice;
+
+/// Receives the number of solved rows and of all rows while a pad is solved.
+pub(crate) type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);

@@ -1,0 +1,87 @@
+//! Pads, and everything that is computed from a pad before a game starts.
+
+use std::sync::Arc;
+
+use super::texts::pad_text;
+use super::{AppError, Progress};
+use crate::cache;
+use crate::eit::Reconstruction;
+use crate::pad::Pad;
+use crate::profile::Profile;
+use crate::tape::EngineConfig;
+use crate::touch::{Correction, SensingBuilder};
+use crate::types::Method;
+
+/// A pad and the text that it was parsed from.
+#[derive(Clone, Debug)]
+pub(crate) struct PadText {
+    /// The pad.
+    pub pad: Pad,
+    /// Its text, as recordings store it.
+    pub toml: String,
+}
+
+/// Reads a pad by shipped name or path.
+pub(crate) fn load_pad(argument: &str) -> Result<PadText, AppError> {
+    let text = pad_text(argument)?;
+    Ok(PadText {
+        pad: Pad::from_toml(&text.name, &text.toml)?,
+        toml: text.toml,
+    })
+}
+
+/// The reconstruction method: as requested, else the profile's, else the pad's, else NOSER.
+pub(crate) fn choose_method(requested: Option<Method>, profile: &Profile, pad: &Pad) -> Method {
+    requested
+        .or(profile.method)
+        .or(pad.method)
+        .unwrap_or_default()
+}
+
+/// Prepares sensing. The first use of a pad solves its response table, which takes seconds; `progress` receives the
+/// number of solved rows and of all rows.
+pub(crate) fn sensing(
+    pad: &Pad,
+    method: Method,
+    progress: Progress<'_>,
+) -> Result<SensingBuilder, AppError> {
+    cache::sensing_builder(pad, method, progress).map_err(|error| no_image(pad, error))
+}
+
+/// The reconstruction matrix of a pad.
+pub(crate) fn reconstruction(pad: &Pad, method: Method) -> Result<Reconstruction, AppError> {
+    Reconstruction::from_pad(pad, method).map_err(|error| no_image(pad, error))
+}
+
+/// Everything an engine starts from, and the builder of its later matrices.
+pub(crate) fn engine_config(
+    PadText { pad, toml }: PadText,
+    profile: Arc<Profile>,
+    method: Method,
+    correction: Option<Correction>,
+    progress: Progress<'_>,
+) -> Result<(SensingBuilder, EngineConfig), AppError> {
+    let builder = sensing(&pad, method, progress)?;
+    let sensing = Arc::new(
+        builder
+            .build_initial()
+            .map_err(|error| no_image(&pad, error))?,
+    );
+    let locating = sensing.locator_model.as_ref();
+    let config = EngineConfig {
+        table: locating.map(|locating| Arc::clone(locating.table())),
+        pad,
+        pad_toml: toml,
+        profile,
+        correction,
+        sensing,
+    };
+    Ok((builder, config))
+}
+
+pub(super) fn no_image(pad: &Pad, error: crate::eit::SetupError) -> AppError {
+    AppError::NoImage {
+        pad: pad.name.clone(),
+        error,
+    }
+}

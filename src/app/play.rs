@@ -1,0 +1,164 @@
+//! Games: everything opened first, then started.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::focus_gate::FocusGate;
+use super::listeners::Listeners;
+use super::outputs::{self, OutputAbilities};
+use super::pads::{choose_method, engine_config};
+use super::play_config::PlayConfig;
+use super::process_match::ProfileMatcher;
+use super::recording::ActiveRecording;
+use super::reload::ProfileReload;
+use super::request::{OutputChoice, PlayRequest, SourceChoice};
+use super::source::open_requested;
+use super::{AppError, Progress};
+use crate::output::OutputDevice;
+use crate::pad::Pad;
+use crate::profile::Profile;
+use crate::runtime::{self, RunningGame};
+use crate::source::{LiveFingers, Source};
+use crate::tape::EngineConfig;
+use crate::touch::SensingBuilder;
+use crate::types::SourceErrors;
+
+/// A game whose source and output are open; nothing plays yet.
+pub(crate) struct PreparedGame {
+    /// Name of the output.
+    pub output: String,
+    /// For [`OutputChoice::Auto`]: which output was chosen, and why no better one.
+    pub output_note: Option<String>,
+    /// Warnings about the profile.
+    pub warnings: Vec<SourceErrors>,
+    config: EngineConfig,
+    builder: SensingBuilder,
+    source: Box<dyn Source>,
+    hand: Option<LiveFingers>,
+    device: Box<dyn OutputDevice>,
+    keys_blocked: Option<Arc<AtomicBool>>,
+    reload: Option<ProfileReload>,
+    listeners: Listeners,
+}
+
+/// A game that plays.
+pub(crate) struct Game {
+    /// Its threads.
+    pub running: RunningGame,
+    /// The pad.
+    pub pad: Pad,
+    /// Name of the output.
+    pub output: String,
+    /// Presses the simulated pad, with [`SourceChoice::Simulated`].
+    pub hand: Option<LiveFingers>,
+    /// While set, no key is sent.
+    pub keys_blocked: Option<Arc<AtomicBool>>,
+    /// Loads the profile again when its files change.
+    pub reload: Option<ProfileReload>,
+    /// The recording that is being made.
+    pub recording: Option<ActiveRecording>,
+    /// Warnings about the profile.
+    pub warnings: Vec<SourceErrors>,
+}
+
+impl PreparedGame {
+    /// Opens everything that a request names. The first use of a pad solves it, which takes seconds.
+    pub(crate) fn prepare(request: &PlayRequest, progress: Progress<'_>) -> Result<Self, AppError> {
+        let PlayConfig {
+            pad,
+            checked,
+            argument,
+            correction,
+        } = PlayConfig::load(request)?;
+        let profile = Arc::new(checked.profile);
+        check_gamepad_profile(request, &profile)?;
+        let (source, hand) = open_requested(request, &pad.pad)?;
+        let chosen = outputs::open(request.output, request.trace_on_stdout)?;
+        let source = source(chosen.device.is_gamepad());
+        let abilities = OutputAbilities::from_device(chosen.device.as_ref());
+        if let Some(missing) = abilities.missing_for(&profile) {
+            return Err(AppError::Unsuitable(missing));
+        }
+        let reload = match argument {
+            Some(argument) => {
+                let matcher = request
+                    .match_programs
+                    .then(|| ProfileMatcher::new(&argument));
+                let user = request.user.clone();
+                let reload = ProfileReload::start(argument, user, &profile, matcher, abilities);
+                Some(reload.map_err(AppError::Thread)?)
+            }
+            None => None,
+        };
+        let method = choose_method(request.method, &profile, &pad.pad);
+        let (builder, config) = engine_config(pad, profile, method, correction, progress)?;
+        let listeners = Listeners::start(request, &config)?;
+        Ok(Self {
+            output: match request.output {
+                OutputChoice::Nothing => "nothing".to_owned(),
+                _ => chosen.device.name().to_owned(),
+            },
+            output_note: chosen.note,
+            warnings: checked.warnings,
+            config,
+            builder,
+            source,
+            hand,
+            device: chosen.device,
+            keys_blocked: None,
+            reload,
+            listeners,
+        })
+    }
+
+    /// The pad.
+    pub(crate) fn pad(&self) -> &Pad {
+        &self.config.pad
+    }
+
+    /// Adds a gate that holds keys back while a window has the focus.
+    pub(crate) fn with_focus_gate(mut self) -> Self {
+        let (gate, keys_blocked) = FocusGate::new(self.device);
+        self.device = Box::new(gate);
+        self.keys_blocked = Some(keys_blocked);
+        self
+    }
+
+    /// Starts the threads.
+    pub(crate) fn start(self) -> Result<Game, AppError> {
+        let Listeners {
+            listeners,
+            recording,
+        } = self.listeners;
+        let engine = self.config.engine();
+        let running = runtime::start_with_listeners(
+            engine,
+            self.builder,
+            self.source,
+            self.device,
+            listeners,
+        )
+        .map_err(AppError::Thread)?;
+        Ok(Game {
+            running,
+            pad: self.config.pad,
+            output: self.output,
+            hand: self.hand,
+            keys_blocked: self.keys_blocked,
+            reload: self.reload,
+            recording,
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Only bindings with `from` are played by a gamepad.
+fn check_gamepad_profile(request: &PlayRequest, profile: &Profile) -> Result<(), AppError> {
+    if request.source == SourceChoice::Gamepad && profile.parts.is_empty() {
+        return Err(AppError::Unsuitable(format!(
+            "a gamepad cannot play the profile {}: none of its bindings has a `from`\n  help: write `from = \"pad:a\"` in a binding, or try the profile super-mario-gamepad",
+            profile.name
+        )));
+    }
+    Ok(())
+}

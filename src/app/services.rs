@@ -1,0 +1,114 @@
+//! What the window needs from the rest of the program: games, texts, calibrations. Tests implement it with a fake.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+pub use super::request::{BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice};
+use super::timeline::RecordingTimeline;
+use crate::calibrate::Press;
+use crate::calibrate::recommend::{PressTrial, Recommendation};
+use crate::pad::Pad;
+use crate::profile::{Checked, Source};
+use crate::runtime::RunningGame;
+use crate::source::LiveFingers;
+use crate::types::{PointMm, SourceErrors};
+
+/// Follows a running game: loads saved profiles, finishes the recording.
+pub trait Watch: Send {
+    /// Checks once for changes; `say` receives a line for the player.
+    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String));
+
+    /// Finishes the recording after the threads of the game have ended.
+    fn finish(&mut self) {}
+}
+
+/// A game that has been started.
+pub struct Started {
+    /// The threads.
+    pub running: RunningGame,
+    /// Presses the simulated pad, with [`SourceChoice::Simulated`].
+    pub hand: Option<LiveFingers>,
+    /// The pad.
+    pub pad: Pad,
+    /// Name of the output.
+    pub output: String,
+    /// While set, no key is sent: the window has the focus and would receive it.
+    pub keys_blocked: Option<Arc<AtomicBool>>,
+    /// Loads saved profiles and finishes the recording.
+    pub watch: Box<dyn Watch>,
+    /// Warnings about the profile.
+    pub warnings: Vec<String>,
+}
+
+/// Starts games and finds texts.
+pub trait AppServices: Send + Sync {
+    /// Starts a game. Takes seconds for a new pad: call it on a thread.
+    ///
+    /// # Errors
+    /// The reason and what to do, for the player.
+    fn start(&self, request: &PlayRequest) -> Result<Started, String>;
+
+    /// Profiles: shipped names, then paths of the player's own files.
+    fn profiles(&self) -> Vec<String>;
+
+    /// Pads: shipped names, then paths of the player's own files.
+    fn pads(&self) -> Vec<String>;
+
+    /// Users: shipped names, then paths of the player's own files.
+    fn users(&self) -> Vec<String>;
+
+    /// Names of the serial ports.
+    fn ports(&self) -> Vec<String>;
+
+    /// The text of a profile.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn profile_text(&self, name: &str) -> Result<String, String>;
+
+    /// Checks a profile text with its bases and a user's settings.
+    ///
+    /// # Errors
+    /// All mistakes, each with its place.
+    fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors>;
+
+    /// The text of a pad.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn pad_text(&self, name: &str) -> Result<String, String>;
+
+    /// Reads a recording, or frames as CSV for the pad and profile of the request; may take seconds.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn load_timeline(
+        &self,
+        file: &Path,
+        request: &PlayRequest,
+    ) -> Result<RecordingTimeline, String>;
+
+    /// Places for guided presses, spread over a pad, mm.
+    fn calibration_places(&self, pad: &Pad, count: usize) -> Vec<PointMm>;
+
+    /// Learns a calibration from presses and saves it; returns the file and a sentence about its error.
+    ///
+    /// # Errors
+    /// Why nothing can be learned or saved.
+    fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String>;
+
+    /// Recommends settings from guided presses.
+    ///
+    /// # Errors
+    /// Why nothing is recommended.
+    fn recommend(
+        &self,
+        trials: &[PressTrial],
+        request: &PlayRequest,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String>;
+
+    /// The folder of the player's own profiles and users.
+    fn own_folder(&self) -> Option<PathBuf>;
+}

@@ -1,0 +1,89 @@
+//! Opens sources.
+
+use std::path::Path;
+
+use super::gamepads::{self, OpenSource};
+use super::request::{BoardLine, NoiseLevel, SourceChoice};
+use super::texts::read_text;
+use super::{AppError, services::PlayRequest};
+use crate::pad::Pad;
+use crate::source::serial::SerialSource;
+use crate::source::{
+    DisturbedSource, LEVEL_SCRIPT, LiveFingers, LiveSource, Noise, Script, SimulatedSource, Source,
+    SourceError, open_file,
+};
+
+/// Opens the source of a request; the simulated pad that the window presses comes with its [`LiveFingers`].
+pub(super) fn open_requested(
+    request: &PlayRequest,
+    pad: &Pad,
+) -> Result<(OpenSource, Option<LiveFingers>), AppError> {
+    match &request.source {
+        SourceChoice::Gamepad => Ok((gamepads::open()?, None)),
+        SourceChoice::Simulated => {
+            let (source, hand) = LiveSource::new(pad, noise(request.noise))?;
+            let source = disturbed(Box::new(source), request, pad);
+            Ok((Box::new(|_| source), Some(hand)))
+        }
+        choice => {
+            let source = open_pad_source(choice, request.board, request.noise, pad)?;
+            let source = disturbed(source, request, pad);
+            Ok((Box::new(|_| source), None))
+        }
+    }
+}
+
+/// The source with the disturbances of the request.
+fn disturbed(source: Box<dyn Source>, request: &PlayRequest, pad: &Pad) -> Box<dyn Source> {
+    if request.disturbances.is_empty() {
+        return source;
+    }
+    let list = request.disturbances.clone();
+    let seed = request.noise.seed;
+    Box::new(DisturbedSource::new(source, list, &pad.protocol, seed))
+}
+
+/// Opens a source of frames.
+pub(crate) fn open_pad_source(
+    choice: &SourceChoice,
+    board: BoardLine,
+    level: NoiseLevel,
+    pad: &Pad,
+) -> Result<Box<dyn Source>, AppError> {
+    Ok(match choice {
+        SourceChoice::Level => match SimulatedSource::new(pad, &load_script(None)?, noise(level)) {
+            Err(SourceError::OffPad { .. }) => {
+                return Err(AppError::Unsuitable(format!(
+                    "the built-in level does not fit the pad {}\n  help: name a touch script: --source simulated:FILE",
+                    pad.name
+                )));
+            }
+            source => Box::new(source?),
+        },
+        SourceChoice::Script(path) => {
+            let script = load_script(Some(path))?;
+            Box::new(SimulatedSource::new(pad, &script, noise(level))?)
+        }
+        SourceChoice::Serial(port) => {
+            Box::new(SerialSource::open(port, board.baud, pad, board.format)?)
+        }
+        SourceChoice::Replay(file) => open_file(file, pad)?,
+        SourceChoice::Simulated | SourceChoice::Gamepad => {
+            return Err(AppError::Unsuitable(
+                "this source has no frames that can be read here".to_owned(),
+            ));
+        }
+    })
+}
+
+/// A touch script from a file, or the built-in level.
+pub(crate) fn load_script(path: Option<&Path>) -> Result<Script, AppError> {
+    Ok(match path {
+        Some(path) => Script::parse(&path.display().to_string(), &read_text(path)?)?,
+        None => Script::parse("level", LEVEL_SCRIPT)?,
+    })
+}
+
+fn noise(level: NoiseLevel) -> Noise {
+    Noise::new(level.snr_db, level.seed)
+}

@@ -1,0 +1,136 @@
+//! Texts of pads, profiles and users, by shipped name or by path.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use super::AppError;
+use super::folders::own_folder;
+use crate::pad::{SHIPPED_PADS, shipped_pad};
+use crate::profile::{
+    SHIPPED_PROFILES, SHIPPED_USERS, ShippedProfile, Source, shipped_profile, shipped_user,
+};
+use crate::types::nearest;
+
+/// Limit for pads, profiles and scripts, bytes.
+const MAX_TEXT_BYTES: u64 = 1 << 20;
+
+/// Whether an argument is a path and not a shipped name.
+pub(crate) fn is_path(argument: &str) -> bool {
+    argument.contains('/') || argument.ends_with(".toml")
+}
+
+/// Reads a pad, profile or script.
+pub(crate) fn read_text(path: &Path) -> Result<String, AppError> {
+    read_limited(path, MAX_TEXT_BYTES)
+}
+
+/// Reads a text file of at most `max_bytes`.
+pub(crate) fn read_limited(path: &Path, max_bytes: u64) -> Result<String, AppError> {
+    let content_error = |reason: String| AppError::Content {
+        path: path.to_owned(),
+        reason,
+    };
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(max_bytes + 1).read_to_end(&mut bytes))
+        .map_err(|error| AppError::Read {
+            path: path.to_owned(),
+            error,
+        })?;
+    if bytes.len() as u64 > max_bytes {
+        return Err(content_error(format!(
+            "larger than {} MB: not the expected kind of file",
+            max_bytes >> 20
+        )));
+    }
+    String::from_utf8(bytes).map_err(|_| content_error("not a text file".to_owned()))
+}
+
+/// The text of a pad.
+pub(crate) fn pad_text(argument: &str) -> Result<Source, AppError> {
+    let shipped = shipped_pad(argument).map(|pad| pad.toml);
+    find_text(
+        argument,
+        "pad",
+        shipped,
+        SHIPPED_PADS.iter().map(|pad| pad.name),
+    )
+}
+
+/// The text of a profile.
+pub(crate) fn profile_text(argument: &str) -> Result<Source, AppError> {
+    let shipped = shipped_profile(argument).map(|profile| profile.toml);
+    let names = SHIPPED_PROFILES.iter().map(|profile| profile.name);
+    find_text(argument, "profile", shipped, names)
+}
+
+fn find_text(
+    argument: &str,
+    kind: &'static str,
+    shipped: Option<&str>,
+    names: impl Iterator<Item = &'static str>,
+) -> Result<Source, AppError> {
+    let toml = match (is_path(argument), shipped) {
+        (true, _) => read_text(Path::new(argument))?,
+        (false, Some(toml)) => toml.to_owned(),
+        (false, None) => {
+            let help = match nearest(argument, names) {
+                Some(name) => format!("did you mean `{name}`?"),
+                None => format!(
+                    "`gelpad {kind} list` prints the names; write a file as a path, such as ./mine.toml"
+                ),
+            };
+            return Err(AppError::UnknownName {
+                kind,
+                name: argument.to_owned(),
+                help,
+            });
+        }
+    };
+    Ok(Source {
+        name: argument.to_owned(),
+        toml,
+    })
+}
+
+/// A user's settings: a path, or a name that is looked up in `users/` here, in the user's own folder, and among the
+/// shipped ones.
+pub(crate) fn user_text(argument: &str) -> Result<Source, AppError> {
+    if is_path(argument) {
+        return Ok(Source {
+            name: argument.to_owned(),
+            toml: read_text(Path::new(argument))?,
+        });
+    }
+    let file = Path::new("users").join(format!("{argument}.toml"));
+    let own = own_folder().map(|folder| folder.join(&file));
+    for path in std::iter::once(file).chain(own) {
+        if path.is_file() {
+            return Ok(Source {
+                name: path.display().to_string(),
+                toml: read_text(&path)?,
+            });
+        }
+    }
+    match shipped_user(argument) {
+        Some(ShippedProfile { name, toml }) => Ok(Source {
+            name: (*name).to_owned(),
+            toml: (*toml).to_owned(),
+        }),
+        None => Err(unknown_user(argument)),
+    }
+}
+
+fn unknown_user(argument: &str) -> AppError {
+    let names = || SHIPPED_USERS.iter().map(|user| user.name);
+    let help = match nearest(argument, names()) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => format!("write users/{argument}.toml, here or in your own gelpad folder"),
+    };
+    AppError::UnknownUser {
+        name: argument.to_owned(),
+        known: names().map(str::to_owned).collect(),
+        help,
+    }
+}

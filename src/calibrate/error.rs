@@ -1,0 +1,51 @@
+//! What a calibration reports: why it failed, or how far places are off.
+
+use crate::stats::quantile;
+use crate::types::PointMm;
+
+/// Why nothing can be learned from presses.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CalibrateError {
+    /// The kernel matrix cannot be factored.
+    #[error(
+        "the presses are too similar to learn from: press different places, and release the pad between presses"
+    )]
+    Alike,
+    /// The presses lack the places that the pad's model found.
+    #[error(
+        "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`"
+    )]
+    NotModelled,
+}
+
+/// Distances of predicted places from the true ones, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaceErrors {
+    /// Mean distance.
+    pub mean_mm: f64,
+    /// Median distance.
+    pub median_mm: f64,
+    /// 95th percentile.
+    pub p95_mm: f64,
+}
+
+impl PlaceErrors {
+    /// Compares predicted places with the true ones.
+    ///
+    /// # Panics
+    /// If there are none.
+    #[must_use]
+    pub fn between(predicted: &[PointMm], truth: &[PointMm]) -> Self {
+        let distances: Vec<f64> = predicted
+            .iter()
+            .zip(truth)
+            .map(|(a, b)| libm::hypot(a[0] - b[0], a[1] - b[1]))
+            .collect();
+        let quantile = |share| quantile(distances.iter().copied(), share).expect("a prediction");
+        Self {
+            mean_mm: distances.iter().sum::<f64>() / distances.len() as f64,
+            median_mm: quantile(0.5),
+            p95_mm: quantile(0.95),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The linearised pad, from which every reconstruction starts.
+
+use faer::Mat;
+
+use crate::eit::forward::{ContactModel, ForwardError, ForwardModel};
+use crate::eit::jacobian::{PixelJacobian, pixel_jacobian};
+use crate::eit::{Mesh, MeshSize};
+use crate::pad::Pad;
+use crate::types::PixelGrid;
+
+/// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
+pub const PIXEL_MM: f64 = 2.5;
+/// Most pixels along a side; larger pads get larger pixels.
+const MOST_PIXELS: f64 = 80.0;
+
+/// The hyperparameter of the paper, scaled as in `quadratic`.
+pub const LAMBDA: f64 = 0.01;
+
+/// Why no image can be made of a pad.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SetupError {
+    /// The forward model fails.
+    #[error(transparent)]
+    Forward(#[from] ForwardError),
+    /// A reading of the untouched pad is too close to zero for relative changes.
+    #[error(
+        "channel {channel} of the untouched pad reads almost zero: remove it from the protocol"
+    )]
+    DeadChannel {
+        /// Its index in the frame.
+        channel: usize,
+    },
+    /// The linear system is singular.
+    #[error("the reconstruction has no solution: lambda must be above zero")]
+    Singular,
+}
+
+/// A pad linearised about its uniform background.
+#[derive(Clone, Debug)]
+pub struct Linearised {
+    /// Where the pixels lie.
+    pub grid: PixelGrid,
+    /// Pixels that hold conductor, ascending.
+    pub active: Vec<usize>,
+    /// Share of each pixel that is conductor.
+    pub coverage: Vec<f64>,
+    /// Channels x active pixels: relative change of a reading per relative rise of conductivity.
+    pub jacobian: Mat<f64>,
+}
+
+impl Linearised {
+    /// Solves the pad's forward model once and linearises it.
+    ///
+    /// # Errors
+    /// See [`SetupError`].
+    pub fn from_pad(pad: &Pad) -> Result<Self, SetupError> {
+        let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
+        let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad))?;
+        let fields = model.solve_even(pad.background_s_per_m)?;
+        let volts = fields.voltages(&pad.protocol);
+        if let Some(channel) = dead_channel(&volts) {
+            return Err(SetupError::DeadChannel { channel });
+        }
+        let grid = pixel_grid(pad);
+        let PixelJacobian {
+            active,
+            coverage,
+            matrix: mut jacobian,
+        } = pixel_jacobian(&model, &fields, &pad.protocol, &grid);
+        for column in 0..jacobian.ncols() {
+            for (entry, volt) in jacobian.col_mut(column).iter_mut().zip(&volts) {
+                *entry *= pad.background_s_per_m / volt;
+            }
+        }
+        Ok(Self {
+            grid,
+            active,
+            coverage,
+            jacobian,
+        })
+    }
+}
+
+/// The first reading that is negligible compared with the largest.
+pub(in crate::eit) fn dead_channel(volts: &[f64]) -> Option<usize> {
+    let largest = volts
+        .iter()
+        .fold(0.0_f64, |most, volt| most.max(volt.abs()));
+    volts.iter().position(|volt| volt.abs() < 1e-9 * largest)
+}
+
+/// The reconstruction pixels over a pad's bounding box.
+#[must_use]
+pub fn pixel_grid(pad: &Pad) -> PixelGrid {
+    let [width, height] = pad.outline.size_mm();
+    let pixel_mm = PIXEL_MM.max(width.max(height) / MOST_PIXELS);
+    let cells = |length: f64| libm::ceil(length / pixel_mm - 1e-9).max(1.0) as usize;
+    PixelGrid {
+        origin_mm: [0.0, 0.0],
+        pixel_mm,
+        columns: cells(width),
+        rows: cells(height),
+    }
+}

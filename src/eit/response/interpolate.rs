@@ -1,0 +1,266 @@
+//! Interpolation in the response table: cubic in place and radius, polynomial in strength.
+//!
+//! Being piecewise cubic, a response has the continuous derivatives that a fit needs.
+//!
+//! Invariant: sums run in an order fixed by this source, so the same table gives the same bits on every processor,
+//! whatever the width of its vectors.
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::table::{
+    LANES, POWERS, Places, RADII, RADIUS_STEP, Response, ResponseTable, TouchModel,
+};
+
+impl ResponseTable {
+    /// The response of a touch and its derivatives. Outside the pad's box the nearest place is used, outside the
+    /// table's radii the nearest radius.
+    pub fn respond(&self, touch: &TouchModel, response: &mut Response) {
+        Arch::new().dispatch(Interpolation::new(self, touch, response));
+    }
+}
+
+/// The sums of [`ResponseTable::respond`], dispatched by processor: only code inlined here is compiled for each.
+pub(super) struct Interpolation<'a> {
+    table: &'a ResponseTable,
+    size: SizeWeights,
+    across: Cubic,
+    up: Cubic,
+    response: &'a mut Response,
+}
+
+impl<'a> Interpolation<'a> {
+    pub(super) fn new(
+        table: &'a ResponseTable,
+        touch: &TouchModel,
+        response: &'a mut Response,
+    ) -> Self {
+        let derivatives = response.derivatives.iter_mut();
+        for values in derivatives.chain([&mut response.value]) {
+            values.clear();
+            values.resize(table.rank, 0.0);
+        }
+        let [x, y] = touch.centre_mm;
+        let pitch_mm = table.places.pitch_mm;
+        Self {
+            table,
+            size: SizeWeights::new(touch, &table.places),
+            across: Cubic::at(x / pitch_mm + 1.0, table.places.columns).per(pitch_mm),
+            up: Cubic::at(y / pitch_mm + 1.0, table.places.rows).per(pitch_mm),
+            response,
+        }
+    }
+}
+
+impl NullaryFnOnce for Interpolation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            table,
+            size,
+            across,
+            up,
+            response,
+        } = self;
+        let rank = table.rank;
+        let radius_stride = POWERS * rank;
+        let place_stride = RADII * radius_stride;
+        // A few dimensions at a time, so that the sums stay in registers.
+        for first in (0..rank).step_by(LANES) {
+            let mut sums = [[0.0f32; LANES]; 5];
+            for index in 0..16 {
+                let (j, i) = (index / 4, index % 4);
+                let place = (up.first + j) * table.places.columns + across.first + i;
+                let start = place * place_stride + size.first_radius * radius_stride + first;
+                let [value, by_radius, by_strength] =
+                    response_at(&table.terms[start..], rank, &size.terms);
+                let weights = [
+                    across.value[i] * up.value[j],
+                    across.slope[i] * up.value[j],
+                    across.value[i] * up.slope[j],
+                ];
+                for lane in 0..LANES {
+                    sums[0][lane] += weights[0] * value[lane];
+                    sums[1][lane] += weights[1] * value[lane];
+                    sums[2][lane] += weights[2] * value[lane];
+                    sums[3][lane] += weights[0] * by_radius[lane];
+                    sums[4][lane] += weights[0] * by_strength[lane];
+                }
+            }
+            let [value, derivatives @ ..] = sums;
+            response.value[first..first + LANES].copy_from_slice(&value);
+            for (derivative, sum) in response.derivatives.iter_mut().zip(derivatives) {
+                derivative[first..first + LANES].copy_from_slice(&sum);
+            }
+        }
+    }
+}
+
+/// The response at one place and its derivatives by log radius and strength, in [`LANES`] dimensions.
+#[inline(always)]
+fn response_at(terms: &[f32], rank: usize, factors: &[[f32; 3]; 4 * POWERS]) -> [[f32; LANES]; 3] {
+    let mut sums = [[0.0f32; LANES]; 3];
+    for (index, [value, by_radius, by_strength]) in factors.iter().enumerate() {
+        let Some(row) = terms[index * rank..].first_chunk::<LANES>() else {
+            break;
+        };
+        for lane in 0..LANES {
+            sums[0][lane] += value * row[lane];
+            sums[1][lane] += by_radius * row[lane];
+            sums[2][lane] += by_strength * row[lane];
+        }
+    }
+    sums
+}
+
+/// Weights of the terms at four radii: area x strength x a polynomial in the strength.
+struct SizeWeights {
+    first_radius: usize,
+    /// Radii x powers: the weight, its derivative by log radius, its derivative by strength.
+    terms: [[f32; 3]; 4 * POWERS],
+}
+
+impl SizeWeights {
+    fn new(touch: &TouchModel, places: &Places) -> Self {
+        let step = libm::log(RADIUS_STEP);
+        let least = libm::log(places.radii_mm()[0]);
+        let radius = Cubic::at((touch.log_radius - least) / step, RADII).per(step);
+        let log_least = least + step;
+        let log_most = least + step * (RADII - 2) as f64;
+        let area = libm::exp(2.0 * touch.log_radius.clamp(log_least, log_most));
+        let s = touch.strength;
+        let terms = std::array::from_fn(|index| {
+            let (k, power) = (index / POWERS, index % POWERS);
+            let (value, slope) = (f64::from(radius.value[k]), f64::from(radius.slope[k]));
+            let (by_s, rising) = match power {
+                0 => (s, 1.0),
+                1 => (s * s, 2.0 * s),
+                _ => (s * s * s, 3.0 * s * s),
+            };
+            [
+                area * value * by_s,
+                area * (2.0 * value + slope) * by_s,
+                area * value * rising,
+            ]
+            .map(|term| term as f32)
+        });
+        Self {
+            first_radius: radius.first,
+            terms,
+        }
+    }
+}
+
+/// Weights of the four grid points around a coordinate (cubic convolution: Keys 1981, IEEE Trans. ASSP 29, eq. 15).
+struct Cubic {
+    first: usize,
+    value: [f32; 4],
+    slope: [f32; 4],
+}
+
+impl Cubic {
+    /// `at` counts steps from the first of `count` points; it is clamped to the second and the last but one. NaN, too,
+    /// becomes the second.
+    fn at(at: f64, count: usize) -> Self {
+        let last = (count - 2) as f64;
+        let at = at.max(1.0).min(last);
+        let cell = libm::floor(at).min(last - 1.0);
+        let f = at - cell;
+        let (f2, f3) = (f * f, f * f * f);
+        let value = [
+            0.5 * (2.0 * f2 - f3 - f),
+            0.5 * (3.0 * f3 - 5.0 * f2 + 2.0),
+            0.5 * (4.0 * f2 - 3.0 * f3 + f),
+            0.5 * (f3 - f2),
+        ];
+        let slope = [
+            0.5 * (4.0 * f - 3.0 * f2 - 1.0),
+            0.5 * (9.0 * f2 - 10.0 * f),
+            0.5 * (8.0 * f - 9.0 * f2 + 1.0),
+            0.5 * (3.0 * f2 - 2.0 * f),
+        ];
+        Self {
+            first: cell as usize - 1,
+            value: value.map(|weight| weight as f32),
+            slope: slope.map(|weight| weight as f32),
+        }
+    }
+
+    /// With the slope per unit instead of per step; a step is `step` units long.
+    fn per(mut self, step: f64) -> Self {
+        self.slope = self.slope.map(|slope| slope / step as f32);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn value(table: &ResponseTable, touch: &TouchModel) -> Vec<f32> {
+        let mut response = Response::default();
+        table.respond(touch, &mut response);
+        response.value
+    }
+
+    proptest! {
+        #[test]
+        fn every_processor_gives_the_same_bits(
+            x in 0.0..60.0f64, y in 0.0..40.0f64, log_radius in 0.5..3.0f64, strength in 0.1..0.7f64,
+        ) {
+            let table = ResponseTable::small();
+            let touch = TouchModel { centre_mm: [x, y], log_radius, strength };
+            let [mut ours, mut plain] = [(); 2].map(|()| Response::default());
+            table.respond(&touch, &mut ours);
+            // Not dispatched: compiled for the baseline processor.
+            Interpolation::new(&table, &touch, &mut plain).call();
+            let bits = |response: &Response| -> Vec<u32> {
+                let all = response.derivatives.iter().flatten().chain(&response.value);
+                all.map(|value| value.to_bits()).collect()
+            };
+            prop_assert_eq!(bits(&ours), bits(&plain));
+        }
+
+        #[test]
+        fn derivatives_are_those_of_the_value(
+            x in 2.0..58.0f64, y in 2.0..38.0f64, radius in 0.02..0.98f64, strength in 0.1..0.7f64,
+        ) {
+            let table = ResponseTable::small();
+            let [least, most] = table.radii_mm().map(libm::log);
+            let touch = TouchModel { centre_mm: [x, y], log_radius: least + radius * (most - least), strength };
+            let mut response = Response::default();
+            table.respond(&touch, &mut response);
+            let moved = |k: usize, by: f64| {
+                let mut moved = touch;
+                match k {
+                    0 | 1 => moved.centre_mm[k] += by,
+                    2 => moved.log_radius += by,
+                    _ => moved.strength += by,
+                }
+                value(&table, &moved)
+            };
+            for (k, step) in [0.02, 0.02, 0.002, 0.002].into_iter().enumerate() {
+                let (before, after) = (moved(k, -step), moved(k, step));
+                let largest = response.derivatives[k].iter().fold(0.0f32, |m, d| m.max(d.abs()));
+                for (dimension, expected) in response.derivatives[k].iter().enumerate() {
+                    let slope = f64::from(after[dimension] - before[dimension]) / (2.0 * step);
+                    let off = (slope - f64::from(*expected)).abs();
+                    prop_assert!(off < 0.02 * f64::from(largest) + 1e-4, "{k}: {slope} for {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_responds_to_a_touch_without_strength() {
+        let table = ResponseTable::small();
+        let touch = TouchModel {
+            centre_mm: [30.0, 20.0],
+            log_radius: 1.0,
+            strength: 0.0,
+        };
+        assert!(value(&table, &touch).iter().all(|v| *v == 0.0));
+    }
+}

@@ -1,0 +1,212 @@
+//! The table itself: a basis, a grid of places, and coefficients at each place.
+//!
+//! All responses of a pad lie close to a subspace of few dimensions, so the table holds coordinates in an orthonormal
+//! basis of it instead of one value per channel. Several touches superpose: from two radii apart, their interaction is
+//! smaller than the model error.
+
+use crate::eit::cholesky::add_scaled;
+use crate::types::PointMm;
+
+/// The rise of conductivity that has strength 0.5: strength = rise / (rise + this).
+pub(super) const HALF_RISE: f64 = 1.5;
+/// Largest strength that the table covers: a rise of 6.
+pub const MOST_STRENGTH: f64 = 0.8;
+/// Grid steps along a pad's longer side: 2 mm on a 100 mm pad, fine enough for the channels of a lattice.
+const PLACES_ALONG: f64 = 50.0;
+/// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
+/// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.
+pub(super) const RADII: usize = 7;
+/// The smallest solved radius as a share of the pad's longer side: 4.4 mm of 100 mm.
+const LEAST_RADIUS_SHARE: f64 = 0.044;
+pub(super) const RADIUS_STEP: f64 = 1.22;
+/// Terms of the polynomial in strength at each radius.
+pub(super) const POWERS: usize = 3;
+/// Vectors stored per place.
+pub(super) const TERMS: usize = RADII * POWERS;
+/// Dimensions that are summed together; a table's rank is a multiple of it.
+pub(super) const LANES: usize = 8;
+
+/// A touch as the table describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchModel {
+    /// Centre, mm.
+    pub centre_mm: PointMm,
+    /// Natural logarithm of the radius in mm.
+    pub log_radius: f64,
+    /// rise / (rise + 1.5): 0 for no touch, 1 for a perfect conductor.
+    pub strength: f64,
+}
+
+impl TouchModel {
+    /// Relative rise of conductivity at the centre.
+    #[must_use]
+    pub fn rise(&self) -> f64 {
+        HALF_RISE * self.strength / (1.0 - self.strength)
+    }
+}
+
+/// The strength of a relative rise of conductivity.
+#[must_use]
+pub fn strength_from_rise(rise: f64) -> f64 {
+    rise / (rise + HALF_RISE)
+}
+
+/// Responses of one pad.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseTable {
+    /// Identifies the pad and the solver's version; see [`super::ResponseBuilder::key`].
+    pub(super) key: String,
+    pub(super) channels: usize,
+    /// Dimensions of the subspace that the responses span.
+    pub(super) rank: usize,
+    /// Rank x channels, rows orthonormal: coordinates times the basis are relative changes.
+    pub(super) basis: Vec<f32>,
+    pub(super) places: Places,
+    /// Places x radii x powers of the strength x rank.
+    pub(super) terms: Vec<f32>,
+}
+
+/// The grid of places. It extends one step beyond the pad's box on each side, for the cubic interpolation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Places {
+    pub(super) pitch_mm: f64,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+}
+
+impl Places {
+    /// The grid of a pad of the given width and height, mm.
+    pub(super) fn new([width, height]: [f64; 2]) -> Self {
+        let pitch_mm = width.max(height) / PLACES_ALONG;
+        let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 3;
+        Self {
+            pitch_mm,
+            columns: count(width),
+            rows: count(height),
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    pub(super) fn at_mm(&self, index: usize) -> PointMm {
+        let (row, column) = (index / self.columns, index % self.columns);
+        [column, row].map(|step| (step as f64 - 1.0) * self.pitch_mm)
+    }
+
+    /// All radii of the table, mm.
+    pub(super) fn radii_mm(&self) -> [f64; RADII] {
+        let mut radius_mm = LEAST_RADIUS_SHARE * PLACES_ALONG * self.pitch_mm / RADIUS_STEP;
+        std::array::from_fn(|_| {
+            let this = radius_mm;
+            radius_mm *= RADIUS_STEP;
+            this
+        })
+    }
+}
+
+/// A response and its derivatives, in the table's coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The response.
+    pub value: Vec<f32>,
+    /// Derivatives by x, y (1/mm), log radius and strength.
+    pub derivatives: [Vec<f32>; 4],
+}
+
+impl ResponseTable {
+    /// Number of voltages in a frame.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Dimensions of the subspace that all responses span.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// One row of the orthonormal basis: relative changes, one per channel.
+    #[must_use]
+    pub fn basis_row(&self, dimension: usize) -> &[f32] {
+        &self.basis[dimension * self.channels..(dimension + 1) * self.channels]
+    }
+
+    /// Identifies the pad and the version of the solver.
+    #[must_use]
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// Smallest and largest radius that the table covers, mm.
+    #[must_use]
+    pub fn radii_mm(&self) -> [f64; 2] {
+        let radii = self.places.radii_mm();
+        [radii[1], radii[RADII - 2]]
+    }
+
+    /// Converts coordinates to relative changes, one per channel.
+    ///
+    /// # Panics
+    /// If `coordinates` does not have the table's rank, or `changes` not its number of channels.
+    pub fn expand(&self, coordinates: &[f32], changes: &mut [f32]) {
+        assert_eq!(
+            (coordinates.len(), changes.len()),
+            (self.rank, self.channels)
+        );
+        changes.fill(0.0);
+        for (dimension, coordinate) in coordinates.iter().enumerate() {
+            add_scaled(changes, self.basis_row(dimension), *coordinate);
+        }
+    }
+}
+
+#[cfg(test)]
+impl ResponseTable {
+    /// A small smooth table, 60 x 40 mm, of twelve channels, eight of which respond.
+    pub(crate) fn small() -> Self {
+        let (channels, rank) = (12, LANES);
+        let places = Places::new([60.0, 40.0]);
+        let mut basis = vec![0.0; rank * channels];
+        for dimension in 0..rank {
+            basis[dimension * channels + dimension] = 1.0;
+        }
+        let terms = (0..places.len() * RADII * POWERS * rank)
+            .map(|index| {
+                let place = places.at_mm(index / (RADII * POWERS * rank));
+                let radius = (index / (POWERS * rank)) % RADII;
+                let (power, dimension) = ((index / rank) % POWERS, index % rank);
+                let phase = dimension as f64 + 0.3 * radius as f64;
+                let wave = libm::sin(0.09 * place[0] + phase) + libm::cos(0.07 * place[1] - phase);
+                (wave * 1e-3 / (1.0 + power as f64)) as f32
+            })
+            .collect();
+        Self {
+            key: "small".to_owned(),
+            channels,
+            rank,
+            basis,
+            places,
+            terms,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rise_and_strength_are_each_other() {
+        for rise in [0.0, 0.3, 1.0, 5.0] {
+            let touch = TouchModel {
+                centre_mm: [0.0; 2],
+                log_radius: 0.0,
+                strength: strength_from_rise(rise),
+            };
+            assert!((touch.rise() - rise).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The side panel of the play view: what is played, held outputs, press lengths, the simulated pad, timing.
+
+use egui::Ui;
+
+use super::{controller, presses};
+use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
+use crate::gui::playing::Playing;
+use crate::gui::problem::SHORTEST_PRESS_FRAMES;
+use crate::gui::request::{Names, UiAction, file_name};
+use crate::gui::theme;
+use crate::runtime::PlayCommand;
+
+/// Width of the names before the lists, points.
+const NAME_WIDTH: f32 = 52.0;
+
+/// Draws the panel; returns what the player requested.
+pub(super) fn ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<UiAction> {
+    let card = theme::card(ui).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let chosen = choose(ui, &playing.request, names);
+        buttons(ui, playing).or(chosen)
+    });
+    theme::titled_card(ui, "Game input", |ui| controller::draw(ui, playing));
+    theme::titled_card(ui, "Press length", |ui| presses::ui(ui, playing));
+    if playing.is_simulated() {
+        theme::titled_card(ui, "Simulated pad", |ui| simulated_pad(ui, playing));
+    }
+    theme::titled_card(ui, "Timing: median, 99th percentile", |ui| {
+        timing(ui, playing);
+    });
+    card.inner
+}
+
+fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
+    let row = ui.horizontal_wrapped(|ui| {
+        let mut button = |label, hint| ui.button(label).on_hover_text(hint).clicked();
+        let paused = playing.view.paused;
+        let label = if paused { "▶ Resume" } else { "⏸ Pause" };
+        if button(label, "Pausing releases all keys and sends none") {
+            playing.send_command(PlayCommand::Pause);
+        }
+        if button(
+            "Zero",
+            "Reset the untouched state: take your hands off the pad first",
+        ) {
+            playing.send_command(PlayCommand::Rezero);
+        }
+        let opens = playing.is_simulated()
+            && button(
+                "🗖 Pad window",
+                "A small pad that you can press while your game has the keyboard",
+            );
+        opens.then_some(UiAction::PadWindow)
+    });
+    row.inner
+}
+
+/// Lists of profiles, sources and outputs; returns the changed game.
+fn choose(ui: &mut Ui, request: &PlayRequest, names: &Names) -> Option<UiAction> {
+    let mut chosen = request.clone();
+    list(ui, "Profile", &file_name(&request.profile), |ui| {
+        for name in &names.profiles {
+            ui.selectable_value(&mut chosen.profile, name.clone(), file_name(name));
+        }
+    });
+    list(ui, "Source", &request.source_label(), |ui| {
+        let ports = names.ports.iter().cloned().map(SourceChoice::Serial);
+        for source in [SourceChoice::Simulated, SourceChoice::Level]
+            .into_iter()
+            .chain(ports)
+        {
+            let label = PlayRequest {
+                source: source.clone(),
+                ..PlayRequest::default()
+            }
+            .source_label();
+            ui.selectable_value(&mut chosen.source, source, label);
+        }
+    });
+    list(ui, "Output", output_label(request.output), |ui| {
+        for output in [OutputChoice::Nothing, OutputChoice::Auto] {
+            ui.selectable_value(&mut chosen.output, output, output_label(output));
+        }
+    });
+    (chosen != *request).then_some(UiAction::Play(chosen))
+}
+
+/// A drop-down list after its name, as wide as the room.
+fn list(ui: &mut Ui, name: &str, chosen: &str, entries: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        let label = egui::Label::new(name).halign(egui::Align::LEFT);
+        let label = ui.add_sized([NAME_WIDTH, height], label);
+        egui::ComboBox::from_id_salt(name)
+            .width(ui.available_width())
+            .truncate()
+            .selected_text(chosen)
+            .show_ui(ui, entries)
+            .response
+            .labelled_by(label.id);
+    });
+}
+
+fn output_label(output: OutputChoice) -> &'static str {
+    match output {
+        OutputChoice::Nothing => "none (trial)",
+        _ => "your game",
+    }
+}
+
+/// Force of the next press, and how to press.
+fn simulated_pad(ui: &mut Ui, playing: &mut Playing) {
+    let force = playing.fingers.force();
+    ui.horizontal(|ui| {
+        ui.label("Force");
+        let mut chosen = force;
+        let response = ui.add(egui::Slider::new(&mut chosen, 0.1..=1.0).fixed_decimals(1));
+        response.widget_info(|| egui::WidgetInfo::slider(true, chosen, "Force of the next press"));
+        if (chosen - force).abs() > 1e-9 {
+            playing.fingers.change_force((chosen - force) * 10.0);
+            playing.send_fingers();
+        }
+    });
+    ui.weak("Press with the mouse. Wheel: force. Space: pin a finger. Esc: lift all. 1 to 9: press regions.");
+    if playing.fingers.any_down() && ui.button("Lift all").clicked() {
+        playing.fingers.lift_all();
+        playing.send_fingers();
+    }
+}
+
+/// Frame rate, latency of each stage, shortest press, lost frames.
+fn timing(ui: &mut Ui, playing: &Playing) {
+    let view = &playing.view;
+    let mut rows = vec![("frame rate", format!("{:.0} frames/s", view.frames_per_s))];
+    let stages = &view.stages;
+    for (name, spread) in [
+        ("queue", &stages.queue),
+        ("find touches", &stages.touches),
+        ("find keys", &stages.events),
+        ("send keys", &stages.device),
+        ("frame to key", &stages.frame_to_device),
+    ] {
+        if spread.count > 0 {
+            let [median_ms, p99_ms] = [spread.median_us, spread.p99_us].map(|us| us / 1e3);
+            rows.push((name, format!("{median_ms:.2}, {p99_ms:.1} ms")));
+        }
+    }
+    if view.frames_per_s > 0.0 {
+        let shortest_ms = SHORTEST_PRESS_FRAMES * 1e3 / view.frames_per_s;
+        rows.push(("shortest press", format!("{shortest_ms:.0} ms")));
+    }
+    rows.push(("lost frames", view.lost_frames.to_string()));
+    let grid = egui::Grid::new("times").num_columns(2);
+    grid.spacing([14.0, 3.0]).show(ui, |ui| {
+        for (name, value) in rows {
+            ui.weak(name);
+            ui.monospace(value);
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,78 @@
+//! The list of views at the left of the window.
+
+use egui::{CornerRadius, Rect, Sense, Stroke, Ui, Vec2};
+
+use super::tab::Tab;
+use super::theme;
+
+/// Draws the list of views; `current` is the one that is shown.
+pub(super) fn draw(ui: &mut Ui, room: Rect, current: &mut Tab) {
+    let palette = theme::palette_of(ui);
+    ui.painter().rect_filled(room, 0.0, palette.card);
+    ui.painter().vline(
+        room.right(),
+        room.y_range(),
+        Stroke::new(1.0, palette.line.gamma_multiply(0.6)),
+    );
+    let mut rail = ui.new_child(
+        egui::UiBuilder::new()
+            .id_salt("rail")
+            .max_rect(room.shrink(6.0)),
+    );
+    rail.spacing_mut().item_spacing.y = 4.0;
+    let size = (((room.height() - 60.0) / Tab::ALL.len() as f32) - 4.0).clamp(44.0, 62.0);
+    let (name, _) = rail.allocate_exact_size(Vec2::new(room.width() - 12.0, 30.0), Sense::hover());
+    theme::centred_text(
+        rail.painter(),
+        name.center(),
+        "gelpad",
+        if room.width() > 80.0 { 19.0 } else { 16.0 },
+        palette.accent,
+    );
+    for tab in Tab::ALL {
+        if button(&mut rail, tab, *current == tab, size) {
+            *current = tab;
+        }
+    }
+}
+
+/// A view's button; returns whether it was clicked.
+fn button(ui: &mut Ui, tab: Tab, chosen: bool, height: f32) -> bool {
+    let palette = theme::palette_of(ui);
+    let (rect, response) =
+        ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Tab, true, chosen, tab.name()));
+    let painter = ui.painter();
+    let round = CornerRadius::same(theme::ROUND);
+    if chosen {
+        painter.rect_filled(rect, round, palette.accent.gamma_multiply(0.18));
+        let edge = Rect::from_min_size(
+            rect.left_top() + Vec2::new(0.0, 8.0),
+            Vec2::new(3.0, height - 16.0),
+        );
+        painter.rect_filled(edge, 2.0, palette.accent);
+    } else if response.hovered() {
+        painter.rect_filled(rect, round, palette.line.gamma_multiply(0.4));
+    }
+    if response.has_focus() {
+        let line = Stroke::new(2.0, palette.accent);
+        painter.rect_stroke(rect, round, line, egui::StrokeKind::Inside);
+    }
+    let colour = if chosen { palette.accent } else { palette.text };
+    theme::centred_text(
+        painter,
+        rect.center() - Vec2::new(0.0, height * 0.14),
+        tab.icon(),
+        19.0,
+        colour,
+    );
+    theme::centred_text(
+        painter,
+        rect.center() + Vec2::new(0.0, height * 0.28),
+        tab.name(),
+        12.5,
+        colour,
+    );
+    let key = format!("{:?}", tab.key());
+    response.on_hover_text(key).clicked()
+}

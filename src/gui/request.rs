@@ -1,0 +1,44 @@
+//! Requests of the views to the application, and the names to choose from.
+
+use super::tab::Tab;
+use crate::app::services::PlayRequest;
+
+/// What a view requests of the application.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a few a session, never stored in bulk"
+)]
+pub enum UiAction {
+    /// Start this game instead.
+    Play(PlayRequest),
+    /// Pause or resume the game.
+    Pause,
+    /// Show a view.
+    Show(Tab),
+    /// Open the pad-only window.
+    PadWindow,
+    /// Start or stop recording.
+    Record,
+    /// Hide the message for the player.
+    Dismiss,
+}
+
+/// Names to choose from.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    /// Profiles.
+    pub profiles: Vec<String>,
+    /// Pads.
+    pub pads: Vec<String>,
+    /// Personal settings.
+    pub users: Vec<String>,
+    /// Serial ports.
+    pub ports: Vec<String>,
+}
+
+/// The last part of a path, without `.toml`.
+pub fn file_name(argument: &str) -> String {
+    let last = argument.rsplit('/').next().unwrap_or(argument);
+    last.strip_suffix(".toml").unwrap_or(last).to_owned()
+}

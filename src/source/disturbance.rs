@@ -1,0 +1,386 @@
+//! What boards, cables and mains do to readings, by name.
+//!
+//! One list for the simulated pad (`--disturb`), for `gelpad accuracy --real`, for tests and for the documentation: a name with an
+//! optional value, as in `adc:12,gain:60`. A [`Disturber`] changes readings frame by frame; the same seed gives the same
+//! disturbance.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::str::FromStr;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+
+/// Full scale of the converter, as a multiple of the largest reading of the untouched pad.
+const ADC_HEADROOM: f64 = 1.25;
+/// Share of frames that a spike hits.
+const SPIKE_SHARE: f64 = 0.01;
+/// Frequency of the mains, Hz: not a multiple of common frame rates' fractions, as real mains drift.
+const MAINS_HZ: f64 = 50.07;
+/// Octaves of the flicker noise: components with time constants of 1, 4, 16, ... frames.
+const FLICKER_OCTAVES: usize = 6;
+/// When a gain step, a bad frame or a repeated stretch happens, seconds after the first frame.
+const EVENT_S: f64 = 3.0;
+
+/// One disturbance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Disturbance {
+    /// `adc:BITS`: readings are rounded to steps of the converter; full scale is 1.25 times the largest reading at rest.
+    Adc(u32),
+    /// `gain:DB`: every reading of a frame is multiplied by the same noise.
+    Gain(f64),
+    /// `drive:DB`: every reading of a drive is multiplied by the same noise.
+    Drive(f64),
+    /// `flicker:DB`: 1/f noise on each channel.
+    Flicker(f64),
+    /// `noisy-channel:SHARE`: one channel has this relative noise.
+    NoisyChannel(f64),
+    /// `dead-channel`: one channel reads 0.
+    DeadChannel,
+    /// `mains:SHARE`: the source's amplitude ripples at the mains' frequency.
+    Mains(f64),
+    /// `spikes:SIGMA`: in 1 % of the frames every reading has this relative noise.
+    Spikes(f64),
+    /// `surge:SHARE`: in 1 % of the frames every reading is multiplied by 1 + SHARE.
+    Surge(f64),
+    /// `bad-start:FACTOR`: the second frame is multiplied by a factor.
+    BadStart(f64),
+    /// `garbage-start`: the second frame is random numbers.
+    GarbageStart,
+    /// `bad-frame:FACTOR`: one frame is multiplied by a factor, three seconds after the start.
+    BadFrame(f64),
+    /// `repeated-start:FRAMES`: the board repeats its first frame while it wakes.
+    RepeatedStart(usize),
+    /// `gain-step:SHARE`: three seconds after the start all readings are multiplied by 1 + SHARE and stay so.
+    GainStep(f64),
+    /// `stuck-frame`: from three seconds after the start the board repeats one frame.
+    StuckFrame,
+}
+
+/// Values are never NaN: reading one refuses it.
+impl Eq for Disturbance {}
+
+/// Why a text names no disturbance.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown disturbance `{text}`: known are {}", DISTURBANCE_NAMES.join(", "))]
+pub struct UnknownDisturbance {
+    text: String,
+}
+
+/// Every name, as written in help and errors.
+pub const DISTURBANCE_NAMES: &[&str] = &[
+    "adc:BITS",
+    "gain:DB",
+    "drive:DB",
+    "flicker:DB",
+    "noisy-channel:SHARE",
+    "dead-channel",
+    "mains:SHARE",
+    "spikes:SIGMA",
+    "surge:SHARE",
+    "bad-start:FACTOR",
+    "garbage-start",
+    "bad-frame:FACTOR",
+    "repeated-start:FRAMES",
+    "gain-step:SHARE",
+    "stuck-frame",
+];
+
+impl FromStr for Disturbance {
+    type Err = UnknownDisturbance;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let wrong = || UnknownDisturbance {
+            text: text.to_owned(),
+        };
+        let (name, value) = match text.split_once(':') {
+            Some((name, value)) => (name, Some(value)),
+            None => (text, None),
+        };
+        let number = |default: f64| match value {
+            None => Ok(default),
+            Some(value) => value
+                .parse::<f64>()
+                .ok()
+                .filter(|value| value.is_finite())
+                .ok_or_else(wrong),
+        };
+        let count = |default: u32, least: u32, most: u32| match value {
+            None => Ok(default),
+            Some(value) => value
+                .parse::<u32>()
+                .ok()
+                .filter(|value| (least..=most).contains(value))
+                .ok_or_else(wrong),
+        };
+        Ok(match name {
+            "adc" => Self::Adc(count(12, 4, 24)?),
+            "gain" => Self::Gain(number(60.0)?),
+            "drive" => Self::Drive(number(50.0)?),
+            "flicker" => Self::Flicker(number(40.0)?),
+            "noisy-channel" => Self::NoisyChannel(number(0.1)?),
+            "dead-channel" => Self::DeadChannel,
+            "mains" => Self::Mains(number(0.003)?),
+            "spikes" => Self::Spikes(number(1.0)?),
+            "surge" => Self::Surge(number(0.3)?),
+            "bad-start" => Self::BadStart(number(2.0)?),
+            "garbage-start" => Self::GarbageStart,
+            "bad-frame" => Self::BadFrame(number(1.6)?),
+            "repeated-start" => Self::RepeatedStart(count(10, 1, 1000)? as usize),
+            "gain-step" => Self::GainStep(number(0.2)?),
+            "stuck-frame" => Self::StuckFrame,
+            _ => return Err(wrong()),
+        })
+    }
+}
+
+impl fmt::Display for Disturbance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Adc(bits) => write!(f, "adc:{bits}"),
+            Self::Gain(db) => write!(f, "gain:{db}"),
+            Self::Drive(db) => write!(f, "drive:{db}"),
+            Self::Flicker(db) => write!(f, "flicker:{db}"),
+            Self::NoisyChannel(share) => write!(f, "noisy-channel:{share}"),
+            Self::DeadChannel => write!(f, "dead-channel"),
+            Self::Mains(share) => write!(f, "mains:{share}"),
+            Self::Spikes(sigma) => write!(f, "spikes:{sigma}"),
+            Self::Surge(share) => write!(f, "surge:{share}"),
+            Self::BadStart(factor) => write!(f, "bad-start:{factor}"),
+            Self::GarbageStart => write!(f, "garbage-start"),
+            Self::BadFrame(factor) => write!(f, "bad-frame:{factor}"),
+            Self::RepeatedStart(frames) => write!(f, "repeated-start:{frames}"),
+            Self::GainStep(share) => write!(f, "gain-step:{share}"),
+            Self::StuckFrame => write!(f, "stuck-frame"),
+        }
+    }
+}
+
+/// Applies disturbances to frames, one after the other.
+#[derive(Clone, Debug)]
+pub struct Disturber {
+    disturbances: Vec<Disturbance>,
+    /// Size of the converter's full scale, V.
+    full_scale: f64,
+    /// Drive of each channel.
+    drives: Vec<u16>,
+    /// The channel that `noisy-channel` and `dead-channel` hit.
+    victim: usize,
+    /// Flicker noise: components by channel.
+    flicker: Vec<[f64; FLICKER_OCTAVES]>,
+    phase: f64,
+    random: ChaCha8Rng,
+    frames: usize,
+    repeated: Vec<f64>,
+}
+
+impl Disturber {
+    /// Disturbances of a pad that reads `rest` volts untouched; `drives` is the drive of each channel.
+    #[must_use]
+    pub fn new(disturbances: &[Disturbance], rest: &[f64], drives: &[u16], seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let largest = rest.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
+        let victim = (random.next_u64() % rest.len().max(1) as u64) as usize;
+        let phase = uniform(&mut random) * TAU;
+        Self {
+            disturbances: disturbances.to_vec(),
+            full_scale: ADC_HEADROOM * largest,
+            drives: drives.to_vec(),
+            victim,
+            flicker: vec![[0.0; FLICKER_OCTAVES]; rest.len()],
+            phase,
+            random,
+            frames: 0,
+            repeated: Vec::new(),
+        }
+    }
+
+    /// Changes the readings of the next frame, taken `t_s` seconds after the first.
+    pub fn apply(&mut self, t_s: f64, volts: &mut [f64]) {
+        let disturbances = std::mem::take(&mut self.disturbances);
+        for disturbance in &disturbances {
+            self.apply_one(*disturbance, t_s, volts);
+        }
+        self.disturbances = disturbances;
+        self.frames += 1;
+    }
+
+    fn apply_one(&mut self, disturbance: Disturbance, t_s: f64, volts: &mut [f64]) {
+        match disturbance {
+            Disturbance::Adc(bits) => self.quantise(bits, volts),
+            Disturbance::Gain(db) => scale(volts, 1.0 + deviation(db) * self.normal()),
+            Disturbance::Drive(db) => self.disturb_drives(db, volts),
+            Disturbance::Flicker(db) => self.add_flicker(db, volts),
+            Disturbance::NoisyChannel(share) => {
+                let factor = 1.0 + share * self.normal();
+                volts[self.victim] *= factor;
+            }
+            Disturbance::DeadChannel => volts[self.victim] = 0.0,
+            Disturbance::Mains(share) => {
+                scale(
+                    volts,
+                    1.0 + share * libm::sin(TAU * MAINS_HZ * t_s + self.phase),
+                );
+            }
+            Disturbance::Spikes(sigma) => {
+                if self.is_hit() {
+                    for volt in volts {
+                        *volt *= 1.0 + sigma * self.normal();
+                    }
+                }
+            }
+            Disturbance::Surge(share) => {
+                if self.is_hit() {
+                    scale(volts, 1.0 + share);
+                }
+            }
+            Disturbance::BadStart(factor) if self.frames == 1 => scale(volts, factor),
+            Disturbance::GarbageStart if self.frames == 1 => {
+                for volt in volts {
+                    *volt = self.full_scale * self.normal();
+                }
+            }
+            Disturbance::BadFrame(factor) if self.is_event(t_s) => {
+                self.repeated = vec![0.0];
+                scale(volts, factor);
+            }
+            Disturbance::RepeatedStart(frames) => {
+                if self.frames == 0 {
+                    self.repeated = volts.to_vec();
+                } else if self.frames < frames {
+                    volts.copy_from_slice(&self.repeated);
+                }
+            }
+            Disturbance::GainStep(share) if t_s >= EVENT_S => scale(volts, 1.0 + share),
+            Disturbance::StuckFrame if t_s >= EVENT_S => {
+                if self.repeated.is_empty() {
+                    self.repeated = volts.to_vec();
+                }
+                volts.copy_from_slice(&self.repeated);
+            }
+            Disturbance::BadStart(_)
+            | Disturbance::GarbageStart
+            | Disturbance::BadFrame(_)
+            | Disturbance::GainStep(_)
+            | Disturbance::StuckFrame => {}
+        }
+    }
+
+    /// Whether the single event of a run happens in this frame.
+    fn is_event(&self, t_s: f64) -> bool {
+        t_s >= EVENT_S && self.repeated.is_empty()
+    }
+
+    fn is_hit(&mut self) -> bool {
+        uniform(&mut self.random) < SPIKE_SHARE
+    }
+
+    fn quantise(&self, bits: u32, volts: &mut [f64]) {
+        let step = 2.0 * self.full_scale / libm::exp2(f64::from(bits));
+        for volt in volts {
+            *volt = libm::rint(volt.clamp(-self.full_scale, self.full_scale) / step) * step;
+        }
+    }
+
+    fn disturb_drives(&mut self, db: f64, volts: &mut [f64]) {
+        let count = self
+            .drives
+            .iter()
+            .max()
+            .map_or(0, |last| usize::from(*last) + 1);
+        let factors: Vec<f64> = (0..count)
+            .map(|_| 1.0 + deviation(db) * self.normal())
+            .collect();
+        for (volt, drive) in volts.iter_mut().zip(&self.drives) {
+            *volt *= factors[usize::from(*drive)];
+        }
+    }
+
+    /// A sum of first-order processes with time constants of 1, 4, 16, ... frames: 1/f over six octaves of four.
+    fn add_flicker(&mut self, db: f64, volts: &mut [f64]) {
+        let size = deviation(db) / libm::sqrt(FLICKER_OCTAVES as f64);
+        for (channel, volt) in volts.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for octave in 0..FLICKER_OCTAVES {
+                let keep = libm::exp(-1.0 / libm::pow(4.0, octave as f64));
+                let kick: f64 = StandardNormal.sample(&mut self.random);
+                let component = &mut self.flicker[channel][octave];
+                *component = keep * *component + libm::sqrt(1.0 - keep * keep) * kick;
+                sum += *component;
+            }
+            *volt *= 1.0 + size * sum;
+        }
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.random)
+    }
+}
+
+fn scale(volts: &mut [f64], factor: f64) {
+    for volt in volts {
+        *volt *= factor;
+    }
+}
+
+/// Relative deviation of noise of an SNR.
+fn deviation(snr_db: f64) -> f64 {
+    libm::pow(10.0, -snr_db / 20.0)
+}
+
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_read_and_printed_alike() {
+        for name in DISTURBANCE_NAMES {
+            let bare = name.split(':').next().expect("a name");
+            let disturbance: Disturbance = bare.parse().expect("known");
+            assert_eq!(disturbance.to_string().parse(), Ok(disturbance), "{name}");
+        }
+        let error = "adc:3".parse::<Disturbance>().expect_err("too few bits");
+        assert!(error.to_string().contains("adc:BITS"), "{error}");
+        assert!("gain:loud".parse::<Disturbance>().is_err());
+    }
+
+    #[test]
+    fn readings_of_a_converter_are_multiples_of_its_step() {
+        let rest = [1.0, 0.01, -0.3];
+        let mut disturber = Disturber::new(&[Disturbance::Adc(10)], &rest, &[0, 0, 1], 1);
+        let mut volts = rest.to_vec();
+        disturber.apply(0.0, &mut volts);
+        let step = 2.5 / 1024.0;
+        for (volt, exact) in volts.iter().zip(rest) {
+            assert!(
+                ((volt / step).rem_euclid(1.0)).min(1.0 - (volt / step).rem_euclid(1.0)) < 1e-9
+            );
+            assert!((volt - exact).abs() <= step / 2.0 + 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_frames() {
+        let rest = vec![1.0; 8];
+        let all: Vec<Disturbance> = "gain:40,drive:40,flicker:40,spikes:1,surge:0.3"
+            .split(',')
+            .map(|name| name.parse().expect("known"))
+            .collect();
+        let run = |seed| {
+            let mut disturber = Disturber::new(&all, &rest, &[0, 0, 0, 0, 1, 1, 1, 1], seed);
+            let mut volts = rest.clone();
+            for frame in 0..200 {
+                volts.clone_from(&rest);
+                disturber.apply(f64::from(frame) * 0.01, &mut volts);
+            }
+            volts
+        };
+        assert_eq!(run(3), run(3));
+        assert_ne!(run(3), run(4));
+    }
+}

@@ -1,0 +1,145 @@
+//! The conditions of `gelpad accuracy --real`: what disturbs the readings, which hand presses, and which goal is set.
+
+use super::hand::Hand;
+use crate::source::Disturbance;
+
+/// One row of the table.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// What disturbs the readings.
+    pub disturbances: Vec<Disturbance>,
+    /// White noise beside it, dB.
+    pub snr_db: f64,
+    /// What presses.
+    pub hand: Hand,
+    /// What is to be reached.
+    pub goal: Goal,
+}
+
+/// What is to be reached; `None` where nothing is asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Goal {
+    /// Share of presses not seen in their first ten frames.
+    pub missed: Option<f64>,
+    /// Mean error of place, mm.
+    pub mean_mm: Option<f64>,
+    /// Touches that no finger made, in all.
+    pub false_touches: Option<usize>,
+    /// Longest time for which a touch outlives its finger, or lasts without one, ms.
+    pub longest_ms: Option<f64>,
+}
+
+/// Name, disturbances, white noise in dB, hand and goal of a condition.
+type Row = (&'static str, &'static str, f64, Hand, Goal);
+
+/// Nearly no press is missed, no touch false.
+const USUAL: Goal = goal(Some(0.01), None, Some(0));
+/// No touch without a finger.
+const NONE_FALSE: Goal = goal(None, None, Some(0));
+/// A spike makes no lasting touch.
+const SPIKY: Goal = Goal {
+    longest_ms: Some(50.0),
+    ..goal(Some(0.01), None, None)
+};
+
+/// Every condition, in the order of the table.
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    ("as the model assumes, 60 dB", "", 60.0, Hand::Finger, USUAL),
+    ("pad = model, 80 dB", "", 80.0, Hand::FingerOnModel, goal(Some(0.0), Some(0.06), None)),
+    ("40 dB", "", 40.0, Hand::Finger, goal(None, Some(0.6), None)),
+    ("ADC of 12 bits, 70 dB", "adc:12", 70.0, Hand::Finger, goal(Some(0.02), Some(0.5), None)),
+    ("ADC of 10 bits, 70 dB", "adc:10", 70.0, Hand::Finger, goal(Some(0.1), None, None)),
+    ("common gain, 60 dB", "gain:60", 90.0, Hand::Finger, goal(Some(0.005), Some(0.25), None)),
+    ("common gain at rest, 50 dB", "gain:50", 90.0, Hand::Untouched, NONE_FALSE),
+    ("noise per drive, 50 dB", "drive:50", 90.0, Hand::Finger, goal(Some(0.01), Some(0.4), None)),
+    ("noise per drive, 40 dB", "drive:40", 90.0, Hand::Finger, goal(Some(0.01), Some(1.0), None)),
+    ("noise per drive at rest, 40 dB", "drive:40", 90.0, Hand::Untouched, NONE_FALSE),
+    ("1/f noise at rest, 40 dB", "flicker:40", 70.0, Hand::Untouched, goal(None, None, Some(1))),
+    ("one channel 10 % noisy", "noisy-channel:0.1", 60.0, Hand::Untouched, goal(None, None, Some(1))),
+    ("one channel reads 0", "dead-channel", 60.0, Hand::Untouched, goal(None, None, Some(1))),
+    ("mains ripple of 0.3 %", "mains:0.003", 60.0, Hand::Untouched, goal(None, None, Some(1))),
+    ("spikes of 0.3 in 1 % of frames", "spikes:0.3", 60.0, Hand::Finger, SPIKY),
+    ("spikes of 5 in 1 % of frames", "spikes:5", 60.0, Hand::Finger, SPIKY),
+    ("surges of +30 %", "surge:0.3", 60.0, Hand::Finger, SPIKY),
+    ("surges of -50 %", "surge:-0.5", 60.0, Hand::Finger, SPIKY),
+    ("second frame x 0", "bad-start:0", 60.0, Hand::Finger, USUAL),
+    ("second frame x 3", "bad-start:3", 60.0, Hand::Finger, USUAL),
+    ("second frame x -1", "bad-start:-1", 60.0, Hand::Finger, USUAL),
+    ("second frame garbage", "garbage-start", 60.0, Hand::Finger, USUAL),
+    ("one frame x 1.6 in rest", "bad-frame:1.6", 60.0, Hand::Finger, USUAL),
+    ("one frame x 10 in rest", "bad-frame:10", 60.0, Hand::Finger, USUAL),
+    ("first ten frames identical", "repeated-start:10", 60.0, Hand::Finger, USUAL),
+    ("gain step of 20 %", "gain-step:0.2", 60.0, Hand::Finger, goal(Some(0.02), None, Some(1))),
+    ("falling touches", "", 60.0, Hand::Falling, USUAL),
+    ("0 to 2 mm from the edge", "", 60.0, Hand::Edge(0.0, 2.0), goal(Some(0.05), None, Some(0))),
+    ("2 to 4 mm from the edge", "", 60.0, Hand::Edge(2.0, 4.0), goal(Some(0.01), None, Some(0))),
+    ("corner", "", 60.0, Hand::Corner, goal(Some(0.03), None, Some(0))),
+    ("over an electrode", "", 60.0, Hand::Electrode, goal(Some(0.03), None, Some(0))),
+    ("ellipse 12 x 6 mm", "", 60.0, Hand::Ellipse(12.0, 6.0), goal(None, None, None)),
+    ("ellipse 15 x 6 mm", "", 60.0, Hand::Ellipse(15.0, 6.0), goal(None, None, None)),
+    ("annulus", "", 60.0, Hand::Annulus, goal(None, None, None)),
+    ("radius 15 mm", "", 60.0, Hand::Radius(15.0), goal(None, Some(0.4), None)),
+    ("rise of 10 %", "", 60.0, Hand::Rise(0.1), goal(None, Some(0.8), None)),
+    ("radius 3 mm", "", 60.0, Hand::Radius(3.0), goal(Some(0.18), None, None)),
+    ("radius 4 mm", "", 60.0, Hand::Radius(4.0), goal(Some(0.05), None, None)),
+    ("pairs 12 mm apart", "", 60.0, Hand::Pair(12.0), goal(None, None, None)),
+    ("pairs 14 mm apart", "", 60.0, Hand::Pair(14.0), goal(None, None, None)),
+    ("five fingers", "", 60.0, Hand::Several(5), goal(None, None, None)),
+    ("six fingers", "", 60.0, Hand::Several(6), goal(None, None, None)),
+];
+
+const fn goal(missed: Option<f64>, mean_mm: Option<f64>, false_touches: Option<usize>) -> Goal {
+    Goal {
+        missed,
+        mean_mm,
+        false_touches,
+        longest_ms: None,
+    }
+}
+
+/// Every condition of the table, in its order.
+#[must_use]
+pub fn conditions() -> Vec<Condition> {
+    ROWS.iter()
+        .map(|(name, list, snr_db, hand, goal)| Condition {
+            name,
+            disturbances: list
+                .split(',')
+                .filter_map(|name| name.parse().ok())
+                .collect(),
+            snr_db: *snr_db,
+            hand: *hand,
+            goal: *goal,
+        })
+        .collect()
+}
+
+/// A finger and an untouched pad under a user's own disturbances, with white noise beside them.
+#[must_use]
+pub fn own_conditions(disturbances: &[Disturbance], snr_db: f64) -> Vec<Condition> {
+    [("a finger", Hand::Finger), ("untouched", Hand::Untouched)]
+        .map(|(name, hand)| Condition {
+            name,
+            disturbances: disturbances.to_vec(),
+            snr_db,
+            hand,
+            goal: Goal::default(),
+        })
+        .to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_in_the_table_is_a_disturbance() {
+        for ((name, list, ..), condition) in ROWS.iter().zip(conditions()) {
+            let named = list.split(',').filter(|name| !name.is_empty()).count();
+            assert_eq!(condition.disturbances.len(), named, "{name}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Hands of `gelpad accuracy --real`: where fingers press, and what they do to the conductivity.
+
+use crate::pad::Pad;
+use crate::study::accuracy::draws::Draws;
+use crate::study::{Press, StudyError};
+use crate::types::PointMm;
+
+/// Radius of a finger, mm on a pad of 100 mm.
+const RADIUS_MM: [f64; 2] = [5.0, 9.0];
+/// Relative rise in the middle of a finger.
+const RISE: [f64; 2] = [0.5, 2.0];
+/// Fingers of [`Hand::Several`] are at least this far apart, mm.
+const SEVERAL_APART_MM: f64 = 22.0;
+/// Radius and half width of the ring of [`Hand::Annulus`], mm.
+const RING_MM: (f64, f64) = (6.0, 3.0);
+
+/// What presses the pad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hand {
+    /// Nothing.
+    Untouched,
+    /// One finger of 5 to 9 mm, 10 mm or more from the edge.
+    Finger,
+    /// The same on a pad exactly as the model takes it.
+    FingerOnModel,
+    /// A finger that lowers the conductivity.
+    Falling,
+    /// A finger whose centre is this far from the edge, mm.
+    Edge(f64, f64),
+    /// A finger within 4 mm of a corner.
+    Corner,
+    /// A finger over an electrode.
+    Electrode,
+    /// An ellipse with these half-axes, mm.
+    Ellipse(f64, f64),
+    /// A ring: a fingertip pressed so hard that its middle is lifted.
+    Annulus,
+    /// A finger of one radius, mm.
+    Radius(f64),
+    /// A finger of one rise.
+    Rise(f64),
+    /// Two fingers at a distance, mm.
+    Pair(f64),
+    /// Several fingers at least 22 mm apart.
+    Several(usize),
+}
+
+/// Where fingers press, and the factor by which they multiply the conductivity at a point.
+type Drawn = (Vec<PointMm>, Box<dyn Fn(PointMm) -> f64>);
+
+impl Hand {
+    pub(super) fn is_untouched(self) -> bool {
+        self == Self::Untouched
+    }
+
+    pub(super) fn is_on_model(self) -> bool {
+        self == Self::FingerOnModel
+    }
+
+    /// One press of the hand. Lengths shrink with `scale` on small pads.
+    pub(super) fn draw(
+        self,
+        pad: &Pad,
+        scale: f64,
+        draws: &mut Draws,
+    ) -> Result<Drawn, StudyError> {
+        let radius_mm = scale * draws.between(RADIUS_MM[0], RADIUS_MM[1]);
+        let rise = draws.between(RISE[0], RISE[1]);
+        let inner = draws.presses(1)?[0].centre_mm;
+        Ok(match self {
+            Self::Untouched | Self::Finger | Self::FingerOnModel => finger(inner, radius_mm, rise),
+            Self::Falling => {
+                let (centres, rising) = finger(inner, radius_mm, rise);
+                (centres, Box::new(move |point| 1.0 / rising(point)))
+            }
+            Self::Edge(near, far) => {
+                let depth_mm = scale * draws.between(near, far);
+                finger(at_edge(pad, depth_mm, draws), radius_mm, rise)
+            }
+            Self::Corner => finger(at_corner(pad, 4.0 * scale, draws), radius_mm, rise),
+            Self::Electrode => finger(over_electrode(pad, scale, draws), radius_mm, rise),
+            Self::Ellipse(a, b) => ellipse(inner, [scale * a, scale * b], draws.angle()),
+            Self::Annulus => ring(inner, scale * RING_MM.0, scale * RING_MM.1),
+            Self::Radius(radius_mm) => finger(inner, scale * radius_mm, rise),
+            Self::Rise(rise) => finger(inner, radius_mm, rise),
+            Self::Pair(distance_mm) => fingers(draws.pair(distance_mm)?),
+            Self::Several(count) => fingers(draws.presses_apart(count, SEVERAL_APART_MM)?),
+        })
+    }
+}
+
+fn finger(centre_mm: PointMm, radius_mm: f64, rise: f64) -> Drawn {
+    fingers(vec![Press {
+        centre_mm,
+        radius_mm,
+        rise,
+    }])
+}
+
+fn fingers(presses: Vec<Press>) -> Drawn {
+    let centres = presses.iter().map(|press| press.centre_mm).collect();
+    let factor = move |point| presses.iter().map(|press| press.factor(point)).product();
+    (centres, Box::new(factor))
+}
+
+/// A place at a depth from one of the four sides.
+fn at_edge(pad: &Pad, depth_mm: f64, draws: &mut Draws) -> PointMm {
+    let [width, height] = pad.outline.size_mm();
+    let along = draws.between(0.12, 0.88);
+    match draws.between(0.0, 4.0) as usize {
+        0 => [along * width, depth_mm],
+        1 => [width - depth_mm, along * height],
+        2 => [along * width, height - depth_mm],
+        _ => [depth_mm, along * height],
+    }
+}
+
+/// A place within a distance of both sides of a corner.
+fn at_corner(pad: &Pad, within_mm: f64, draws: &mut Draws) -> PointMm {
+    pad.outline.size_mm().map(|side| {
+        let depth_mm = draws.between(0.0, within_mm);
+        if draws.between(0.0, 1.0) < 0.5 {
+            depth_mm
+        } else {
+            side - depth_mm
+        }
+    })
+}
+
+/// A place 2 to 5 mm inside an electrode.
+fn over_electrode(pad: &Pad, scale: f64, draws: &mut Draws) -> PointMm {
+    let count = pad.electrodes.len();
+    let index = (draws.between(0.0, count as f64) as usize).min(count - 1);
+    let [x, y] = pad.electrodes[index].centre_mm(&pad.outline);
+    let inward_mm = scale * draws.between(2.0, 5.0);
+    let [width, height] = pad.outline.size_mm();
+    let (dx, dy) = (width / 2.0 - x, height / 2.0 - y);
+    let length = libm::hypot(dx, dy).max(1e-9);
+    [x + inward_mm * dx / length, y + inward_mm * dy / length]
+}
+
+/// A flat finger with a relative rise of 1.
+fn ellipse(centre_mm: PointMm, half_axes_mm: [f64; 2], angle: f64) -> Drawn {
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let factor = move |[x, y]: PointMm| {
+        let (dx, dy) = (x - centre_mm[0], y - centre_mm[1]);
+        let u = (dx * cos + dy * sin) / half_axes_mm[0];
+        let v = (dy * cos - dx * sin) / half_axes_mm[1];
+        1.0 + (1.0 - u * u - v * v).max(0.0)
+    };
+    (vec![centre_mm], Box::new(factor))
+}
+
+/// A fingertip whose middle presses less, with a relative rise of 1 on its ring.
+fn ring(centre_mm: PointMm, radius_mm: f64, half_width_mm: f64) -> Drawn {
+    let factor = move |[x, y]: PointMm| {
+        let off_mm = libm::hypot(x - centre_mm[0], y - centre_mm[1]) - radius_mm;
+        let share = off_mm / half_width_mm;
+        1.0 + (1.0 - share * share).max(0.0)
+    };
+    (vec![centre_mm], Box::new(factor))
+}

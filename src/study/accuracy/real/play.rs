@@ -1,0 +1,193 @@
+//! One session: rest, presses with rests between, every frame disturbed; what the sensing made of it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Condition, Extent};
+use crate::source::{Disturber, Noise};
+use crate::study::StudyError;
+use crate::study::accuracy::Bench;
+use crate::study::accuracy::score::{REACH_MM, assign};
+use crate::touch::Detector;
+use crate::types::{Frame, NANOS_PER_MS, Nanos, PointMm, Touch};
+
+/// A hundred frames a second, as in play.
+const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
+/// Frames before the first press.
+const REST_FRAMES: usize = 400;
+/// Frames of a press.
+const PRESS_FRAMES: usize = 10;
+/// Frames between presses.
+const PAUSE_FRAMES: usize = 20;
+
+/// One press, solved.
+pub(super) struct Press {
+    /// Where its fingers are.
+    pub centres_mm: Vec<PointMm>,
+    /// Readings while it lasts, V/A.
+    pub volts: Vec<f64>,
+}
+
+/// What became of a session.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Played {
+    /// Fingers that pressed.
+    pub fingers: usize,
+    /// Presses.
+    pub presses: usize,
+    /// Presses in whose last frame as many touches were down as fingers.
+    pub counted_right: usize,
+    /// Fingers that were not found in the first frame of their press.
+    pub late: usize,
+    /// Fingers that were never found while they pressed.
+    pub missed: usize,
+    /// Touches that were never within reach of a finger.
+    pub false_touches: usize,
+    /// Errors of place in the frame in which a finger was first found, mm.
+    pub first_errors_mm: Vec<f64>,
+    /// Errors of place in the last frame of the press, mm.
+    pub last_errors_mm: Vec<f64>,
+    /// Longest time of a touch without a finger, ms.
+    pub longest_ms: f64,
+    /// Seconds played.
+    pub seconds: f64,
+}
+
+/// The sensing under test, with the disturbed readings of one pad.
+struct Session<'a> {
+    bench: &'a Bench,
+    detector: Detector,
+    noise: Noise,
+    disturber: Disturber,
+    frame: usize,
+    changed: Vec<Touch>,
+    /// Touches that were once within reach of a finger.
+    matched: BTreeMap<u64, bool>,
+    /// For touches without a finger: since which frame.
+    alone_since: BTreeMap<u64, usize>,
+    played: Played,
+}
+
+/// Plays a condition on one pad.
+pub(super) fn session(
+    bench: &Bench,
+    condition: &Condition,
+    extent: Extent,
+    rest: &[f64],
+    presses: &[Press],
+    seed: u64,
+) -> Result<Played, StudyError> {
+    let drives = bench.pad.protocol.drives();
+    let mut session = Session {
+        bench,
+        detector: bench.sensing.new_detector(),
+        noise: Noise::new(condition.snr_db, seed),
+        disturber: Disturber::new(&condition.disturbances, rest, &drives, seed ^ 0x5eed),
+        frame: 0,
+        changed: Vec::new(),
+        matched: BTreeMap::new(),
+        alone_since: BTreeMap::new(),
+        played: Played::default(),
+    };
+    let resting = if presses.is_empty() {
+        extent.untouched_s * 100
+    } else {
+        REST_FRAMES
+    };
+    for _ in 0..resting {
+        session.step(rest, &[])?;
+    }
+    for press in presses {
+        session.press(press)?;
+        for _ in 0..PAUSE_FRAMES {
+            session.step(rest, &[])?;
+        }
+    }
+    session.played.false_touches = session
+        .matched
+        .values()
+        .filter(|matched| !**matched)
+        .count();
+    session.played.seconds = session.frame as f64 * FRAME_NS as f64 * 1e-9;
+    Ok(session.played)
+}
+
+impl Session<'_> {
+    /// Plays one press and scores it.
+    fn press(&mut self, press: &Press) -> Result<(), StudyError> {
+        let count = press.centres_mm.len();
+        let mut first: Vec<Option<f64>> = vec![None; count];
+        for index in 0..PRESS_FRAMES {
+            let errors = self.step(&press.volts, &press.centres_mm)?;
+            for (kept, error) in first.iter_mut().zip(&errors) {
+                *kept = kept.or(*error);
+            }
+            if index == 0 {
+                self.played.late += errors.iter().filter(|error| error.is_none()).count();
+            }
+            if index + 1 == PRESS_FRAMES {
+                self.played.last_errors_mm.extend(errors.iter().flatten());
+                let down = self.detector.frame_touches().down.len();
+                let all_found = errors.iter().all(Option::is_some);
+                self.played.counted_right += usize::from(down == count && all_found);
+            }
+        }
+        self.played.presses += 1;
+        self.played.fingers += count;
+        self.played.missed += first.iter().filter(|error| error.is_none()).count();
+        self.played.first_errors_mm.extend(first.iter().flatten());
+        Ok(())
+    }
+
+    /// Plays one frame; returns for each finger how far off it was found.
+    fn step(&mut self, volts: &[f64], fingers: &[PointMm]) -> Result<Vec<Option<f64>>, StudyError> {
+        let mut read: Vec<f64> = self
+            .noise
+            .read(volts)
+            .iter()
+            .map(|volt| f64::from(*volt))
+            .collect();
+        let t_ns = self.frame as Nanos * FRAME_NS;
+        self.disturber.apply(t_ns as f64 * 1e-9, &mut read);
+        let volts = read.iter().map(|volt| *volt as f32).collect();
+        self.changed.clear();
+        self.detector
+            .process_frame(&Frame { t_ns, volts }, &mut self.changed);
+        if let Some(wanted) = self.detector.wanted() {
+            // As in play: where no weights can be made, the present ones stay.
+            if let Ok(sensing) = self.bench.sensing.build(wanted) {
+                self.detector.set_sensing(Arc::new(sensing));
+            }
+        }
+        let down = self.detector.frame_touches().down.to_vec();
+        let seen: Vec<PointMm> = down.iter().map(|touch| touch.contact.centre_mm).collect();
+        let assigned = assign(fingers, &seen, REACH_MM * self.bench.scale);
+        for (index, touch) in down.iter().enumerate() {
+            let id = touch.id.0;
+            let is_matched = assigned.contains(&Some(index));
+            let ever = self.matched.entry(id).or_default();
+            *ever |= is_matched;
+            if is_matched {
+                self.alone_since.remove(&id);
+            } else {
+                self.alone_since.entry(id).or_insert(self.frame);
+            }
+        }
+        self.alone_since
+            .retain(|id, _| down.iter().any(|touch| touch.id.0 == *id));
+        for since in self.alone_since.values() {
+            let ms = (self.frame + 1 - since) as f64 * 10.0;
+            self.played.longest_ms = self.played.longest_ms.max(ms);
+        }
+        self.frame += 1;
+        Ok(fingers
+            .iter()
+            .zip(assigned)
+            .map(|(finger, index)| {
+                index.map(|index| {
+                    libm::hypot(finger[0] - seen[index][0], finger[1] - seen[index][1])
+                })
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,135 @@
+//! The table of `gelpad accuracy --real`.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::play::Played;
+use super::{Condition, Goal};
+use crate::study::accuracy::{Share, Spread};
+
+/// What one condition gave.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConditionFindings {
+    /// Its name.
+    pub name: String,
+    /// Disturbances, as `--disturb` takes them.
+    pub disturbances: String,
+    /// White noise, dB.
+    pub snr_db: f64,
+    /// Fingers not found while they pressed.
+    pub missed: Share,
+    /// Fingers not found in the first frame of their press.
+    pub late: Share,
+    /// Presses with the right number of touches in their last frame.
+    pub counted_right: Share,
+    /// Errors of place where a finger was first found, mm.
+    pub first_mm: Spread,
+    /// Errors of place in the last frame of the press, mm.
+    pub last_mm: Spread,
+    /// Touches that no finger made.
+    pub false_touches: usize,
+    /// Longest time of a touch without a finger, ms.
+    pub longest_ms: f64,
+    /// Seconds played.
+    pub seconds: f64,
+    /// Whether every goal of the condition is met.
+    pub is_met: bool,
+}
+
+/// All conditions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RealFindings {
+    /// Seed of pads, presses and disturbances.
+    pub seed: u64,
+    /// A row a condition.
+    pub conditions: Vec<ConditionFindings>,
+}
+
+impl ConditionFindings {
+    pub(super) fn of(condition: &Condition, played: &[&Played]) -> Self {
+        let sum = |count: fn(&Played) -> usize| played.iter().map(|one| count(one)).sum::<usize>();
+        let errors = |list: fn(&Played) -> &Vec<f64>| {
+            Spread::new(played.iter().flat_map(|one| list(one)).copied())
+        };
+        let fingers = sum(|one| one.fingers);
+        let mut findings = Self {
+            name: condition.name.to_owned(),
+            disturbances: condition
+                .disturbances
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(","),
+            snr_db: condition.snr_db,
+            missed: Share::new(sum(|one| one.missed), fingers),
+            late: Share::new(sum(|one| one.late), fingers),
+            counted_right: Share::new(sum(|one| one.counted_right), sum(|one| one.presses)),
+            first_mm: errors(|one| &one.first_errors_mm),
+            last_mm: errors(|one| &one.last_errors_mm),
+            false_touches: sum(|one| one.false_touches),
+            longest_ms: played.iter().map(|one| one.longest_ms).fold(0.0, f64::max),
+            seconds: played.iter().map(|one| one.seconds).sum(),
+            is_met: false,
+        };
+        findings.is_met = findings.meets(condition.goal);
+        findings
+    }
+
+    fn meets(&self, goal: Goal) -> bool {
+        let below =
+            |value: f64, most: Option<f64>| most.is_none_or(|most| value <= most || value.is_nan());
+        below(self.missed.share, goal.missed)
+            && below(self.first_mm.mean, goal.mean_mm)
+            && goal
+                .false_touches
+                .is_none_or(|most| self.false_touches <= most)
+            && below(self.longest_ms, goal.longest_ms)
+    }
+}
+
+impl RealFindings {
+    /// As JSON.
+    ///
+    /// # Errors
+    /// None in practice: every value can be written.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self)
+    }
+
+    /// The table as text.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = String::from(
+            "condition                        missed  (95 %)       late   right   first mm  last mm  false  longest ms  goal\n",
+        );
+        for row in &self.conditions {
+            let percent = |share: f64| number(100.0 * share, 1);
+            let _ = writeln!(
+                text,
+                "{:<32} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>9.0}   {}",
+                row.name,
+                percent(row.missed.share),
+                percent(row.missed.low),
+                percent(row.missed.high),
+                percent(row.late.share),
+                percent(row.counted_right.share),
+                number(row.first_mm.mean, 2),
+                number(row.last_mm.mean, 2),
+                row.false_touches,
+                row.longest_ms,
+                if row.is_met { "met" } else { "NOT MET" },
+            );
+        }
+        text
+    }
+}
+
+/// A number with some decimals; a dash where there is none, as on an untouched pad.
+fn number(value: f64, decimals: usize) -> String {
+    if value.is_nan() {
+        "-".to_owned()
+    } else {
+        format!("{value:.decimals$}")
+    }
+}

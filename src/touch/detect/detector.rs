@@ -1,0 +1,409 @@
+//! The detector: its state, and the steps of a frame.
+
+use std::sync::Arc;
+
+use super::shift::GainShift;
+use crate::eit::{ElectrodeMonitor, FirstFrames, Imager, Reconstruction, Reference};
+use crate::pad::Protocol;
+use crate::touch::image_locator::ImageLocator;
+use crate::touch::{ChannelNoise, Correction, Locator, Sensing, Tracker};
+use crate::types::{Contact, Frame, Image, NANOS_PER_MS, Nanos, Touch};
+
+/// A frame is unexplained if its part outside of all responses exceeds noise and model error by this factor, ...
+const UNEXPLAINED_OUTSIDE: f64 = 9.0;
+/// ... or by this factor, while the located touches ...
+const SUSPICIOUS_OUTSIDE: f64 = 3.0;
+/// ... leave this many times noise and model error, more than a palm does.
+const UNEXPLAINED_REST: f64 = 60.0;
+/// No touch changes this many readings ...
+const IMPOSSIBLE_READINGS: usize = 4;
+/// ... by this share ...
+const IMPOSSIBLE_SHARE: f64 = 0.85;
+/// ... plus this many standard deviations: a lost electrode does.
+const IMPOSSIBLE_DEVIATIONS: f64 = 6.0;
+/// Touches that are down wait this long for an explained frame.
+const WAIT_NS: Nanos = 500 * NANOS_PER_MS;
+
+/// Turns frames into touches.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    pub(super) sensing: Arc<Sensing>,
+    pub(super) imager: Imager,
+    pub(super) locator: Option<Locator>,
+    pub(super) by_image: ImageLocator,
+    correction: Option<Correction>,
+    pub(super) reference: Reference,
+    pub(super) electrodes: Option<ElectrodeMonitor>,
+    pub(super) tracker: Tracker,
+    /// Relative change of each channel.
+    pub(super) changes: Vec<f32>,
+    /// The changes as the image's matrix takes them: weighted, muted channels filled in.
+    image_changes: Vec<f32>,
+    /// Relative change of each channel that the touches explain.
+    pub(super) explained: Vec<f32>,
+    /// The frame without its touches, in the instrument's units.
+    pub(super) untouched: Vec<f32>,
+    pub(super) image: Image,
+    pub(super) contacts: Vec<Contact>,
+    /// The contacts of the last explained frame, before the correction.
+    uncorrected: Vec<Contact>,
+    pub(super) first_frames: FirstFrames,
+    /// Drive of each channel; empty if unknown.
+    pub(super) drives: Vec<u16>,
+    /// The first frames were identical, so they do not show the noise of the board.
+    pub(super) noise_is_unknown: bool,
+    /// Frames in a row that look like a finger that has left the pad.
+    pub(super) rebounds: Vec<(Nanos, Vec<f32>)>,
+    /// Frames in a row whose readings are all scaled alike.
+    pub(super) shift: GainShift,
+    /// When the palm on the pad was first and last detected.
+    pub(super) palm_ns: Option<[Nanos; 2]>,
+    /// Time of the last explained frame.
+    pub(super) explained_ns: Nanos,
+    pub(super) frames: u64,
+    /// Deviations for which a new [`Sensing`] is wanted.
+    pub(super) wanted: Option<ChannelNoise>,
+    /// How often the reference was taken again.
+    pub(super) references_retaken: u64,
+}
+
+/// The result of one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameTouches<'a> {
+    /// The image; blank until the reference is taken.
+    pub image: &'a Image,
+    /// The touches that are down.
+    pub down: &'a [Touch],
+}
+
+impl Detector {
+    /// A detector that finds touches in images and does not monitor electrodes.
+    #[must_use]
+    pub fn new(reconstruction: Arc<Reconstruction>) -> Self {
+        Self::with_monitor(
+            Arc::new(Sensing::by_image(reconstruction)),
+            None,
+            Vec::new(),
+        )
+    }
+
+    /// A detector that also monitors the electrodes of a protocol.
+    #[must_use]
+    pub fn for_pad(sensing: Arc<Sensing>, protocol: &Protocol) -> Self {
+        Self::with_monitor(
+            sensing,
+            Some(ElectrodeMonitor::new(protocol)),
+            protocol.drives(),
+        )
+    }
+
+    fn with_monitor(
+        sensing: Arc<Sensing>,
+        electrodes: Option<ElectrodeMonitor>,
+        drives: Vec<u16>,
+    ) -> Self {
+        let channels = sensing.channels();
+        let reconstruction = &sensing.reconstruction;
+        Self {
+            imager: Imager::new(Arc::clone(reconstruction)),
+            locator: sensing.locator_model.clone().map(Locator::new),
+            by_image: ImageLocator::new(reconstruction),
+            correction: None,
+            reference: Reference::new(channels),
+            electrodes,
+            tracker: Tracker::default(),
+            changes: vec![0.0; channels],
+            image_changes: vec![0.0; channels],
+            explained: vec![0.0; channels],
+            untouched: vec![0.0; channels],
+            image: Image::blank(reconstruction.grid),
+            contacts: Vec::new(),
+            uncorrected: Vec::new(),
+            first_frames: FirstFrames::default(),
+            drives,
+            noise_is_unknown: false,
+            rebounds: Vec::new(),
+            shift: GainShift::default(),
+            palm_ns: None,
+            explained_ns: 0,
+            frames: 0,
+            wanted: None,
+            references_retaken: 0,
+            sensing,
+        }
+    }
+
+    /// Corrects the places of located contacts by a calibration.
+    #[must_use]
+    pub fn with_correction(mut self, correction: Option<Correction>) -> Self {
+        self.correction = correction;
+        self
+    }
+
+    /// Replaces the sensing of the pad, for other weights; reference and touches stay.
+    ///
+    /// # Panics
+    /// If it has another number of channels.
+    pub fn set_sensing(&mut self, sensing: Arc<Sensing>) {
+        assert_eq!(sensing.channels(), self.changes.len());
+        let reconstruction = &sensing.reconstruction;
+        self.image = Image::blank(reconstruction.grid);
+        self.by_image.set_reconstruction(reconstruction);
+        self.imager = Imager::new(Arc::clone(reconstruction));
+        match (&mut self.locator, sensing.locator_model.clone()) {
+            (Some(locator), Some(model)) => locator.set_weights(model),
+            (locator, model) => *locator = model.map(Locator::new),
+        }
+        self.sensing = sensing;
+        self.wanted = None;
+        self.request_for_lost_channels();
+    }
+
+    /// The noise of the channels for which another [`Sensing`] is wanted, if one is.
+    #[must_use]
+    pub fn wanted(&self) -> Option<&ChannelNoise> {
+        self.wanted.as_ref()
+    }
+
+    /// Processes a frame and appends every touch with its new phase.
+    ///
+    /// # Panics
+    /// If the frame has another number of voltages than the pad.
+    pub fn process_frame(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        if !self.reference.is_ready() {
+            self.take_reference_frame(frame);
+            return;
+        }
+        self.frames += 1;
+        self.reference.advance(frame.t_ns);
+        self.reference
+            .relative_changes(&frame.volts, &mut self.changes);
+        if self.is_shifted(frame, changed) || self.is_rebound(frame) {
+            return;
+        }
+        match self.locator.take() {
+            Some(mut locator) => {
+                self.locate(&mut locator, frame, changed);
+                self.locator = Some(locator);
+                self.maybe_reweight();
+            }
+            None => self.find_in_image(frame, changed),
+        }
+    }
+
+    /// Takes the reference again from the next frames: the pad counts as untouched as it is then. Lifts all touches.
+    pub fn rezero(&mut self, changed: &mut Vec<Touch>) {
+        self.tracker.lift_all(changed);
+        self.reset();
+        if let Some(electrodes) = &mut self.electrodes {
+            electrodes.reset();
+        }
+        self.wanted = None;
+    }
+
+    /// Locates touches in the voltages.
+    fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
+        let (noise, steady) = self.noise();
+        let outside = locator.take_frame(&self.changes, noise).outside;
+        let is_late = self.is_late(frame);
+        // The present weights are wrong until the wanted ones arrive, but the wait is limited.
+        let waits_for_weights = !is_late
+            && self.wanted.as_ref().is_some_and(|wanted| {
+                let wanted = &wanted.deviations;
+                (0..wanted.len()).any(|c| wanted[c].is_finite() != self.sensing.uses_channel(c))
+            });
+        let is_touched = !self.tracker.down().is_empty();
+        if outside > UNEXPLAINED_OUTSIDE && self.noise_is_unknown && !is_touched {
+            self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
+            return;
+        }
+        if outside > UNEXPLAINED_OUTSIDE || waits_for_weights || self.is_impossible() {
+            self.skip_unexplained(Some(locator), frame, changed);
+            return;
+        }
+        let rest = locator.locate(noise, steady).rest;
+        if rest > UNEXPLAINED_REST && outside > SUSPICIOUS_OUTSIDE {
+            locator.undo_frame();
+            self.skip_unexplained(Some(locator), frame, changed);
+            return;
+        }
+        self.explained_ns = frame.t_ns;
+        locator.explain(&mut self.explained);
+        self.contacts.clear();
+        self.contacts.extend(locator.contacts());
+        self.uncorrected.clone_from(&self.contacts);
+        if let Some(correction) = &mut self.correction {
+            correction.apply(&self.changes, &mut self.contacts);
+        }
+        self.make_image();
+        if self.is_under_palm(rest, frame.t_ns) {
+            self.uncorrected.clone_from(&self.contacts);
+            self.handle_palm(frame, changed);
+            return;
+        }
+        let were_down = self.tracker.down().len();
+        self.tracker.follow(frame.t_ns, &self.contacts, changed);
+        if self.tracker.down().len() < were_down {
+            // The gel springs back.
+            self.reference.skip_frame();
+        }
+        if let Some(electrodes) = &mut self.electrodes {
+            electrodes.accept_frame();
+        }
+        self.watch_lost_electrodes(frame);
+        self.follow_reference(frame);
+    }
+
+    /// Whether too many readings changed more than touches can change them.
+    fn is_impossible(&self) -> bool {
+        let impossible = (0..self.changes.len()).filter(|channel| {
+            let [noise, doubt] = self.reference.variances(*channel);
+            let change = f64::from(self.changes[*channel].abs());
+            let limit = IMPOSSIBLE_SHARE + IMPOSSIBLE_DEVIATIONS * libm::sqrt(noise + doubt);
+            change.is_nan() || change > limit
+        });
+        impossible.count() >= IMPOSSIBLE_READINGS
+    }
+
+    /// Whether touches have waited too long for an explained frame.
+    fn is_late(&self, frame: &Frame) -> bool {
+        frame.t_ns.saturating_sub(self.explained_ns) > WAIT_NS
+    }
+
+    /// Skips a frame that no set of touches explains: no touch begins, and those that are down wait until the frame is late.
+    fn skip_unexplained(
+        &mut self,
+        locator: Option<&mut Locator>,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) {
+        self.find_faulty_electrode(frame);
+        self.make_image();
+        if self.is_late(frame) {
+            self.tracker.lift_all(changed);
+            if let Some(locator) = locator {
+                locator.forget_touches();
+            }
+            self.explained.fill(0.0);
+            return;
+        }
+        self.contacts.clear();
+        let down = self.tracker.down().iter().map(|touch| touch.contact);
+        self.contacts.extend(down);
+        self.tracker.follow(frame.t_ns, &self.contacts, changed);
+    }
+
+    /// Finds touches in the image.
+    fn find_in_image(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        if self.is_impossible() {
+            if self.electrodes.is_some() && !self.is_late(frame) {
+                self.skip_unexplained(None, frame, changed);
+                return;
+            }
+        } else {
+            self.explained_ns = frame.t_ns;
+        }
+        self.make_image();
+        let doubt = self.reference.doubt();
+        let down = self.tracker.down();
+        let is_quiet = self
+            .by_image
+            .contacts(&self.image, doubt, down, &mut self.contacts);
+        self.uncorrected.clone_from(&self.contacts);
+        self.tracker.follow(frame.t_ns, &self.contacts, changed);
+        if let Some(electrodes) = &mut self.electrodes {
+            electrodes.accept_frame();
+        }
+        if self.tracker.down().is_empty() && is_quiet {
+            self.watch_lost_electrodes(frame);
+            self.reference.update(&frame.volts, &self.explained);
+        } else {
+            self.reference.skip_frame();
+        }
+    }
+
+    /// Makes the image of the changes; a muted channel reads what the touches explain.
+    pub(super) fn make_image(&mut self) {
+        for (channel, image_change) in self.image_changes.iter_mut().enumerate() {
+            let change = if self.reference.is_muted(channel) {
+                self.explained[channel]
+            } else {
+                self.changes[channel]
+            };
+            *image_change = change * self.sensing.image_weights[channel];
+        }
+        self.imager.image(
+            &self.image_changes,
+            self.reference.change_noise(),
+            &mut self.image,
+        );
+    }
+
+    /// The contacts that are down, at the places that the model found: before any [`Correction`].
+    #[must_use]
+    pub fn uncorrected_contacts(&self) -> &[Contact] {
+        if self.tracker.down().is_empty() {
+            &[]
+        } else {
+            &self.uncorrected
+        }
+    }
+
+    /// Muted channels: dead, loose or of a lost electrode.
+    #[must_use]
+    pub fn muted_channels(&self) -> Vec<usize> {
+        self.reference.muted_channels()
+    }
+
+    /// Lost electrodes, ascending, counted from 0.
+    #[must_use]
+    pub fn lost_electrodes(&self) -> Vec<usize> {
+        let electrodes = self.electrodes.as_ref();
+        electrodes.map(ElectrodeMonitor::lost).unwrap_or_default()
+    }
+
+    /// How often the reference was taken again, because it had been taken under a finger or a palm.
+    #[must_use]
+    pub fn references_retaken(&self) -> u64 {
+        self.references_retaken
+    }
+
+    /// Whether the reference is taken: only then are changes meaningful.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.reference.is_ready()
+    }
+
+    /// The relative changes of the last frame, and the part that its touches explain; one value per channel.
+    #[must_use]
+    pub fn changes_and_explained(&self) -> (&[f32], &[f32]) {
+        (&self.changes, &self.explained)
+    }
+
+    /// Reading of the untouched pad and relative standard deviation, one value per channel; infinite for a muted channel.
+    #[must_use]
+    pub fn rest_volts_and_deviations(&self) -> [Vec<f32>; 2] {
+        let single = |values: &[f64]| values.iter().map(|value| *value as f32).collect();
+        [
+            single(self.reference.volts()),
+            single(&self.reference.deviations()),
+        ]
+    }
+
+    /// Lifts every touch, because the source disconnected.
+    pub fn lift_all(&mut self, changed: &mut Vec<Touch>) {
+        self.tracker.lift_all(changed);
+        if let Some(locator) = &mut self.locator {
+            locator.forget_touches();
+        }
+    }
+
+    /// The last frame's image and the touches that are down.
+    #[must_use]
+    pub fn frame_touches(&self) -> FrameTouches<'_> {
+        FrameTouches {
+            image: &self.image,
+            down: self.tracker.down(),
+        }
+    }
+}

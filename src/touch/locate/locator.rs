@@ -1,0 +1,226 @@
+//! Locates the touches of one frame after the other.
+
+use std::sync::Arc;
+
+use super::fit::{Bounds, Fit};
+use super::metric::{Whitened, energy};
+use super::model::LocatorModel;
+use super::recent::RecentResiduals;
+use crate::eit::response::{Response, TouchModel};
+use crate::types::Contact;
+
+/// A new touch lowers the cost by at least this many squared deviations: noise alone reaches half of it once in hours.
+pub(super) const DOWN_GAIN: f64 = 45.0;
+/// A touch stays while it explains this many squared deviations.
+const STAY_GAIN: f64 = 9.0;
+/// Model error as a share of the frame's amplitude, because pads differ from their models. A new touch explains at least
+/// the energy of this error.
+const MODEL_ERROR: f64 = 0.04;
+/// Rise of conductivity x area of the lightest new touch, mm2.
+pub(super) const LEAST_MM2: f64 = 4.0;
+/// A touch ends below this share of [`LEAST_MM2`].
+const STAY_SHARE: f64 = 0.5;
+/// A touch ends if less than this share of its response is left: the finger moved on or lifted.
+const LEFT_SHARE: f64 = 0.3;
+/// Steps of the fit that follow a touch from frame to frame.
+const FOLLOW_STEPS: usize = 4;
+/// Rise x area of full force, mm2.
+const FULL_FORCE_MM2: f64 = 150.0;
+/// A contact that explains this many times [`DOWN_GAIN`] has confidence 1.
+const SURE_TIMES: f64 = 4.0;
+
+/// Finds the touches of one frame after another.
+#[derive(Clone, Debug)]
+pub struct Locator {
+    pub(super) model: Arc<LocatorModel>,
+    pub(super) bounds: Bounds,
+    pub(super) frame: Whitened,
+    pub(super) fit: Fit,
+    pub(super) trial: Fit,
+    pub(super) best: Fit,
+    /// The fit of the frame, while a mean of frames is tried.
+    pub(super) present: Fit,
+    pub(super) recent: RecentResiduals,
+    /// The cost at which the last search for another touch failed; the search is repeated when it has grown.
+    pub(super) refused_cost: f64,
+    /// The touches of the previous frame.
+    pub(super) before: Vec<TouchModel>,
+    pub(super) response: Response,
+    pub(super) sum: Vec<f32>,
+}
+
+/// How well touches explain a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitQuality {
+    /// Mean squared deviation of what no touches at all could explain, model error allowed for: 1 for noise alone.
+    pub outside: f64,
+    /// Mean squared deviation of what the located touches leave, likewise.
+    pub rest: f64,
+}
+
+impl Locator {
+    /// A locator before its first frame.
+    #[must_use]
+    pub fn new(model: Arc<LocatorModel>) -> Self {
+        Self {
+            bounds: model.bounds,
+            model,
+            frame: Whitened::default(),
+            fit: Fit::default(),
+            trial: Fit::default(),
+            best: Fit::default(),
+            present: Fit::default(),
+            recent: RecentResiduals::default(),
+            refused_cost: 0.0,
+            before: Vec::new(),
+            response: Response::default(),
+            sum: Vec::new(),
+        }
+    }
+
+    /// Replaces the weights; the touches stay.
+    pub fn set_weights(&mut self, model: Arc<LocatorModel>) {
+        self.model = model;
+        self.recent.clear();
+        self.refused_cost = 0.0;
+    }
+
+    /// Restores the touches of the previous frame.
+    pub fn undo_frame(&mut self) {
+        self.fit.touches.clone_from(&self.before);
+        self.recent.clear();
+    }
+
+    /// Forgets all touches.
+    pub fn forget_touches(&mut self) {
+        self.fit.touches.clear();
+        self.recent.clear();
+        self.refused_cost = 0.0;
+    }
+
+    /// Takes a frame of relative changes, before its touches are located. `noise` is the variance of a reading in units of
+    /// the variances of the weights.
+    pub fn take_frame(&mut self, changes: &[f32], noise: f64) -> FitQuality {
+        self.model.metric.whiten(changes, &mut self.frame);
+        self.quality(noise)
+    }
+
+    /// Locates the touches of the frame last taken. `steady` is the part of the noise that is the reference's uncertainty:
+    /// it does not change from frame to frame.
+    pub fn locate(&mut self, noise: f64, steady: f64) -> FitQuality {
+        self.bounds.prior_weight = noise;
+        // The reference's uncertainty ends no touch.
+        self.follow(noise - steady);
+        let touches = self.fit.touches.len();
+        self.add_touches(noise);
+        if self.fit.touches.len() == touches {
+            self.add_faint_touch(noise, steady);
+        } else {
+            self.recent.clear();
+        }
+        self.quality(noise)
+    }
+
+    /// The touches of the last frame, in the order in which they were found.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        self.fit
+            .touches
+            .iter()
+            .zip(&self.fit.responses)
+            .map(|(touch, response)| {
+                let radius_mm = libm::exp(touch.log_radius);
+                let confidence = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+                Contact {
+                    centre_mm: touch.centre_mm,
+                    // The footprint at half of the rise, as in an image.
+                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                    force: (volume_mm2(touch) / FULL_FORCE_MM2).clamp(0.0, 1.0),
+                    confidence: confidence.clamp(0.0, 1.0),
+                }
+            })
+    }
+
+    /// Writes the relative changes that the touches explain, one per channel.
+    pub fn explain(&mut self, changes: &mut [f32]) {
+        let table = &self.model.table;
+        let rank = table.rank();
+        self.sum.clear();
+        self.sum.resize(rank, 0.0);
+        for touch in &self.fit.touches {
+            table.respond(touch, &mut self.response);
+            for (total, value) in self.sum.iter_mut().zip(&self.response.value) {
+                *total += value;
+            }
+        }
+        table.expand(&self.sum, changes);
+    }
+
+    /// Fits the touches of the previous frame to this one and drops those that ended.
+    fn follow(&mut self, noise: f64) {
+        self.before.clone_from(&self.fit.touches);
+        let Self {
+            fit,
+            before,
+            frame,
+            model,
+            bounds,
+            ..
+        } = self;
+        let problem = model.problem(frame, bounds);
+        fit.set_touches(before, problem);
+        // First those that have left, or the fit would drag them to new touches elsewhere.
+        while let Some(gone) = fit.least_remaining().filter(|(_, left)| *left < LEFT_SHARE) {
+            let mut touches = std::mem::take(&mut fit.touches);
+            touches.remove(gone.0);
+            fit.set_touches(&touches, problem);
+        }
+        fit.descend(FOLLOW_STEPS, problem);
+        loop {
+            let weakest = fit
+                .touches
+                .iter()
+                .zip(&fit.responses)
+                .map(|(touch, response)| {
+                    let gain = energy(&response.value) / (STAY_GAIN * noise);
+                    gain.min(volume_mm2(touch) / (STAY_SHARE * LEAST_MM2))
+                })
+                .enumerate()
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match weakest {
+                Some((index, ratio)) if ratio < 1.0 => {
+                    let mut touches = std::mem::take(&mut fit.touches);
+                    touches.remove(index);
+                    fit.set_touches(&touches, problem);
+                    fit.descend(FOLLOW_STEPS, problem);
+                }
+                _ => break,
+            }
+        }
+    }
+
+    /// Energy of the model error in this frame.
+    pub(super) fn model_error(&self) -> f64 {
+        MODEL_ERROR * MODEL_ERROR * energy(&self.frame.coordinates)
+    }
+
+    /// Number of dimensions that touches can explain.
+    pub(super) fn inside(&self) -> f64 {
+        self.model.table.rank().min(self.model.metric.counted()) as f64
+    }
+
+    pub(super) fn quality(&self, noise: f64) -> FitQuality {
+        let inside = self.inside();
+        let outside = (self.model.metric.counted() as f64 - inside).max(1.0);
+        let error = self.model_error();
+        FitQuality {
+            outside: self.frame.outside() / (outside * noise + error),
+            rest: energy(&self.fit.residual) / (inside * noise + error),
+        }
+    }
+}
+
+/// Rise of conductivity x area: the mean rise of a paraboloid is half of the rise at its centre.
+pub(super) fn volume_mm2(touch: &TouchModel) -> f64 {
+    let radius_mm = libm::exp(touch.log_radius);
+    0.5 * std::f64::consts::PI * radius_mm * radius_mm * touch.rise()
+}

@@ -1,0 +1,85 @@
+//! The table and the channel weights that touches are located with.
+
+use std::sync::Arc;
+
+use super::fit::{Bounds, Problem};
+use super::metric::{Metric, Whitened};
+use super::templates::Templates;
+use crate::eit::ResponseTable;
+use crate::pad::Outline;
+use crate::touch::ChannelNoise;
+use crate::types::ByteReader;
+
+/// What a pad's touches are located with: its response table and the weights of its channels.
+#[derive(Clone, Debug)]
+pub struct LocatorModel {
+    pub(super) table: Arc<ResponseTable>,
+    pub(super) bounds: Bounds,
+    pub(super) metric: Metric,
+    pub(super) templates: Templates,
+}
+
+impl LocatorModel {
+    /// A model for channels of the given noise; a deviation that is not finite excludes its channel. `drives` is the drive of
+    /// each channel.
+    ///
+    /// # Panics
+    /// If there is not one deviation per channel.
+    #[must_use]
+    pub fn new(
+        table: Arc<ResponseTable>,
+        outline: &Outline,
+        noise: &ChannelNoise,
+        drives: &[u16],
+    ) -> Self {
+        let metric = Metric::new(&table, noise, drives);
+        Self::with_metric(table, outline, metric)
+    }
+
+    /// Appends the weights of the channels; the rest follows from table and outline.
+    pub(crate) fn to_bytes(&self, bytes: &mut Vec<u8>) {
+        self.metric.to_bytes(bytes);
+    }
+
+    /// Reads a model for a table and an outline; `None` if the bytes are anything else, or values are out of range.
+    #[must_use]
+    pub(crate) fn from_bytes(
+        bytes: &mut ByteReader<'_>,
+        table: Arc<ResponseTable>,
+        outline: &Outline,
+    ) -> Option<Self> {
+        let metric = Metric::from_bytes(bytes, &table)?;
+        Some(Self::with_metric(table, outline, metric))
+    }
+
+    /// The response table.
+    #[must_use]
+    pub fn table(&self) -> &Arc<ResponseTable> {
+        &self.table
+    }
+
+    /// A frame to fit touches to.
+    pub(super) fn problem<'a>(&'a self, frame: &'a Whitened, bounds: &'a Bounds) -> Problem<'a> {
+        Problem {
+            frame,
+            table: &self.table,
+            metric: &self.metric,
+            bounds,
+        }
+    }
+
+    fn with_metric(table: Arc<ResponseTable>, outline: &Outline, metric: Metric) -> Self {
+        let [least, most] = table.radii_mm();
+        let bounds = Bounds {
+            size_mm: outline.size_mm(),
+            log_radius: [libm::log(least), libm::log(most)],
+            prior_weight: 1.0,
+        };
+        Self {
+            templates: Templates::new(&table, &metric, &bounds, outline),
+            table,
+            bounds,
+            metric,
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! Search for new touches.
+//!
+//! A greedy search ends in local minima of many times the least cost, above all where two touches are close together or
+//! begin in the same frame. So a new touch is tried beside the others and, close to one, as a split of it in several
+//! directions; while the fit is poor, each touch is removed and located again; touches that the others make redundant are
+//! removed.
+
+use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
+use super::metric::energy;
+use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
+use crate::eit::response::TouchModel;
+use crate::types::PointMm;
+
+/// Least distance between two touches, a finger's width. What looks closer is one wide or oval finger.
+const LEAST_APART_MM: f64 = 12.5;
+/// Least distance of a new touch's centre from the edge: a fit at the very edge is an error of an electrode's contact.
+const LEAST_DEPTH_MM: f64 = 1.5;
+/// Below this distance, the second touch must explain most of what the first leaves, ...
+const NEAR_MM: f64 = 28.0;
+/// ... this share.
+const NEAR_DROP: f64 = 0.55;
+/// Within this distance in mm of a strong touch, one with less than this share of its volume is part of its shape.
+const SHADOWS: [(f64, f64); 2] = [(NEAR_MM, 0.12), (50.0, 0.04)];
+/// Where one touch was fitted to two, the residual has its peak within this distance of it.
+const SPLIT_WITHIN_MM: f64 = 50.0;
+/// The halves of a split touch start at these distances from its centre, mm, ...
+const SPLITS_MM: [f64; 2] = [7.0, 10.0];
+/// ... in this many directions.
+const DIRECTIONS: usize = 8;
+/// Most touches: the fingers of two hands.
+const MOST_TOUCHES: usize = 10;
+/// Steps of the fit of a new touch.
+const NEW_TOUCH_STEPS: usize = 25;
+/// Steps of the fit that ranks the splits.
+const SPLIT_STEPS: usize = 3;
+/// Number of splits that are fitted fully.
+const SPLITS_FITTED: usize = 3;
+/// The template of a typical finger explains at least this share of what the fitted touch will.
+const TEMPLATE_SHARE: f64 = 0.5;
+/// A new touch whose fit leaves less than this share of noise and model error is accepted without trying splits.
+const WELL_REST: f64 = 0.5;
+/// A fit that leaves more than this is improved touch by touch, ...
+const POOR_REST: f64 = 0.8;
+/// ... in at most this many rounds; ...
+const MOST_ROUNDS: usize = 3;
+/// ... a change counts if the cost falls below this share.
+const BETTER_SHARE: f64 = 0.9;
+
+impl Locator {
+    /// Adds touches while another one explains enough.
+    pub(super) fn add_touches(&mut self, noise: f64) {
+        let before = self.fit.touches.len();
+        let least_gain = DOWN_GAIN * noise + self.model_error();
+        while self.fit.touches.len() < MOST_TOUCHES {
+            let rest = energy(&self.fit.residual);
+            if rest < least_gain || rest < REFUSED_GROWTH * self.refused_cost {
+                break;
+            }
+            let peak = self.model.templates.peak(&self.fit.residual);
+            let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
+                break;
+            };
+            if !self.try_add(peak.place_mm, least_gain, noise) {
+                self.refused_cost = rest;
+                break;
+            }
+            self.refused_cost = 0.0;
+            // Touches that begin together may first have been fitted as one between them.
+            if self.escape_minimum(noise) || self.fit.touches.len() > before + 1 {
+                self.prune(least_gain);
+            }
+        }
+    }
+
+    /// Searches the mean of the last few frames for a touch that is too faint for one.
+    pub(super) fn add_faint_touch(&mut self, noise: f64, steady: f64) {
+        if self.recent.push(self.fit.touches.len(), &self.fit.residual) < MEAN_FRAMES {
+            return;
+        }
+        let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
+        let least_gain = DOWN_GAIN * noise + self.model_error();
+        let peak = self.model.templates.peak(self.recent.mean());
+        let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
+            return;
+        };
+        if !self.recent.exceeds_refused(peak.gain) {
+            return;
+        }
+        // The frame with the noise of the mean.
+        self.present.clone_from(&self.fit);
+        let now = self.frame.coordinates.clone();
+        for ((value, rest), mean) in self
+            .frame
+            .coordinates
+            .iter_mut()
+            .zip(&self.fit.residual)
+            .zip(self.recent.mean())
+        {
+            *value += mean - rest;
+        }
+        let touches = std::mem::take(&mut self.fit.touches);
+        self.bounds.prior_weight = noise;
+        self.try_fit(&touches, 0);
+        std::mem::swap(&mut self.fit, &mut self.trial);
+        // A failed search in one noisy frame says nothing about the mean.
+        let refused_cost = std::mem::take(&mut self.refused_cost);
+        self.add_touches(noise);
+        self.refused_cost = refused_cost;
+        if self.fit.touches.len() > touches.len() {
+            self.recent.clear();
+        } else {
+            std::mem::swap(&mut self.fit, &mut self.present);
+            self.frame.coordinates = now;
+        }
+    }
+
+    /// Removes touches without which the others, fitted again, explain the frame as well.
+    fn prune(&mut self, least_gain: f64) {
+        let mut index = 0;
+        while index < self.fit.touches.len() && self.fit.touches.len() > 1 {
+            let others = edited(&self.fit.touches, &[], Some(index));
+            self.try_fit(&others, NEW_TOUCH_STEPS);
+            if self.trial.cost - self.fit.cost < least_gain {
+                std::mem::swap(&mut self.fit, &mut self.trial);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Leaves a local minimum: while the fit is poor, removes each touch in turn and locates it again. Returns whether
+    /// that improved the fit.
+    fn escape_minimum(&mut self, noise: f64) -> bool {
+        let mut improved = false;
+        for _ in 0..MOST_ROUNDS {
+            if self.quality(noise).rest < POOR_REST {
+                break;
+            }
+            let mut is_better = false;
+            for index in 0..self.fit.touches.len() {
+                let others = edited(&self.fit.touches, &[], Some(index));
+                self.try_fit(&others, 0);
+                let Some(peak) = self.model.templates.peak(&self.trial.residual) else {
+                    continue;
+                };
+                let touches = edited(&others, &[self.bounds.typical(peak.place_mm)], None);
+                self.try_fit(&touches, NEW_TOUCH_STEPS);
+                if self.trial.cost < BETTER_SHARE * self.fit.cost
+                    && least_apart_mm(&self.trial.touches) >= LEAST_APART_MM
+                {
+                    std::mem::swap(&mut self.fit, &mut self.trial);
+                    is_better = true;
+                }
+            }
+            if !is_better {
+                break;
+            }
+            improved = true;
+        }
+        improved
+    }
+
+    /// Fits other touches to the frame, as a trial.
+    fn try_fit(&mut self, touches: &[TouchModel], most_steps: usize) {
+        let Self {
+            trial,
+            frame,
+            model,
+            bounds,
+            ..
+        } = self;
+        let problem = model.problem(frame, bounds);
+        trial.set_touches(touches, problem);
+        trial.descend(most_steps, problem);
+    }
+
+    /// Tries one more touch at a place; keeps it if it explains enough.
+    fn try_add(&mut self, place_mm: PointMm, least_gain: f64, noise: f64) -> bool {
+        self.best.cost = f64::INFINITY;
+        let another = edited(&self.fit.touches, &[self.bounds.typical(place_mm)], None);
+        self.try_fit(&another, NEW_TOUCH_STEPS);
+        std::mem::swap(&mut self.trial, &mut self.best);
+        let well = WELL_REST * (self.inside() * noise + self.model_error());
+        if !self.justifies_touch(least_gain) || energy(&self.best.residual) > well {
+            self.try_splits(place_mm);
+        }
+        let is_better = self.justifies_touch(least_gain);
+        if is_better {
+            std::mem::swap(&mut self.fit, &mut self.best);
+        }
+        is_better
+    }
+
+    /// Tries to split the touch nearest to a place in two.
+    fn try_splits(&mut self, place_mm: PointMm) {
+        let nearest = self
+            .fit
+            .touches
+            .iter()
+            .map(|touch| distance_mm(touch.centre_mm, place_mm))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((index, _)) = nearest.filter(|(_, apart)| *apart < SPLIT_WITHIN_MM) else {
+            return;
+        };
+        let middle = self.fit.touches[index].centre_mm;
+        let mut tried = Vec::with_capacity(DIRECTIONS * SPLITS_MM.len());
+        for direction in 0..DIRECTIONS {
+            let angle = std::f64::consts::PI * direction as f64 / DIRECTIONS as f64;
+            let (dx, dy) = (libm::cos(angle), libm::sin(angle));
+            for far in SPLITS_MM {
+                let halves = [far, -far].map(|side| {
+                    self.bounds
+                        .typical([middle[0] + side * dx, middle[1] + side * dy])
+                });
+                let touches = edited(&self.fit.touches, &halves, Some(index));
+                self.try_fit(&touches, SPLIT_STEPS);
+                tried.push((self.trial.cost, self.trial.touches.clone()));
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, touches) in tried.iter().take(SPLITS_FITTED) {
+            self.try_fit(touches, NEW_TOUCH_STEPS);
+            if self.trial.cost < self.best.cost {
+                std::mem::swap(&mut self.trial, &mut self.best);
+            }
+        }
+    }
+
+    /// Whether the best trial is good enough to justify one more touch.
+    fn justifies_touch(&self, least_gain: f64) -> bool {
+        let gain = self.fit.cost - self.best.cost;
+        if gain < least_gain {
+            return false;
+        }
+        let touches = &self.best.touches;
+        let least_apart = least_apart_mm(touches);
+        let lightest = touches.iter().map(volume_mm2).fold(f64::INFINITY, f64::min);
+        let is_shadow = touches.iter().any(|weak| {
+            touches.iter().any(|strong| {
+                let apart = distance_mm(weak.centre_mm, strong.centre_mm);
+                let share = volume_mm2(weak) / volume_mm2(strong);
+                SHADOWS
+                    .iter()
+                    .any(|(reach, least)| apart < *reach && share < *least)
+            })
+        });
+        let outermost = touches
+            .iter()
+            .map(|touch| self.depth_mm(touch.centre_mm))
+            .fold(f64::INFINITY, f64::min);
+        least_apart >= LEAST_APART_MM
+            && outermost >= LEAST_DEPTH_MM
+            && lightest >= LEAST_MM2
+            && !is_shadow
+            && (least_apart >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)
+    }
+
+    /// Distance of a place from the nearest side of the pad's box, mm.
+    fn depth_mm(&self, [x, y]: PointMm) -> f64 {
+        let [width, height] = self.bounds.size_mm;
+        x.min(width - x).min(y).min(height - y)
+    }
+}
+
+/// Least distance between two touches, mm.
+fn least_apart_mm(touches: &[TouchModel]) -> f64 {
+    touches
+        .iter()
+        .enumerate()
+        .flat_map(|(i, a)| {
+            touches[..i]
+                .iter()
+                .map(|b| distance_mm(a.centre_mm, b.centre_mm))
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// A list of touches without one of them and with others added.
+fn edited(touches: &[TouchModel], more: &[TouchModel], without: Option<usize>) -> Vec<TouchModel> {
+    touches
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| Some(*index) != without)
+        .map(|(_, touch)| *touch)
+        .chain(more.iter().copied())
+        .collect()
+}
+
+fn distance_mm(a: PointMm, b: PointMm) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
+}

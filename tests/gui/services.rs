@@ -1,0 +1,137 @@
+//! Services for tests: profiles from a temporary folder, games that never start.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use gelpad::app::services::{AppServices, PlayRequest, Started};
+use gelpad::app::timeline::RecordingTimeline;
+use gelpad::calibrate::Press;
+use gelpad::calibrate::recommend::{PressTrial, Recommendation, RecommendedSettings, TrialScorer};
+use gelpad::pad::{Pad, SHIPPED_PADS, shipped_pad};
+use gelpad::profile::{
+    self, Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
+};
+use gelpad::types::{PointMm, SourceErrors};
+
+/// Why no game starts.
+pub const NO_START: &str = "no port /dev/ttyTEST: plug the board in";
+
+pub struct TestServices {
+    pub folder: tempfile::TempDir,
+    pub ports: Mutex<Vec<String>>,
+    /// Games that were requested.
+    pub started: Mutex<Vec<PlayRequest>>,
+    /// Number of presses of the last calibration.
+    pub calibrated: Mutex<usize>,
+    pub tape: Mutex<Option<RecordingTimeline>>,
+}
+
+impl TestServices {
+    pub fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a folder"),
+            ports: Mutex::new(Vec::new()),
+            started: Mutex::new(Vec::new()),
+            calibrated: Mutex::new(0),
+            tape: Mutex::new(None),
+        }
+    }
+
+    /// A copy of a shipped profile in the folder.
+    pub fn copy_profile(&self, name: &str) -> PathBuf {
+        let path = self.folder.path().join("mine.toml");
+        let text = shipped_profile(name).expect("shipped").toml;
+        std::fs::write(&path, text).expect("written");
+        path
+    }
+
+    /// The last game that was requested.
+    pub fn last_request(&self) -> Option<PlayRequest> {
+        self.started.lock().expect("no panic").last().cloned()
+    }
+}
+
+impl AppServices for TestServices {
+    fn start(&self, request: &PlayRequest) -> Result<Started, String> {
+        self.started.lock().expect("no panic").push(request.clone());
+        Err(NO_START.to_owned())
+    }
+
+    fn profiles(&self) -> Vec<String> {
+        SHIPPED_PROFILES.iter().map(|p| p.name.to_owned()).collect()
+    }
+
+    fn pads(&self) -> Vec<String> {
+        SHIPPED_PADS.iter().map(|p| p.name.to_owned()).collect()
+    }
+
+    fn users(&self) -> Vec<String> {
+        SHIPPED_USERS.iter().map(|p| p.name.to_owned()).collect()
+    }
+
+    fn ports(&self) -> Vec<String> {
+        self.ports.lock().expect("no panic").clone()
+    }
+
+    fn profile_text(&self, name: &str) -> Result<String, String> {
+        match shipped_profile(name) {
+            Some(shipped) => Ok(shipped.toml.to_owned()),
+            None => std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}")),
+        }
+    }
+
+    fn check_profile(&self, profile: Source, _: Option<&str>) -> Result<Checked, SourceErrors> {
+        profile::read(profile, None, &find_shipped)
+    }
+
+    fn pad_text(&self, name: &str) -> Result<String, String> {
+        shipped_pad(name)
+            .map(|pad| pad.toml.to_owned())
+            .ok_or_else(|| format!("no pad called `{name}`"))
+    }
+
+    fn load_timeline(&self, file: &Path, _: &PlayRequest) -> Result<RecordingTimeline, String> {
+        let tape = self.tape.lock().expect("no panic").take();
+        tape.ok_or_else(|| format!("{}: this is no recording", file.display()))
+    }
+
+    fn calibration_places(&self, _: &Pad, count: usize) -> Vec<PointMm> {
+        (0..count).map(|i| [10.0 + 3.0 * i as f64, 50.0]).collect()
+    }
+
+    fn calibrate(&self, _: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
+        *self.calibrated.lock().expect("no panic") = presses.len();
+        Ok((
+            self.folder.path().join("pad.calibration.json"),
+            "touches were off by 3.0 mm, now by 1.0 mm".to_owned(),
+        ))
+    }
+
+    fn recommend(
+        &self,
+        trials: &[PressTrial],
+        request: &PlayRequest,
+        pad_mm: [f64; 2],
+    ) -> Result<Recommendation, String> {
+        let profile = Source {
+            name: request.profile.clone(),
+            toml: self.profile_text(&request.profile)?,
+        };
+        // The search takes long and is tested elsewhere: recommend the profile itself.
+        let judge = TrialScorer::new(&profile, &find_shipped, pad_mm);
+        let of = |overlay: Option<&RecommendedSettings>| {
+            judge.score(trials, overlay).map_err(|e| e.to_string())
+        };
+        let plain = judge.profile(None).map_err(|faulty| faulty.to_string())?;
+        let overlay = RecommendedSettings::from_profile(&plain);
+        Ok(Recommendation {
+            before: of(None)?,
+            after: of(Some(&overlay))?,
+            overlay,
+        })
+    }
+
+    fn own_folder(&self) -> Option<PathBuf> {
+        Some(self.folder.path().to_owned())
+    }
+}
