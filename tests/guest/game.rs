@@ -158,11 +158,11 @@ output = "pad:right"
         switches.set(JUMP, false)?;
         let mut game = Game::start(&tools, &home, &display, "with.csv")?;
         game.run_for(WARM_UP_FRAMES)?;
-        let seen = game.log()?.frames().len();
+        let before = game.last_frame()?;
         for index in 0..PRESSES {
             game.hold(&mut switches, JUMP, asked(index), |frame| frame.a)?;
         }
-        let jumps = game.log()?.skip(seen).presses(|frame| frame.a);
+        let jumps = game.log()?.skip(before).presses(|frame| frame.a);
         println!("frames asked  frames of A  height px");
         for (index, jump) in jumps.iter().enumerate() {
             println!(
@@ -173,9 +173,9 @@ output = "pad:right"
             );
         }
         judge(&jumps)?;
-        let seen = game.log()?.frames().len();
+        let before = game.last_frame()?;
         game.hold(&mut switches, RIGHT, LONG_FRAMES, |frame| frame.right)?;
-        let walks = game.log()?.skip(seen).presses(|frame| frame.right);
+        let walks = game.log()?.skip(before).presses(|frame| frame.right);
         ensure!(
             walks.len() == 1 && walks[0].way_px > 0,
             "the d-pad walked {walks:?}"
@@ -237,6 +237,11 @@ output = "pad:right"
         fn log(&self) -> Result<Log> {
             // The log exists once the game runs.
             Log::parse(&fs::read_to_string(&self.log).unwrap_or_default())
+        }
+
+        /// Index of the newest frame. A press starts from a frame without it: the very next one may have it.
+        fn last_frame(&self) -> Result<usize> {
+            Ok(self.log()?.frames().len().saturating_sub(1))
         }
 
         /// Waits until the game has run for this many frames.
