@@ -41,6 +41,15 @@ impl TouchSign {
             Self::Fall => -1.0,
         }
     }
+
+    /// The other sign.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Rise => Self::Fall,
+            Self::Fall => Self::Rise,
+        }
+    }
 }
 
 /// A pad that can be built and measured.

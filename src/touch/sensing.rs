@@ -119,7 +119,13 @@ impl SensingBuilder {
             Reconstruction::from_linearised(&linearised, self.method, LAMBDA, self.touch_sign)?;
         let locator_model = self.table.as_ref().map(|table| {
             let table = Arc::clone(table);
-            Arc::new(LocatorModel::new(table, &self.outline, noise, &self.drives))
+            Arc::new(LocatorModel::new(
+                table,
+                &self.outline,
+                self.touch_sign,
+                noise,
+                &self.drives,
+            ))
         });
         Ok(Sensing {
             reconstruction: Arc::new(reconstruction),

@@ -105,8 +105,12 @@ impl Sensing {
                 let table = table
                     .filter(|table| table.channels() == channels)
                     .ok_or(SensingError::NoTable)?;
-                let locating =
-                    LocatorModel::from_bytes(&mut reader, Arc::clone(table), &pad.outline);
+                let locating = LocatorModel::from_bytes(
+                    &mut reader,
+                    Arc::clone(table),
+                    &pad.outline,
+                    pad.touch_sign,
+                );
                 Some(Arc::new(locating.ok_or(invalid)?))
             }
             _ => return Err(invalid),

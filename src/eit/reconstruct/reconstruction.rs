@@ -73,10 +73,14 @@ impl Reconstruction {
         }
     }
 
-    /// +1 if a touch raises the conductivity, -1 if it lowers it.
+    /// Sign of the touches that are bright in images.
     #[must_use]
-    pub fn touch_factor(&self) -> f32 {
-        self.sign
+    pub fn touch_sign(&self) -> TouchSign {
+        if self.sign < 0.0 {
+            TouchSign::Fall
+        } else {
+            TouchSign::Rise
+        }
     }
 
     /// Number of pixels that hold conductor.

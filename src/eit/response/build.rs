@@ -8,18 +8,19 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use super::scatter::Scatterer;
-use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable};
+use super::symmetry::Orbits;
+use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable, SIGNS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
 /// Part of the key; raised whenever the same pad gives another table.
-const VERSION: u32 = 1;
-/// Strengths at which responses are solved: rises of 0.4, 1.4 and 4.5.
+const VERSION: u32 = 2;
+/// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
 /// Radii that are solved; the outermost two are extrapolated.
 const SOLVED: usize = RADII - 2;
-/// Samples per place.
-const SAMPLES: usize = SOLVED * POWERS;
+/// Samples per place: radii x signs x strengths.
+const SAMPLES: usize = SOLVED * SIGNS * POWERS;
 /// Dimensions with less than this share of the responses' energy are left out: 90 dB below the total.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest rank of a table.
@@ -30,6 +31,7 @@ const MOST_DIMENSIONS: usize = 64;
 pub struct ResponseBuilder {
     scatterer: Scatterer,
     places: Places,
+    orbits: Orbits,
     channels: usize,
     key: String,
 }
@@ -37,6 +39,8 @@ pub struct ResponseBuilder {
 /// One row of places, solved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseRow {
+    /// The places that are solved; the others follow by symmetry.
+    places: Vec<usize>,
     /// Places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
 }
@@ -47,9 +51,11 @@ impl ResponseBuilder {
     /// # Errors
     /// A pad that cannot be solved.
     pub fn new(pad: &Pad) -> Result<Self, SetupError> {
+        let places = Places::new(pad.outline.size_mm());
         Ok(Self {
             scatterer: Scatterer::new(pad)?,
-            places: Places::new(pad.outline.size_mm()),
+            orbits: Orbits::new(pad, &places),
+            places,
             channels: pad.channels(),
             key: Self::key(pad),
         })
@@ -66,8 +72,8 @@ impl ResponseBuilder {
             ..
         } = pad;
         format!(
-            "{VERSION} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {:?} {protocol:?}",
-            pad.thickness_mm, pad.background_s_per_m, pad.contact_impedance_ohm_m2, pad.touch_sign,
+            "{VERSION} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {protocol:?}",
+            pad.thickness_mm, pad.background_s_per_m, pad.contact_impedance_ohm_m2,
         )
     }
 
@@ -80,19 +86,25 @@ impl ResponseBuilder {
     /// Solves one row of places.
     #[must_use]
     pub fn solve_row(&self, row: usize) -> ResponseRow {
-        let rises = STRENGTHS.map(|s| HALF_RISE * s / (1.0 - s));
-        let mut scaled = Vec::with_capacity(self.places.columns * SAMPLES * self.channels);
-        for column in 0..self.places.columns {
-            let centre_mm = self.places.at_mm(row * self.places.columns + column);
+        let rises = [1.0, -1.0]
+            .map(|sign| STRENGTHS.map(|s| sign * HALF_RISE * s / (1.0 - s)))
+            .concat();
+        let columns = self.places.columns;
+        let places: Vec<usize> = (row * columns..(row + 1) * columns)
+            .filter(|place| self.orbits.is_solved(*place))
+            .collect();
+        let mut scaled = Vec::with_capacity(places.len() * SAMPLES * self.channels);
+        for place in &places {
+            let centre_mm = self.places.at_mm(*place);
             for radius_mm in &self.places.radii_mm()[1..=SOLVED] {
                 let responses = self.scatterer.changes(centre_mm, *radius_mm, &rises);
-                for (response, strength) in responses.iter().zip(STRENGTHS) {
+                for (response, strength) in responses.iter().zip(STRENGTHS.iter().cycle()) {
                     let scale = 1.0 / (radius_mm * radius_mm * strength);
                     scaled.extend(response.iter().map(|change| (change * scale) as f32));
                 }
             }
         }
-        ResponseRow { scaled }
+        ResponseRow { places, scaled }
     }
 
     /// Assembles the table from all rows, in order.
@@ -105,29 +117,27 @@ impl ResponseBuilder {
         let basis = self.basis(rows);
         let rank = basis.ncols();
         let powers = powers_through_strengths();
-        let mut terms = Vec::with_capacity(self.places.len() * RADII * POWERS * rank);
-        for place in rows
-            .iter()
-            .flat_map(|row| row.scaled.chunks_exact(SAMPLES * self.channels))
-        {
+        let mut solved: Vec<&[f32]> = vec![&[]; self.places.len()];
+        for row in rows {
+            let samples = row.scaled.chunks_exact(SAMPLES * self.channels);
+            for (place, samples) in row.places.iter().zip(samples) {
+                solved[*place] = samples;
+            }
+        }
+        // Rise and fall, each places x radii x powers x rank.
+        let mut terms: [Vec<f32>; SIGNS] = Default::default();
+        for place in 0..self.places.len() {
+            let (origin, readings) = self.orbits.origin(place);
+            let samples = solved[origin];
             let responses = Mat::from_fn(self.channels, SAMPLES, |channel, sample| {
-                f64::from(place[sample * self.channels + channel])
+                f64::from(samples[sample * self.channels + readings[channel]])
             });
             let coordinates = basis.transpose() * &responses;
-            // Rank x powers, one matrix per radius.
-            let solved: Vec<Mat<f64>> = (0..SOLVED)
-                .map(|radius| coordinates.get(.., radius * POWERS..(radius + 1) * POWERS) * &powers)
-                .collect();
-            let before = extrapolated(&solved[0], &solved[1], &solved[2]);
-            let after = extrapolated(
-                &solved[SOLVED - 1],
-                &solved[SOLVED - 2],
-                &solved[SOLVED - 3],
-            );
-            for radius in std::iter::once(&before).chain(&solved).chain([&after]) {
-                for power in 0..POWERS {
-                    terms.extend(radius.col(power).iter().map(|value| *value as f32));
-                }
+            for (sign, terms) in terms.iter_mut().enumerate() {
+                extend_by_radii(terms, |radius| {
+                    let first = (radius * SIGNS + sign) * POWERS;
+                    coordinates.get(.., first..first + POWERS) * &powers
+                });
             }
         }
         ResponseTable {
@@ -138,7 +148,7 @@ impl ResponseBuilder {
                 .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
                 .collect(),
             places: self.places,
-            terms,
+            terms: terms.concat(),
         }
     }
 
@@ -165,6 +175,13 @@ impl ResponseBuilder {
             });
             energy += &matrix * matrix.transpose();
         }
+        // The places that follow by symmetry count, too.
+        let solved = std::mem::replace(&mut energy, Mat::zeros(self.channels, self.channels));
+        for readings in self.orbits.reading_orders() {
+            energy += Mat::from_fn(self.channels, self.channels, |row, column| {
+                solved[(readings[row], readings[column])]
+            });
+        }
         let total: f64 = (0..self.channels).map(|i| energy[(i, i)]).sum();
         let Ok(eigen) = SelfAdjointEigen::new(energy.as_ref(), Side::Lower) else {
             return Mat::identity(self.channels, self.channels.next_multiple_of(LANES));
@@ -184,6 +201,22 @@ impl ResponseBuilder {
                 None => 0.0,
             }
         })
+    }
+}
+
+/// Appends the terms of all radii at a place: those solved (rank x powers each) and the two beyond them.
+fn extend_by_radii(terms: &mut Vec<f32>, solved: impl Fn(usize) -> Mat<f64>) {
+    let solved: Vec<Mat<f64>> = (0..SOLVED).map(solved).collect();
+    let before = extrapolated(&solved[0], &solved[1], &solved[2]);
+    let after = extrapolated(
+        &solved[SOLVED - 1],
+        &solved[SOLVED - 2],
+        &solved[SOLVED - 3],
+    );
+    for radius in std::iter::once(&before).chain(&solved).chain([&after]) {
+        for power in 0..POWERS {
+            terms.extend(radius.col(power).iter().map(|value| *value as f32));
+        }
     }
 }
 

@@ -1,17 +1,19 @@
 //! The response table as bytes, for the cache on disk and for recordings.
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
-//! mm (f64); the key; basis and terms (f32); CRC-32 of everything before it.
+//! mm (f64); the key; basis and terms (f32); CRC-32 of everything before it. The first version, of older recordings, holds
+//! one sign and no places beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-use super::table::{LANES, Places, ResponseTable, TERMS};
+use super::table::{LANES, Places, ResponseTable, SIGNS, TERMS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
-const MAGIC: &[u8; 8] = b"gelpadR1";
+const MAGIC: &[u8; 8] = b"gelpadR2";
+const OLD_MAGIC: &[u8; 8] = b"gelpadR1";
 /// Sixteen bytes per step: a table of fifteen megabytes is checked at every start.
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Entries of an orthonormal basis are at most 1, apart from rounding.
@@ -41,7 +43,11 @@ impl ResponseTable {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(4 * (self.terms.len() + self.basis.len()) + 4096);
-        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(if self.has_both_signs() {
+            MAGIC
+        } else {
+            OLD_MAGIC
+        });
         let dimensions = [
             self.key.len(),
             self.channels,
@@ -68,12 +74,25 @@ impl ResponseTable {
     /// # Errors
     /// See [`TableError`].
     pub fn from_bytes(bytes: &[u8], pad: &Pad) -> Result<Self, TableError> {
-        let places = Places::new(pad.outline.size_mm());
-        Self::read(bytes, places, pad.channels())
+        let size_mm = pad.outline.size_mm();
+        if bytes.starts_with(OLD_MAGIC) {
+            Self::read(bytes, Places::old(size_mm), 1, pad.channels())
+        } else {
+            Self::read(bytes, Places::new(size_mm), SIGNS, pad.channels())
+        }
     }
 
-    fn read(bytes: &[u8], places: Places, channels: usize) -> Result<Self, TableError> {
-        let rest = bytes.strip_prefix(MAGIC).ok_or(TableError::NotATable)?;
+    /// Reads a table with the given places and number of signs, after a magic of either version.
+    fn read(
+        bytes: &[u8],
+        places: Places,
+        signs: usize,
+        channels: usize,
+    ) -> Result<Self, TableError> {
+        let rest = [MAGIC, OLD_MAGIC]
+            .iter()
+            .find_map(|magic| bytes.strip_prefix(*magic))
+            .ok_or(TableError::NotATable)?;
         let (body, _) = rest
             .split_last_chunk::<4>()
             .filter(|(body, sum)| {
@@ -99,7 +118,7 @@ impl ResponseTable {
         let (Some(key), Some(basis), Some(terms), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
-            reader.f32s(places.len() * TERMS * rank),
+            reader.f32s(signs * places.len() * TERMS * rank),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);
@@ -127,7 +146,7 @@ mod tests {
 
     fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
         let table = ResponseTable::small();
-        ResponseTable::read(bytes, table.places, table.channels)
+        ResponseTable::read(bytes, table.places, SIGNS, table.channels)
     }
 
     /// The small table's bytes with some replaced, and a checksum that is right again.

@@ -8,11 +8,12 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::table::{
-    LANES, POWERS, Places, RADII, RADIUS_STEP, Response, ResponseTable, TouchModel,
+    LANES, POWERS, Places, RADII, RADIUS_STEP, Response, ResponseTable, SIGNS, TouchModel,
 };
+use crate::pad::TouchSign;
 
 impl ResponseTable {
-    /// The response of a touch and its derivatives. Outside the pad's box the nearest place is used, outside the
+    /// The response of a touch and its derivatives. Outside the table's places the nearest place is used, outside the
     /// table's radii the nearest radius.
     pub fn respond(&self, touch: &TouchModel, response: &mut Response) {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
@@ -22,6 +23,8 @@ impl ResponseTable {
 /// The sums of [`ResponseTable::respond`], dispatched by processor: only code inlined here is compiled for each.
 pub(super) struct Interpolation<'a> {
     table: &'a ResponseTable,
+    /// The terms of the touch's sign.
+    terms: &'a [f32],
     size: SizeWeights,
     across: Cubic,
     up: Cubic,
@@ -41,11 +44,17 @@ impl<'a> Interpolation<'a> {
         }
         let [x, y] = touch.centre_mm;
         let pitch_mm = table.places.pitch_mm;
+        let margin = table.places.margin as f64;
+        let terms = match touch.sign {
+            TouchSign::Fall if table.has_both_signs() => &table.terms[table.terms.len() / SIGNS..],
+            _ => &table.terms,
+        };
         Self {
             table,
+            terms,
             size: SizeWeights::new(touch, &table.places),
-            across: Cubic::at(x / pitch_mm + 1.0, table.places.columns).per(pitch_mm),
-            up: Cubic::at(y / pitch_mm + 1.0, table.places.rows).per(pitch_mm),
+            across: Cubic::at(x / pitch_mm + margin, table.places.columns).per(pitch_mm),
+            up: Cubic::at(y / pitch_mm + margin, table.places.rows).per(pitch_mm),
             response,
         }
     }
@@ -58,6 +67,7 @@ impl NullaryFnOnce for Interpolation<'_> {
     fn call(self) {
         let Self {
             table,
+            terms,
             size,
             across,
             up,
@@ -74,7 +84,7 @@ impl NullaryFnOnce for Interpolation<'_> {
                 let place = (up.first + j) * table.places.columns + across.first + i;
                 let start = place * place_stride + size.first_radius * radius_stride + first;
                 let [value, by_radius, by_strength] =
-                    response_at(&table.terms[start..], rank, &size.terms);
+                    response_at(&terms[start..], rank, &size.terms);
                 let weights = [
                     across.value[i] * up.value[j],
                     across.slope[i] * up.value[j],
@@ -209,9 +219,11 @@ mod tests {
         #[test]
         fn every_processor_gives_the_same_bits(
             x in 0.0..60.0f64, y in 0.0..40.0f64, log_radius in 0.5..3.0f64, strength in 0.1..0.7f64,
+            rises in any::<bool>(),
         ) {
             let table = ResponseTable::small();
-            let touch = TouchModel { centre_mm: [x, y], log_radius, strength };
+            let sign = if rises { TouchSign::Rise } else { TouchSign::Fall };
+            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign };
             let [mut ours, mut plain] = [(); 2].map(|()| Response::default());
             table.respond(&touch, &mut ours);
             // Not dispatched: compiled for the baseline processor.
@@ -229,7 +241,8 @@ mod tests {
         ) {
             let table = ResponseTable::small();
             let [least, most] = table.radii_mm().map(libm::log);
-            let touch = TouchModel { centre_mm: [x, y], log_radius: least + radius * (most - least), strength };
+            let log_radius = least + radius * (most - least);
+            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign: TouchSign::Fall };
             let mut response = Response::default();
             table.respond(&touch, &mut response);
             let moved = |k: usize, by: f64| {
@@ -260,6 +273,7 @@ mod tests {
             centre_mm: [30.0, 20.0],
             log_radius: 1.0,
             strength: 0.0,
+            sign: TouchSign::Rise,
         };
         assert!(value(&table, &touch).iter().all(|v| *v == 0.0));
     }

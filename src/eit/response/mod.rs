@@ -7,6 +7,7 @@ mod build;
 mod bytes;
 mod interpolate;
 mod scatter;
+mod symmetry;
 mod table;
 
 pub use build::{ResponseBuilder, ResponseRow};

@@ -15,7 +15,7 @@ use faer::linalg::solvers::Solve;
 use crate::eit::forward::{Fields, ForwardModel};
 use crate::eit::jacobian::{element_jacobian, pair_sums};
 use crate::eit::{ContactModel, Mesh, MeshSize, Press, SetupError};
-use crate::pad::Pad;
+use crate::pad::{Pad, TouchSign};
 use crate::types::PointMm;
 
 /// Most nodes of the coarse mesh: its inverse takes 4 bytes per pair of nodes.
@@ -72,7 +72,8 @@ impl Scatterer {
         })
     }
 
-    /// Relative changes of all readings for presses that differ in their rise only: one vector per rise.
+    /// Relative changes of all readings for presses that differ in their rise only: one vector per rise. A negative rise is
+    /// that of a touch that lowers the conductivity: it is divided by 1 + |rise|.
     #[must_use]
     pub fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Vec<Vec<f64>> {
         let press = |rise| Press {
@@ -80,12 +81,10 @@ impl Scatterer {
             radius_mm,
             rise,
         };
-        let slope = f64::from(self.pad.touch_sign.factor());
-        let fine = self.fine_part(|point| slope * press(1.0).rise_share(point), &press(1.0));
+        let fine = self.fine_part(|point| press(1.0).rise_share(point), &press(1.0));
         let local = Local::new(&self.coarse, &self.inverse, &press(1.0));
         let coarse = {
-            let change =
-                self.stiffness_change(&local, |point| slope * press(1.0).rise_share(point));
+            let change = self.stiffness_change(&local, |point| press(1.0).rise_share(point));
             self.relative(&local, &change, &local.fields)
         };
         // The two meshes differ in amplitude as well as in shape.
@@ -93,9 +92,13 @@ impl Scatterer {
         rises
             .iter()
             .map(|rise| {
-                let press = press(*rise);
-                let change =
-                    self.stiffness_change(&local, |point| press.change(point, self.pad.touch_sign));
+                let press = press(rise.abs());
+                let sign = if *rise < 0.0 {
+                    TouchSign::Fall
+                } else {
+                    TouchSign::Rise
+                };
+                let change = self.stiffness_change(&local, |point| press.change(point, sign));
                 let exact = self.relative(&local, &change, &local.touched_fields(&change));
                 fine.iter()
                     .zip(coarse.iter().zip(&exact))

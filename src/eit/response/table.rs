@@ -5,6 +5,7 @@
 //! smaller than the model error.
 
 use crate::eit::cholesky::add_scaled;
+use crate::pad::TouchSign;
 use crate::types::PointMm;
 
 /// The rise of conductivity that has strength 0.5: strength = rise / (rise + this).
@@ -33,12 +34,14 @@ pub struct TouchModel {
     pub centre_mm: PointMm,
     /// Natural logarithm of the radius in mm.
     pub log_radius: f64,
-    /// rise / (rise + 1.5): 0 for no touch, 1 for a perfect conductor.
+    /// rise / (rise + 1.5): 0 for no touch, 1 for a perfect conductor, or insulator.
     pub strength: f64,
+    /// Whether the touch multiplies the conductivity by 1 + rise or divides it. A table of one sign ignores this.
+    pub sign: TouchSign,
 }
 
 impl TouchModel {
-    /// Relative rise of conductivity at the centre.
+    /// Relative rise of conductivity at the centre, or of resistivity where it falls.
     #[must_use]
     pub fn rise(&self) -> f64 {
         HALF_RISE * self.strength / (1.0 - self.strength)
@@ -62,27 +65,47 @@ pub struct ResponseTable {
     /// Rank x channels, rows orthonormal: coordinates times the basis are relative changes.
     pub(super) basis: Vec<f32>,
     pub(super) places: Places,
-    /// Places x radii x powers of the strength x rank.
+    /// Signs x places x radii x powers of the strength x rank. Tables of the first version hold one sign, that of the pad.
     pub(super) terms: Vec<f32>,
 }
 
-/// The grid of places. It extends one step beyond the pad's box on each side, for the cubic interpolation.
+/// Signs of a table: a rise, then a fall.
+pub(super) const SIGNS: usize = 2;
+/// Grid steps beyond the pad's box on each side: a finger at the edge may have its centre outside.
+const MARGIN: usize = 3;
+/// The same in tables of the first version: what the cubic interpolation needs.
+const OLD_MARGIN: usize = 1;
+
+/// The grid of places. It extends beyond the pad's box on each side; the outermost places only support the cubic
+/// interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Places {
     pub(super) pitch_mm: f64,
     pub(super) columns: usize,
     pub(super) rows: usize,
+    /// Steps beyond the box.
+    pub(super) margin: usize,
 }
 
 impl Places {
     /// The grid of a pad of the given width and height, mm.
-    pub(super) fn new([width, height]: [f64; 2]) -> Self {
+    pub(super) fn new(size_mm: [f64; 2]) -> Self {
+        Self::with_margin(size_mm, MARGIN)
+    }
+
+    /// The grid of tables of the first version.
+    pub(super) fn old(size_mm: [f64; 2]) -> Self {
+        Self::with_margin(size_mm, OLD_MARGIN)
+    }
+
+    fn with_margin([width, height]: [f64; 2], margin: usize) -> Self {
         let pitch_mm = width.max(height) / PLACES_ALONG;
-        let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 3;
+        let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 1 + 2 * margin;
         Self {
             pitch_mm,
             columns: count(width),
             rows: count(height),
+            margin,
         }
     }
 
@@ -92,7 +115,24 @@ impl Places {
 
     pub(super) fn at_mm(&self, index: usize) -> PointMm {
         let (row, column) = (index / self.columns, index % self.columns);
-        [column, row].map(|step| (step as f64 - 1.0) * self.pitch_mm)
+        [column, row].map(|step| (step as f64 - self.margin as f64) * self.pitch_mm)
+    }
+
+    /// The place at a point, if there is one.
+    pub(super) fn index_at(&self, point: PointMm) -> Option<usize> {
+        let [column, row] = point.map(|at| at / self.pitch_mm + self.margin as f64);
+        let is_on_grid = [column, row]
+            .iter()
+            .all(|step| (step - libm::round(*step)).abs() < 1e-6);
+        let [column, row] = [column, row].map(libm::round);
+        let is_within = (0.0..self.columns as f64).contains(&column)
+            && (0.0..self.rows as f64).contains(&row);
+        (is_on_grid && is_within).then_some(row as usize * self.columns + column as usize)
+    }
+
+    /// How far outside the pad's box touches are covered, mm.
+    pub(super) fn reach_mm(&self) -> f64 {
+        (self.margin as f64 - 1.0) * self.pitch_mm
     }
 
     /// All radii of the table, mm.
@@ -147,6 +187,18 @@ impl ResponseTable {
         [radii[1], radii[RADII - 2]]
     }
 
+    /// How far outside the pad's box a touch's centre may be, mm.
+    #[must_use]
+    pub fn reach_mm(&self) -> f64 {
+        self.places.reach_mm()
+    }
+
+    /// Whether the table has responses of rising and falling touches; otherwise only those of the pad's sign.
+    #[must_use]
+    pub fn has_both_signs(&self) -> bool {
+        self.terms.len() == SIGNS * self.places.len() * TERMS * self.rank
+    }
+
     /// Converts coordinates to relative changes, one per channel.
     ///
     /// # Panics
@@ -169,18 +221,21 @@ impl ResponseTable {
     pub(crate) fn small() -> Self {
         let (channels, rank) = (12, LANES);
         let places = Places::new([60.0, 40.0]);
+        let size = places.len() * TERMS * rank;
         let mut basis = vec![0.0; rank * channels];
         for dimension in 0..rank {
             basis[dimension * channels + dimension] = 1.0;
         }
-        let terms = (0..places.len() * RADII * POWERS * rank)
+        let terms = (0..SIGNS * size)
             .map(|index| {
+                let sign = if index < size { 1.0 } else { -1.0 };
+                let index = index % size;
                 let place = places.at_mm(index / (RADII * POWERS * rank));
                 let radius = (index / (POWERS * rank)) % RADII;
                 let (power, dimension) = ((index / rank) % POWERS, index % rank);
                 let phase = dimension as f64 + 0.3 * radius as f64;
                 let wave = libm::sin(0.09 * place[0] + phase) + libm::cos(0.07 * place[1] - phase);
-                (wave * 1e-3 / (1.0 + power as f64)) as f32
+                (sign * wave * 1e-3 / (1.0 + power as f64)) as f32
             })
             .collect();
         Self {
@@ -205,6 +260,7 @@ mod tests {
                 centre_mm: [0.0; 2],
                 log_radius: 0.0,
                 strength: strength_from_rise(rise),
+                sign: TouchSign::Rise,
             };
             assert!((touch.rise() - rise).abs() < 1e-12);
         }

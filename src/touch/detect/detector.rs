@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::shift::GainShift;
+use super::sign::SignState;
 use crate::eit::{ElectrodeMonitor, FirstFrames, Imager, Reconstruction, Reference};
 use crate::pad::Protocol;
 use crate::touch::image_locator::ImageLocator;
@@ -56,6 +57,9 @@ pub struct Detector {
     pub(super) rebounds: Vec<(Nanos, Vec<f32>)>,
     /// Frames in a row whose readings are all scaled alike.
     pub(super) shift: GainShift,
+    pub(super) sign: SignState,
+    /// Time of the first reference.
+    pub(super) first_ns: Nanos,
     /// When the palm on the pad was first and last detected.
     pub(super) palm_ns: Option<[Nanos; 2]>,
     /// Time of the last explained frame.
@@ -124,6 +128,8 @@ impl Detector {
             noise_is_unknown: false,
             rebounds: Vec::new(),
             shift: GainShift::default(),
+            sign: SignState::default(),
+            first_ns: 0,
             palm_ns: None,
             explained_ns: 0,
             frames: 0,
@@ -178,7 +184,11 @@ impl Detector {
         self.reference.advance(frame.t_ns);
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
-        if self.is_shifted(frame, changed) || self.is_rebound(frame) {
+        if self.is_shifted(frame, changed) {
+            return;
+        }
+        self.is_back_at_old_reference(frame, changed);
+        if self.is_rebound(frame) {
             return;
         }
         match self.locator.take() {
@@ -217,11 +227,18 @@ impl Detector {
             self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
             return;
         }
+        if std::env::var_os("GELPAD_DBG").is_some() && outside > 9.0 {
+            eprintln!("t {} outside {outside:.2} SKIP", frame.t_ns / 1000000);
+        }
         if outside > UNEXPLAINED_OUTSIDE || waits_for_weights || self.is_impossible() {
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
         let rest = locator.locate(noise, steady).rest;
+        if std::env::var_os("GELPAD_DBG").is_some() {
+            eprintln!("t {} outside {outside:.2} rest {rest:.2} noise {noise:.2} lost {:?} touches {:?}", frame.t_ns / 1000000, self.electrodes.as_ref().map(|e| e.lost()),
+                locator.debug());
+        }
         if rest > UNEXPLAINED_REST && outside > SUSPICIOUS_OUTSIDE {
             locator.undo_frame();
             self.skip_unexplained(Some(locator), frame, changed);
@@ -246,6 +263,9 @@ impl Detector {
         if self.tracker.down().len() < were_down {
             // The gel springs back.
             self.reference.skip_frame();
+        }
+        if self.learn_sign(were_down, rest, frame, changed) {
+            return;
         }
         if let Some(electrodes) = &mut self.electrodes {
             electrodes.accept_frame();
@@ -324,13 +344,16 @@ impl Detector {
 
     /// Makes the image of the changes; a muted channel reads what the touches explain.
     pub(super) fn make_image(&mut self) {
+        // Touches are bright in the image, whatever their sign.
+        let drawn = self.sensing.reconstruction.touch_sign();
+        let turn = self.touch_sign().factor() * drawn.factor();
         for (channel, image_change) in self.image_changes.iter_mut().enumerate() {
             let change = if self.reference.is_muted(channel) {
                 self.explained[channel]
             } else {
                 self.changes[channel]
             };
-            *image_change = change * self.sensing.image_weights[channel];
+            *image_change = turn * change * self.sensing.image_weights[channel];
         }
         self.imager.image(
             &self.image_changes,

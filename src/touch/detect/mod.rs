@@ -11,5 +11,6 @@ mod electrodes;
 mod palm;
 mod reference;
 mod shift;
+mod sign;
 
 pub use detector::{Detector, FrameTouches};

@@ -26,10 +26,11 @@ impl Detector {
             .iter()
             .filter(|contact| contact.force >= 1.0)
             .count()
-            >= HEAVY_TOUCHES;
+            >= HEAVY_TOUCHES
+            && rest > crate::knob("HEAVY_REST", 0.0);
         let is_possible = heavy
             || rest > POOR_REST
-            || self.contacts.len() >= MANY_TOUCHES
+            || (self.contacts.len() >= MANY_TOUCHES && rest > crate::knob("MANY_REST", 1.5))
             || self.palm_ns.is_some();
         if !is_possible {
             return false;

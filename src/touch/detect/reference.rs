@@ -1,6 +1,7 @@
 //! The reference of a detector: when it is taken, taken again and updated.
 
 use super::Detector;
+use super::sign::Judged;
 use crate::eit::{FirstFrames, Reference, median, quantization_step};
 use crate::types::{Frame, Image, Nanos};
 
@@ -71,7 +72,7 @@ impl Detector {
             }
         }
         // A touch that conducts better lowers the voltages.
-        let against = sum / count * f64::from(self.imager.reconstruction().touch_factor());
+        let against = sum / count * f64::from(self.touch_sign().factor());
         let shared = self.reference.shared_noise().of_mean();
         let noise = libm::sqrt(self.reference.change_variance() / count + shared);
         against > REBOUND_SHARE.max(REBOUND_DEVIATIONS * noise)
@@ -80,7 +81,12 @@ impl Detector {
     /// Whether frames in a row look like a finger that has left the pad after it lay there from the start; the last of
     /// them retakes the reference. A single such frame is only skipped.
     pub(super) fn is_rebound(&mut self, frame: &Frame) -> bool {
-        if !self.tracker.down().is_empty() || !self.has_rebounded() {
+        let is_lift = match self.judge_onset(frame) {
+            Judged::Touch => false,
+            Judged::Lift => true,
+            Judged::Unclear => self.tracker.down().is_empty() && self.has_rebounded(),
+        };
+        if !is_lift {
             self.rebounds.clear();
             return false;
         }
@@ -100,6 +106,7 @@ impl Detector {
         self.rebounds.push((frame.t_ns, frame.volts.clone()));
         if self.rebounds.len() >= REBOUND_FRAMES {
             let frames = std::mem::take(&mut self.rebounds);
+            self.remember_reference();
             self.retake_reference(&frames);
         }
         true
@@ -135,6 +142,9 @@ impl Detector {
         self.reference.learn_first_shared_noise(&first);
         self.noise_is_unknown = first_frames.windows(2).all(|pair| pair[0] == pair[1]);
         self.explained_ns = frame.t_ns;
+        if self.references_retaken == 0 {
+            self.first_ns = frame.t_ns;
+        }
         let mut peaks = Vec::with_capacity(first_frames.len());
         for volts in &first_frames {
             self.reference.relative_changes(volts, &mut self.changes);

@@ -8,6 +8,7 @@ use super::metric::{Metric, Whitened, dot, energy};
 use crate::eit::ResponseTable;
 use crate::eit::cholesky::solve_in_place;
 use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
+use crate::pad::TouchSign;
 
 /// Unknowns per touch.
 const UNKNOWNS: usize = 4;
@@ -15,6 +16,9 @@ const UNKNOWNS: usize = 4;
 const TYPICAL_STRENGTH: f64 = 0.42;
 /// Standard deviations of log radius and strength between fingers.
 const SPREAD: [f64; 2] = [0.35, 0.3];
+fn outside_spread() -> f64 {
+    crate::knob("OUTSIDE_MM", 1.0)
+}
 /// The fit has converged when a step moves no touch further than this, mm, ...
 const CONVERGED_STEP_MM: f64 = 0.02;
 /// ... and lowers the cost by less than this, squared deviations.
@@ -54,6 +58,10 @@ pub(super) struct Fit {
 pub(super) struct Bounds {
     /// The pad's width and height, mm.
     pub(super) size_mm: [f64; 2],
+    /// How far outside the pad's box centres may be, mm.
+    pub(super) reach_mm: f64,
+    /// Sign of new touches.
+    pub(super) sign: TouchSign,
     /// Smallest and largest log radius.
     pub(super) log_radius: [f64; 2],
     /// Weight of the prior: the variance of the noise in the metric's units.
@@ -83,12 +91,13 @@ impl Bounds {
             centre_mm,
             log_radius: self.typical_log_radius(),
             strength: TYPICAL_STRENGTH,
+            sign: self.sign,
         }
     }
 
     fn clamp(&self, touch: &mut TouchModel) {
         for (at, size) in touch.centre_mm.iter_mut().zip(self.size_mm) {
-            *at = at.clamp(0.0, size);
+            *at = at.clamp(-self.reach_mm, size + self.reach_mm);
         }
         touch.log_radius = touch
             .log_radius
@@ -96,11 +105,20 @@ impl Bounds {
         touch.strength = touch.strength.clamp(0.0, MOST_STRENGTH);
     }
 
-    /// Cost of the deviation from a typical finger.
+    /// Cost of the deviation from a typical finger on the pad.
     fn prior_cost(&self, touch: &TouchModel) -> f64 {
         let radius = (touch.log_radius - self.typical_log_radius()) / SPREAD[0];
         let strength = (touch.strength - TYPICAL_STRENGTH) / SPREAD[1];
-        self.prior_weight * (radius * radius + strength * strength)
+        let [x, y] = self.outside_mm(touch).map(|off| off / outside_spread());
+        self.prior_weight * (radius * radius + strength * strength + x * x + y * y)
+    }
+
+    /// How far a centre lies outside the pad's box, mm: negative below, positive above.
+    fn outside_mm(&self, touch: &TouchModel) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let at = touch.centre_mm[k];
+            at - at.clamp(0.0, self.size_mm[k])
+        })
     }
 }
 
@@ -218,6 +236,14 @@ impl Fit {
                 let weight = bounds.prior_weight / (SPREAD[k] * SPREAD[k]);
                 self.normal[row * count + row] += weight;
                 self.gradient[row] += weight * (typical[k] - at);
+            }
+            for (k, off_mm) in bounds.outside_mm(touch).into_iter().enumerate() {
+                if off_mm != 0.0 {
+                    let row = UNKNOWNS * index + k;
+                    let weight = bounds.prior_weight / (outside_spread() * outside_spread());
+                    self.normal[row * count + row] += weight;
+                    self.gradient[row] -= weight * off_mm;
+                }
             }
         }
         for row in 0..count {

@@ -43,6 +43,8 @@ pub struct Locator {
     pub(super) recent: RecentResiduals,
     /// The cost at which the last search for another touch failed; the search is repeated when it has grown.
     pub(super) refused_cost: f64,
+    /// The cost of the last frame that neither touches nor the lift of a finger explain.
+    pub(super) unclear_cost: f64,
     /// The touches of the previous frame.
     pub(super) before: Vec<TouchModel>,
     pub(super) response: Response,
@@ -72,6 +74,7 @@ impl Locator {
             present: Fit::default(),
             recent: RecentResiduals::default(),
             refused_cost: 0.0,
+            unclear_cost: 0.0,
             before: Vec::new(),
             response: Response::default(),
             sum: Vec::new(),
@@ -83,12 +86,17 @@ impl Locator {
         self.model = model;
         self.recent.clear();
         self.refused_cost = 0.0;
+        self.unclear_cost = 0.0;
     }
 
     /// Restores the touches of the previous frame.
     pub fn undo_frame(&mut self) {
         self.fit.touches.clone_from(&self.before);
         self.recent.clear();
+    }
+
+    pub fn debug(&self) -> String {
+        self.fit.touches.iter().map(|t| format!("({:.1} {:.1} r {:.1} s {:.2} {:?}) ", t.centre_mm[0], t.centre_mm[1], t.log_radius.exp(), t.strength, t.sign)).collect()
     }
 
     /// Forgets all touches.
@@ -130,8 +138,10 @@ impl Locator {
             .map(|(touch, response)| {
                 let radius_mm = libm::exp(touch.log_radius);
                 let confidence = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
+                let [x, y] = touch.centre_mm;
+                let [width, height] = self.bounds.size_mm;
                 Contact {
-                    centre_mm: touch.centre_mm,
+                    centre_mm: [x.clamp(0.0, width), y.clamp(0.0, height)],
                     // The footprint at half of the rise, as in an image.
                     area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
                     force: (volume_mm2(touch) / FULL_FORCE_MM2).clamp(0.0, 1.0),

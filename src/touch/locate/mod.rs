@@ -12,7 +12,9 @@ mod metric;
 mod model;
 mod new_touches;
 mod recent;
+mod sign;
 mod templates;
 
 pub use locator::{FitQuality, Locator};
 pub use model::LocatorModel;
+pub use sign::Onset;

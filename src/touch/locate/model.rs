@@ -6,7 +6,7 @@ use super::fit::{Bounds, Problem};
 use super::metric::{Metric, Whitened};
 use super::templates::Templates;
 use crate::eit::ResponseTable;
-use crate::pad::Outline;
+use crate::pad::{Outline, TouchSign};
 use crate::touch::ChannelNoise;
 use crate::types::ByteReader;
 
@@ -21,7 +21,7 @@ pub struct LocatorModel {
 
 impl LocatorModel {
     /// A model for channels of the given noise; a deviation that is not finite excludes its channel. `drives` is the drive of
-    /// each channel.
+    /// each channel, `sign` that of the touches that are expected.
     ///
     /// # Panics
     /// If there is not one deviation per channel.
@@ -29,11 +29,12 @@ impl LocatorModel {
     pub fn new(
         table: Arc<ResponseTable>,
         outline: &Outline,
+        sign: TouchSign,
         noise: &ChannelNoise,
         drives: &[u16],
     ) -> Self {
         let metric = Metric::new(&table, noise, drives);
-        Self::with_metric(table, outline, metric)
+        Self::with_metric(table, outline, sign, metric)
     }
 
     /// Appends the weights of the channels; the rest follows from table and outline.
@@ -47,9 +48,10 @@ impl LocatorModel {
         bytes: &mut ByteReader<'_>,
         table: Arc<ResponseTable>,
         outline: &Outline,
+        sign: TouchSign,
     ) -> Option<Self> {
         let metric = Metric::from_bytes(bytes, &table)?;
-        Some(Self::with_metric(table, outline, metric))
+        Some(Self::with_metric(table, outline, sign, metric))
     }
 
     /// The response table.
@@ -68,10 +70,17 @@ impl LocatorModel {
         }
     }
 
-    fn with_metric(table: Arc<ResponseTable>, outline: &Outline, metric: Metric) -> Self {
+    fn with_metric(
+        table: Arc<ResponseTable>,
+        outline: &Outline,
+        sign: TouchSign,
+        metric: Metric,
+    ) -> Self {
         let [least, most] = table.radii_mm();
         let bounds = Bounds {
             size_mm: outline.size_mm(),
+            reach_mm: table.reach_mm(),
+            sign,
             log_radius: [libm::log(least), libm::log(most)],
             prior_weight: 1.0,
         };

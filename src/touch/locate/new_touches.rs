@@ -8,6 +8,7 @@
 use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
 use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
+use super::templates::Peak;
 use crate::eit::response::TouchModel;
 use crate::types::PointMm;
 
@@ -56,7 +57,7 @@ impl Locator {
             if rest < least_gain || rest < REFUSED_GROWTH * self.refused_cost {
                 break;
             }
-            let peak = self.model.templates.peak(&self.fit.residual);
+            let peak = self.peak(&self.fit.residual);
             let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
                 break;
             };
@@ -77,9 +78,9 @@ impl Locator {
         if self.recent.push(self.fit.touches.len(), &self.fit.residual) < MEAN_FRAMES {
             return;
         }
-        let noise = steady + (noise - steady) / MEAN_FRAMES as f64;
+        let noise = steady + (noise - steady) * self.recent.noise_share();
         let least_gain = DOWN_GAIN * noise + self.model_error();
-        let peak = self.model.templates.peak(self.recent.mean());
+        let peak = self.peak(self.recent.mean());
         let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
             return;
         };
@@ -140,7 +141,7 @@ impl Locator {
             for index in 0..self.fit.touches.len() {
                 let others = edited(&self.fit.touches, &[], Some(index));
                 self.try_fit(&others, 0);
-                let Some(peak) = self.model.templates.peak(&self.trial.residual) else {
+                let Some(peak) = self.peak(&self.trial.residual) else {
                     continue;
                 };
                 let touches = edited(&others, &[self.bounds.typical(peak.place_mm)], None);
@@ -160,8 +161,13 @@ impl Locator {
         improved
     }
 
+    /// The place where a touch would explain most of a residual.
+    fn peak(&self, residual: &[f32]) -> Option<Peak> {
+        self.model.templates.peak(residual, self.bounds.sign)
+    }
+
     /// Fits other touches to the frame, as a trial.
-    fn try_fit(&mut self, touches: &[TouchModel], most_steps: usize) {
+    pub(super) fn try_fit(&mut self, touches: &[TouchModel], most_steps: usize) {
         let Self {
             trial,
             frame,
@@ -250,7 +256,7 @@ impl Locator {
             .map(|touch| self.depth_mm(touch.centre_mm))
             .fold(f64::INFINITY, f64::min);
         least_apart >= LEAST_APART_MM
-            && outermost >= LEAST_DEPTH_MM
+            && (outermost >= LEAST_DEPTH_MM || self.bounds.reach_mm > 0.0 && outermost > crate::knob("DEPTH", -3.9))
             && lightest >= LEAST_MM2
             && !is_shadow
             && (least_apart >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)

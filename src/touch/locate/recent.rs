@@ -1,5 +1,7 @@
 //! The residuals of the last few frames with the same touches.
 
+use super::metric::energy;
+
 /// A touch too faint for one frame is searched for in the mean of this many.
 pub(super) const MEAN_FRAMES: usize = 4;
 /// After a failed search, the next one waits until the residual has grown by this factor.
@@ -7,6 +9,11 @@ pub(super) const REFUSED_GROWTH: f64 = 1.3;
 /// Frames after a touch began or ended, during which the reference still finds its level: a faint touch could not be
 /// distinguished from its error.
 const SETTLING_FRAMES: usize = 20;
+
+/// Weight of a frame in the share that a mean keeps: a time constant of two seconds.
+const KEPT_WEIGHT: f64 = 0.005;
+/// Noise counts as wandering if its mean keeps this many times the share of independent frames.
+const WANDERS: f64 = 1.3;
 
 /// The last residuals and their mean.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +24,9 @@ pub(super) struct RecentResiduals {
     mean: Vec<f32>,
     /// The gain of the last failed search with these touches.
     refused_gain: f64,
+    /// Share of a residual's energy that its mean over the frames keeps on an untouched pad: a quarter if the noise of
+    /// frames is independent, more if it wanders.
+    kept_share: f64,
 }
 
 impl RecentResiduals {
@@ -57,7 +67,21 @@ impl RecentResiduals {
                 *sum += value / count as f32;
             }
         }
+        if touches == 0 {
+            let kept = energy(&self.mean) / energy(residual).max(f64::MIN_POSITIVE);
+            self.kept_share += KEPT_WEIGHT * (kept.min(1.0) - self.kept_share);
+        }
         count
+    }
+
+    /// The share of a single frame's noise that is left in the mean: at least what independent frames leave.
+    pub(super) fn noise_share(&self) -> f64 {
+        let independent = 1.0 / MEAN_FRAMES as f64;
+        if self.kept_share > WANDERS * independent {
+            self.kept_share
+        } else {
+            independent
+        }
     }
 
     /// The mean of the last residuals.

@@ -4,16 +4,23 @@ use super::fit::Bounds;
 use super::metric::{Metric, dot};
 use crate::eit::ResponseTable;
 use crate::eit::response::Response;
-use crate::pad::Outline;
+use crate::pad::{Outline, TouchSign};
 use crate::types::PointMm;
 
 /// Grid steps along the pad's longer side: 5 mm on a 100 mm pad, within reach of the fit.
 const ALONG: f64 = 20.0;
 
+/// Number of places from which a touch is fitted, where one start is not enough ...
+const PEAKS: usize = 4;
+/// ... and their least distance, mm.
+const PEAKS_APART_MM: f64 = 8.0;
+
 /// Whitened responses of a typical finger, of length one.
 #[derive(Clone, Debug)]
 pub(super) struct Templates {
     rank: usize,
+    /// Sign of the touches.
+    sign: TouchSign,
     places_mm: Vec<PointMm>,
     /// Places x rank.
     responses: Vec<f32>,
@@ -42,6 +49,7 @@ impl Templates {
         let steps = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize;
         let mut templates = Self {
             rank: table.rank(),
+            sign: bounds.sign,
             places_mm: Vec::new(),
             responses: Vec::new(),
         };
@@ -66,12 +74,14 @@ impl Templates {
         templates
     }
 
-    /// The place where a touch would explain most of a residual; `None` if it explains nothing at any place.
+    /// The place where a touch of a sign would explain most of a residual; `None` if it explains nothing at any place.
     #[must_use]
-    pub(super) fn peak(&self, residual: &[f32]) -> Option<Peak> {
+    pub(super) fn peak(&self, residual: &[f32], sign: TouchSign) -> Option<Peak> {
+        // Touches of either sign have nearly opposite responses.
+        let factor = sign.factor() * self.sign.factor();
         let mut best = (0.0f32, None);
         for (place, template) in self.responses.chunks_exact(self.rank).enumerate() {
-            let along = dot(template, residual);
+            let along = factor * dot(template, residual);
             if along > best.0 {
                 best = (along, Some(place));
             }
@@ -80,5 +90,26 @@ impl Templates {
             place_mm: self.places_mm[place],
             gain: f64::from(best.0) * f64::from(best.0),
         })
+    }
+
+    /// The best places for a touch of a sign, at least [`PEAKS_APART_MM`] apart, best first.
+    #[must_use]
+    pub(super) fn peaks(&self, residual: &[f32], sign: TouchSign) -> Vec<PointMm> {
+        let factor = sign.factor() * self.sign.factor();
+        let mut places: Vec<(f32, PointMm)> = self
+            .responses
+            .chunks_exact(self.rank)
+            .zip(&self.places_mm)
+            .map(|(template, place_mm)| (factor * dot(template, residual), *place_mm))
+            .collect();
+        places.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut chosen: Vec<PointMm> = Vec::with_capacity(PEAKS);
+        for (_, [x, y]) in places {
+            let is_apart = |other: &PointMm| libm::hypot(other[0] - x, other[1] - y) > PEAKS_APART_MM;
+            if chosen.len() < PEAKS && chosen.iter().all(is_apart) {
+                chosen.push([x, y]);
+            }
+        }
+        chosen
     }
 }

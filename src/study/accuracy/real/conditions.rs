@@ -74,6 +74,7 @@ const ROWS: &[Row] = &[
     ("first ten frames identical", "repeated-start:10", 60.0, Hand::Finger, USUAL),
     ("gain step of 20 %", "gain-step:0.2", 60.0, Hand::Finger, goal(Some(0.02), None, Some(1))),
     ("falling touches", "", 60.0, Hand::Falling, USUAL),
+    ("after a finger that lay there", "", 60.0, Hand::FingerAfterLying, USUAL),
     ("0 to 2 mm from the edge", "", 60.0, Hand::Edge(0.0, 2.0), goal(Some(0.05), None, Some(0))),
     ("2 to 4 mm from the edge", "", 60.0, Hand::Edge(2.0, 4.0), goal(Some(0.01), None, Some(0))),
     ("corner", "", 60.0, Hand::Corner, goal(Some(0.03), None, Some(0))),

@@ -25,6 +25,8 @@ pub enum Hand {
     FingerOnModel,
     /// A finger that lowers the conductivity.
     Falling,
+    /// A finger, after another one that lay on the pad from the start and was lifted.
+    FingerAfterLying,
     /// A finger whose centre is this far from the edge, mm.
     Edge(f64, f64),
     /// A finger within 4 mm of a corner.
@@ -68,7 +70,9 @@ impl Hand {
         let rise = draws.between(RISE[0], RISE[1]);
         let inner = draws.presses(1)?[0].centre_mm;
         Ok(match self {
-            Self::Untouched | Self::Finger | Self::FingerOnModel => finger(inner, radius_mm, rise),
+            Self::Untouched | Self::Finger | Self::FingerOnModel | Self::FingerAfterLying => {
+                finger(inner, radius_mm, rise)
+            }
             Self::Falling => {
                 let (centres, rising) = finger(inner, radius_mm, rise);
                 (centres, Box::new(move |point| 1.0 / rising(point)))

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Condition, Extent};
+use super::{Condition, Extent, Hand};
 use crate::source::{Disturber, Noise};
 use crate::study::StudyError;
 use crate::study::accuracy::Bench;
@@ -15,6 +15,8 @@ use crate::types::{Frame, NANOS_PER_MS, Nanos, PointMm, Touch};
 const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
 /// Frames before the first press.
 const REST_FRAMES: usize = 400;
+/// Frames for which a finger lies on the pad from the start.
+const LYING_FRAMES: usize = 100;
 /// Frames of a press.
 const PRESS_FRAMES: usize = 10;
 /// Frames between presses.
@@ -94,6 +96,13 @@ pub(super) fn session(
     } else {
         REST_FRAMES
     };
+    let mut presses = presses;
+    if let (Hand::FingerAfterLying, [lying, others @ ..]) = (condition.hand, presses) {
+        for _ in 0..LYING_FRAMES {
+            session.step(&lying.volts, &[])?;
+        }
+        presses = others;
+    }
     for _ in 0..resting {
         session.step(rest, &[])?;
     }
@@ -116,6 +125,9 @@ impl Session<'_> {
     /// Plays one press and scores it.
     fn press(&mut self, press: &Press) -> Result<(), StudyError> {
         let count = press.centres_mm.len();
+        if std::env::var_os("GELPAD_DBG").is_some() {
+            eprintln!("PRESS {:?}", press.centres_mm);
+        }
         let mut first: Vec<Option<f64>> = vec![None; count];
         for index in 0..PRESS_FRAMES {
             let errors = self.step(&press.volts, &press.centres_mm)?;

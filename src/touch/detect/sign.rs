@@ -1,0 +1,191 @@
+//! The sign of touches: whether they raise or lower the conductivity.
+//!
+//! Real gels do either. A detector expects the sign of the pad's text until a change against it looks like a touch of the other
+//! sign; once a touch has come and gone, its sign is known for the session, and a change in the other direction is a finger
+//! that had been lying on the pad.
+//!
+//! Until then the choice between the two may be wrong, so what contradicts it is kept. If the lift of a finger was assumed and
+//! the pad later returns to the abandoned reference, to within noise, it was a touch. If a touch was assumed and another of the
+//! first sign appears beside it, or it stays very long, it was a lift.
+
+use std::collections::VecDeque;
+
+use super::Detector;
+use crate::eit::{REFERENCE_FRAMES, Reference};
+use crate::pad::TouchSign;
+use crate::touch::locate::Onset;
+use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
+
+/// A finger that lies on the pad when play begins is likely to lift within this time; ...
+const EARLY_NS: Nanos = 2_000 * NANOS_PER_MS;
+/// ... then, a touch has to explain a frame better by this factor, and afterwards the lift has to.
+const EARLY: f64 = 1.15;
+/// The first touch of an unexpected sign is taken for a lift after all if it stays for so long.
+const LONGEST_FIRST_NS: Nanos = 10_000 * NANOS_PER_MS;
+/// A frame is back at the abandoned reference if its mean squared deviation from it is below this many variances ...
+const BACK_VARIANCES: f64 = 2.5;
+/// ... and its distance below this share of that of the present reference.
+const BACK_SHARE: f64 = 0.1;
+/// A frame with a touch of unexpected sign is contradicted by another touch if this many times noise and model error are left,
+/// ...
+const CONTRADICTED_REST: f64 = 4.0;
+
+/// What a change of the untouched pad is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Judged {
+    /// Nothing that fingers explain.
+    Unclear,
+    /// A touch begins.
+    Touch,
+    /// A finger that had been lying on the pad has lifted.
+    Lift,
+}
+
+/// What is known about the sign of touches.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct SignState {
+    /// A touch of the expected sign has come and gone.
+    is_known: bool,
+    /// The present choice, which may be wrong.
+    tried: Option<Tried>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Tried {
+    /// A touch of unexpected sign, since a time, with the last frames that it explains alone.
+    Touch {
+        since_ns: Nanos,
+        frames: VecDeque<(Nanos, Vec<f32>)>,
+    },
+    /// The lift of a finger that had been lying on the pad: the reference before it.
+    Lift(Box<Reference>),
+}
+
+impl Detector {
+    /// The sign of the touches that are expected: at first that of the pad's text.
+    #[must_use]
+    pub fn touch_sign(&self) -> TouchSign {
+        match &self.locator {
+            Some(locator) => locator.sign(),
+            None => self.sensing.reconstruction.touch_sign(),
+        }
+    }
+
+    /// What a change of the untouched pad is. If it is a touch of an unexpected sign, that sign is expected from now on.
+    pub(super) fn judge_onset(&mut self, frame: &Frame) -> Judged {
+        let noise = self.noise().0;
+        let is_untouched = self.tracker.down().is_empty();
+        let Some(locator) = self.locator.as_mut().filter(|locator| is_untouched && locator.knows_both_signs()) else {
+            return Judged::Unclear;
+        };
+        let (as_touches, as_lift) = match locator.explain_onset(&self.changes, noise) {
+            Onset::Unclear => return Judged::Unclear,
+            Onset::Expected => return Judged::Touch,
+            Onset::Opposite {
+                as_touches,
+                as_lift,
+            } => (as_touches, as_lift),
+        };
+        let is_early = frame.t_ns.saturating_sub(self.first_ns) < EARLY_NS;
+        let factor = if is_early { EARLY } else { 1.0 / EARLY };
+        if self.sign.is_known || as_touches * factor >= as_lift {
+            return Judged::Lift;
+        }
+        let opposite = locator.sign().opposite();
+        locator.expect_sign(opposite);
+        self.sign.tried = Some(Tried::Touch {
+            since_ns: frame.t_ns,
+            frames: VecDeque::new(),
+        });
+        Judged::Touch
+    }
+
+    /// Remembers the reference that is given up because a finger seems to have been lying on the pad.
+    pub(super) fn remember_reference(&mut self) {
+        let knows_both = self.locator.as_ref().is_some_and(|locator| locator.knows_both_signs());
+        if !self.sign.is_known && knows_both && self.sign.tried.is_none() {
+            self.sign.tried = Some(Tried::Lift(Box::new(self.reference.clone())));
+        }
+    }
+
+    /// Whether the pad is back at the reference that was given up: what was taken for the lift of a finger was a touch of the
+    /// other sign. Then that reference and that sign count again.
+    pub(super) fn is_back_at_old_reference(&mut self, frame: &Frame, changed: &mut Vec<Touch>) -> bool {
+        let Some(Tried::Lift(old)) = &self.sign.tried else {
+            return false;
+        };
+        let (mut from_old, mut from_new, mut count) = (0.0, 0.0, 0.0);
+        for (channel, volt) in frame.volts.iter().enumerate() {
+            if old.is_muted(channel) || self.reference.is_muted(channel) {
+                continue;
+            }
+            let [noise, doubt] = self.reference.variances(channel);
+            let variance = noise + doubt;
+            let off = |reference: &Reference| {
+                let change = f64::from(*volt) / reference.volts()[channel] - 1.0;
+                change * change / variance
+            };
+            from_old += off(old);
+            from_new += off(&self.reference);
+            count += 1.0;
+        }
+        if from_old > BACK_VARIANCES * count || from_old > BACK_SHARE * from_new {
+            return false;
+        }
+        let old = old.as_ref().clone();
+        self.lift_all(changed);
+        self.reset();
+        self.reference = old;
+        self.reference.advance(frame.t_ns);
+        self.reference.relative_changes(&frame.volts, &mut self.changes);
+        if let Some(locator) = &mut self.locator {
+            locator.expect_sign(locator.sign().opposite());
+        }
+        self.sign = SignState {
+            is_known: true,
+            tried: None,
+        };
+        true
+    }
+
+    /// Learns the sign from an explained frame: `were_down` touches were down before it, and `rest` times noise and model error
+    /// is left. Returns whether a touch of unexpected sign was none: then the reference is taken again.
+    pub(super) fn learn_sign(
+        &mut self,
+        were_down: usize,
+        rest: f64,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) -> bool {
+        let down = self.tracker.down().len();
+        if down < were_down {
+            self.sign = SignState {
+                is_known: true,
+                tried: None,
+            };
+        }
+        let Some(Tried::Touch { since_ns, frames }) = &mut self.sign.tried else {
+            return false;
+        };
+        let is_too_long = frame.t_ns.saturating_sub(*since_ns) > LONGEST_FIRST_NS;
+        let is_contradicted = rest > CONTRADICTED_REST && frames.len() >= REFERENCE_FRAMES;
+        if !is_too_long && !is_contradicted {
+            if frames.len() >= REFERENCE_FRAMES {
+                frames.pop_front();
+            }
+            frames.push_back((frame.t_ns, frame.volts.clone()));
+            return false;
+        }
+        let frames: Vec<(Nanos, Vec<f32>)> = std::mem::take(frames).into();
+        self.tracker.lift_all(changed);
+        if let Some(locator) = &mut self.locator {
+            locator.expect_sign(locator.sign().opposite());
+        }
+        self.retake_reference(&frames);
+        self.sign = SignState {
+            is_known: true,
+            tried: None,
+        };
+        true
+    }
+}

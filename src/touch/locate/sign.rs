@@ -1,0 +1,115 @@
+//! What a change of the untouched pad is: touches of the expected sign, touches of the other sign, or fingers that lay on the
+//! pad from the start and have lifted.
+//!
+//! The last two are local and of the same strength, but not of the same shape: a conductive spot bundles the current, an
+//! insulating one spreads it. If the reference was taken under a finger, the frame is the untouched pad, and the reference seen
+//! from it is a touch of the expected sign. So all are fitted, and the best one wins. The sign of the readings' mean is no
+//! substitute: a finger at the edge raises most readings where one in the middle lowers them.
+
+use super::locator::{DOWN_GAIN, Locator};
+use super::metric::energy;
+use super::recent::REFUSED_GROWTH;
+use crate::pad::TouchSign;
+
+/// Steps of the fit of a single touch.
+const FIT_STEPS: usize = 40;
+/// Touches of the expected sign that leave less than this many times noise and model error need no rival.
+const WELL_REST: f64 = 1.0;
+/// A rival explains at least this many times [`DOWN_GAIN`]: at rest, noise has one more way to look like a touch.
+const RIVAL_GAINS: f64 = 2.0;
+/// A rival leaves at most this share of what touches of the expected sign leave.
+const RIVAL_SHARE: f64 = 0.8;
+
+/// What a change of the untouched pad is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onset {
+    /// Noise, or nothing that fingers explain better than anything else.
+    Unclear,
+    /// Touches of the expected sign.
+    Expected,
+    /// Something against it: what touches of the other sign leave, and what the lift of fingers leaves, squared deviations.
+    Opposite {
+        /// As touches of the other sign.
+        as_touches: f64,
+        /// As the lift of touches that the reference was taken under.
+        as_lift: f64,
+    },
+}
+
+impl Locator {
+    /// Sign of the touches that are expected.
+    #[must_use]
+    pub fn sign(&self) -> TouchSign {
+        self.bounds.sign
+    }
+
+    /// Expects touches of a sign; forgets those of the other one.
+    pub fn expect_sign(&mut self, sign: TouchSign) {
+        if sign != self.bounds.sign {
+            self.bounds.sign = sign;
+            self.forget_touches();
+        }
+    }
+
+    /// Whether the table has touches of both signs.
+    #[must_use]
+    pub fn knows_both_signs(&self) -> bool {
+        self.model.table.has_both_signs()
+    }
+
+    /// Explains a frame in which no touch is down yet. `noise` as in [`Locator::locate`].
+    pub fn explain_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
+        self.take_frame(changes, noise);
+        let before = energy(&self.frame.coordinates);
+        if before < RIVAL_GAINS * DOWN_GAIN * noise || before < REFUSED_GROWTH * self.unclear_cost {
+            return Onset::Unclear;
+        }
+        let (expected, rest) = self.explain_alone(changes, noise);
+        if rest < WELL_REST {
+            return Onset::Expected;
+        }
+        let sign = self.bounds.sign;
+        self.bounds.sign = sign.opposite();
+        let (as_touches, _) = self.explain_alone(changes, noise);
+        self.bounds.sign = sign;
+        // Seen from the untouched pad, the reference changed by 1 / (1 + change) - 1.
+        let from_untouched: Vec<f32> = changes
+            .iter()
+            .map(|change| (-change / (1.0 + change)).clamp(-1.0, 1.0))
+            .collect();
+        let (as_lift, _) = self.explain_alone(&from_untouched, noise);
+        let best = as_touches.min(as_lift);
+        let gain = before - best;
+        if std::env::var_os("GELPAD_SIGNS").is_some() {
+            eprintln!("before {before:.0} expected {expected:.0} rest {rest:.1} touches {as_touches:.0} lift {as_lift:.0}");
+        }
+        if best < RIVAL_SHARE * expected && gain > RIVAL_GAINS * DOWN_GAIN * noise {
+            return Onset::Opposite {
+                as_touches,
+                as_lift,
+            };
+        }
+        if before - expected > DOWN_GAIN * noise {
+            return Onset::Expected;
+        }
+        self.unclear_cost = before;
+        Onset::Unclear
+    }
+
+    /// What touches leave of a frame, squared deviations, and as a multiple of noise and model error. Forgets them afterwards.
+    fn explain_alone(&mut self, changes: &[f32], noise: f64) -> (f64, f64) {
+        self.forget_touches();
+        self.take_frame(changes, noise);
+        let quality = self.locate(noise, 0.0);
+        let found = energy(&self.fit.residual);
+        let mut left = found;
+        // A single touch, from several starts and anywhere.
+        for place_mm in self.model.templates.peaks(&self.frame.coordinates, self.bounds.sign) {
+            let touch = self.bounds.typical(place_mm);
+            self.try_fit(&[touch], FIT_STEPS);
+            left = left.min(energy(&self.trial.residual));
+        }
+        self.forget_touches();
+        (left, quality.rest * left / found.max(f64::MIN_POSITIVE))
+    }
+}
