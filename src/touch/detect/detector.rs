@@ -16,6 +16,8 @@ const UNEXPLAINED_OUTSIDE: f64 = 9.0;
 const SUSPICIOUS_OUTSIDE: f64 = 3.0;
 /// ... leave this many times noise and model error, more than a palm does.
 const UNEXPLAINED_REST: f64 = 60.0;
+/// While touches that leave this many times noise and model error are down, the reference is not updated.
+const POLLUTING_REST: f64 = 10.0;
 /// No touch changes this many readings ...
 const IMPOSSIBLE_READINGS: usize = 4;
 /// ... by this share ...
@@ -271,7 +273,10 @@ impl Detector {
             electrodes.accept_frame();
         }
         self.watch_lost_electrodes(frame);
-        self.follow_reference(frame);
+        // What the touches leave must not become part of the reference.
+        if rest < POLLUTING_REST || self.tracker.down().is_empty() || !self.knows_both_signs() {
+            self.follow_reference(frame);
+        }
     }
 
     /// Whether too many readings changed more than touches can change them.

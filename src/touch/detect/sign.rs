@@ -13,6 +13,7 @@ use std::collections::VecDeque;
 use super::Detector;
 use crate::eit::{REFERENCE_FRAMES, Reference};
 use crate::pad::TouchSign;
+use crate::touch::Locator;
 use crate::touch::locate::Onset;
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
 
@@ -100,10 +101,14 @@ impl Detector {
         Judged::Touch
     }
 
+    /// Whether touches of either sign are located.
+    pub(super) fn knows_both_signs(&self) -> bool {
+        self.locator.as_ref().is_some_and(Locator::knows_both_signs)
+    }
+
     /// Remembers the reference that is given up because a finger seems to have been lying on the pad.
     pub(super) fn remember_reference(&mut self) {
-        let knows_both = self.locator.as_ref().is_some_and(|locator| locator.knows_both_signs());
-        if !self.sign.is_known && knows_both && self.sign.tried.is_none() {
+        if !self.sign.is_known && self.knows_both_signs() && self.sign.tried.is_none() {
             self.sign.tried = Some(Tried::Lift(Box::new(self.reference.clone())));
         }
     }

@@ -17,4 +17,4 @@ mod templates;
 
 pub use locator::{FitQuality, Locator};
 pub use model::LocatorModel;
-pub use sign::Onset;
+pub(super) use sign::Onset;

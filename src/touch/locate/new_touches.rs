@@ -38,6 +38,14 @@ const SPLIT_STEPS: usize = 3;
 const SPLITS_FITTED: usize = 3;
 /// The template of a typical finger explains at least this share of what the fitted touch will.
 const TEMPLATE_SHARE: f64 = 0.5;
+/// Where every touch is tried as two, in so few directions, ...
+const FEW_DIRECTIONS: usize = 4;
+/// ... at this distance from its centre, mm, ...
+const FAR_SPLIT_MM: f64 = 11.0;
+/// ... ranked by so many steps of the fit, ...
+const FEW_STEPS: usize = 3;
+/// ... and kept if the cost falls below this share.
+const WORTH_SPLIT: f64 = 0.6;
 /// A new touch whose fit leaves less than this share of noise and model error is accepted without trying splits.
 const WELL_REST: f64 = 0.5;
 /// A fit that leaves more than this is improved touch by touch, ...
@@ -190,11 +198,68 @@ impl Locator {
         if !self.justifies_touch(least_gain) || energy(&self.best.residual) > well {
             self.try_splits(place_mm);
         }
+        if energy(&self.best.residual) > well && self.model.table.has_both_signs() {
+            self.try_other_starts();
+            if energy(&self.best.residual) > well {
+                self.try_all_splits();
+            }
+        }
         let is_better = self.justifies_touch(least_gain);
         if is_better {
             std::mem::swap(&mut self.fit, &mut self.best);
         }
         is_better
+    }
+
+    /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
+    /// least cost.
+    fn try_other_starts(&mut self) {
+        let peaks = self
+            .model
+            .templates
+            .peaks(&self.fit.residual, self.bounds.sign);
+        for place_mm in peaks.into_iter().skip(1) {
+            let another = edited(&self.fit.touches, &[self.bounds.typical(place_mm)], None);
+            self.try_fit(&another, NEW_TOUCH_STEPS);
+            self.keep_better();
+        }
+    }
+
+    /// Tries to split every touch in two: where several fingers begin together, one may stand for two that are not near the
+    /// peak of what it leaves.
+    fn try_all_splits(&mut self) {
+        let mut tried = Vec::new();
+        for index in 0..self.best.touches.len() {
+            let middle = self.best.touches[index].centre_mm;
+            for direction in 0..FEW_DIRECTIONS {
+                let angle = std::f64::consts::PI * direction as f64 / FEW_DIRECTIONS as f64;
+                let (dx, dy) = (libm::cos(angle), libm::sin(angle));
+                let halves = [FAR_SPLIT_MM, -FAR_SPLIT_MM].map(|side| {
+                    self.bounds
+                        .typical([middle[0] + side * dx, middle[1] + side * dy])
+                });
+                let touches = edited(&self.best.touches, &halves, Some(index));
+                self.try_fit(&touches, FEW_STEPS);
+                tried.push((self.trial.cost, self.trial.touches.clone()));
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, touches) in tried.iter().take(SPLITS_FITTED) {
+            self.try_fit(touches, NEW_TOUCH_STEPS);
+            // One touch more than the others tried so far: it has to be worth it.
+            if self.trial.cost < WORTH_SPLIT * self.best.cost
+                && least_apart_mm(&self.trial.touches) >= LEAST_APART_MM
+            {
+                std::mem::swap(&mut self.trial, &mut self.best);
+            }
+        }
+    }
+
+    /// Keeps the trial if it is the best one so far.
+    fn keep_better(&mut self) {
+        if self.trial.cost < self.best.cost {
+            std::mem::swap(&mut self.trial, &mut self.best);
+        }
     }
 
     /// Tries to split the touch nearest to a place in two.
@@ -227,9 +292,7 @@ impl Locator {
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, touches) in tried.iter().take(SPLITS_FITTED) {
             self.try_fit(touches, NEW_TOUCH_STEPS);
-            if self.trial.cost < self.best.cost {
-                std::mem::swap(&mut self.trial, &mut self.best);
-            }
+            self.keep_better();
         }
     }
 
