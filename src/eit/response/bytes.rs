@@ -8,7 +8,7 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-use super::table::{LANES, Places, ResponseTable, SIGNS, TERMS};
+use super::table::{LANES, Places, ResponseTable, SIGNS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
@@ -54,7 +54,7 @@ impl ResponseTable {
             self.rank,
             self.places.columns,
             self.places.rows,
-            TERMS,
+            self.places.terms(),
         ];
         for value in dimensions {
             bytes.extend_from_slice(&(value as u32).to_le_bytes());
@@ -103,7 +103,7 @@ impl ResponseTable {
         let dimensions = reader.u32s(6).ok_or(TableError::Damaged)?;
         let stored = |index: usize| dimensions[index] as usize;
         let (key_length, rank) = (stored(0), stored(2));
-        if stored(5) != TERMS {
+        if stored(5) != places.terms() {
             return Err(TableError::NotATable);
         }
         let pitch_mm = reader.f64().ok_or(TableError::Damaged)?;
@@ -118,7 +118,7 @@ impl ResponseTable {
         let (Some(key), Some(basis), Some(terms), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
-            reader.f32s(signs * places.len() * TERMS * rank),
+            reader.f32s(signs * places.len() * places.terms() * rank),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);

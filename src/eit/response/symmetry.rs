@@ -135,7 +135,8 @@ fn renumbering(turn: Turn, pad: &Pad, same_mm: f64) -> Option<Numbering> {
         .collect();
     let image_of = |electrode: usize| {
         let [x, y] = turned(turn, centres[electrode], pad);
-        (0..count).find(|other| libm::hypot(centres[*other][0] - x, centres[*other][1] - y) < same_mm)
+        (0..count)
+            .find(|other| libm::hypot(centres[*other][0] - x, centres[*other][1] - y) < same_mm)
     };
     let is_mirrored = turn[0][0] * turn[1][1] - turn[0][1] * turn[1][0] < 0.0;
     let numbering = Numbering {

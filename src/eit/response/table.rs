@@ -16,14 +16,14 @@ pub const MOST_STRENGTH: f64 = 0.8;
 const PLACES_ALONG: f64 = 50.0;
 /// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
 /// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.
-pub(super) const RADII: usize = 7;
+pub(super) const RADII: usize = 9;
+/// The same in tables of the first version.
+const OLD_RADII: usize = 7;
 /// The smallest solved radius as a share of the pad's longer side: 4.4 mm of 100 mm.
 const LEAST_RADIUS_SHARE: f64 = 0.044;
 pub(super) const RADIUS_STEP: f64 = 1.22;
 /// Terms of the polynomial in strength at each radius.
 pub(super) const POWERS: usize = 3;
-/// Vectors stored per place.
-pub(super) const TERMS: usize = RADII * POWERS;
 /// Dimensions that are summed together; a table's rank is a multiple of it.
 pub(super) const LANES: usize = 8;
 
@@ -85,20 +85,22 @@ pub(super) struct Places {
     pub(super) rows: usize,
     /// Steps beyond the box.
     pub(super) margin: usize,
+    /// Number of radii at each place.
+    pub(super) radii: usize,
 }
 
 impl Places {
     /// The grid of a pad of the given width and height, mm.
     pub(super) fn new(size_mm: [f64; 2]) -> Self {
-        Self::with_margin(size_mm, MARGIN)
+        Self::with_margin(size_mm, MARGIN, RADII)
     }
 
     /// The grid of tables of the first version.
     pub(super) fn old(size_mm: [f64; 2]) -> Self {
-        Self::with_margin(size_mm, OLD_MARGIN)
+        Self::with_margin(size_mm, OLD_MARGIN, OLD_RADII)
     }
 
-    fn with_margin([width, height]: [f64; 2], margin: usize) -> Self {
+    fn with_margin([width, height]: [f64; 2], margin: usize, radii: usize) -> Self {
         let pitch_mm = width.max(height) / PLACES_ALONG;
         let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 1 + 2 * margin;
         Self {
@@ -106,6 +108,7 @@ impl Places {
             columns: count(width),
             rows: count(height),
             margin,
+            radii,
         }
     }
 
@@ -125,8 +128,8 @@ impl Places {
             .iter()
             .all(|step| (step - libm::round(*step)).abs() < 1e-6);
         let [column, row] = [column, row].map(libm::round);
-        let is_within = (0.0..self.columns as f64).contains(&column)
-            && (0.0..self.rows as f64).contains(&row);
+        let is_within =
+            (0.0..self.columns as f64).contains(&column) && (0.0..self.rows as f64).contains(&row);
         (is_on_grid && is_within).then_some(row as usize * self.columns + column as usize)
     }
 
@@ -135,14 +138,22 @@ impl Places {
         (self.margin as f64 - 1.0) * self.pitch_mm
     }
 
-    /// All radii of the table, mm.
-    pub(super) fn radii_mm(&self) -> [f64; RADII] {
-        let mut radius_mm = LEAST_RADIUS_SHARE * PLACES_ALONG * self.pitch_mm / RADIUS_STEP;
-        std::array::from_fn(|_| {
-            let this = radius_mm;
-            radius_mm *= RADIUS_STEP;
-            this
-        })
+    /// The first radius, mm.
+    pub(super) fn least_radius_mm(&self) -> f64 {
+        LEAST_RADIUS_SHARE * PLACES_ALONG * self.pitch_mm / RADIUS_STEP
+    }
+
+    /// All radii, mm.
+    pub(super) fn radii_mm(&self) -> Vec<f64> {
+        let first = Some(self.least_radius_mm());
+        std::iter::successors(first, |radius_mm| Some(radius_mm * RADIUS_STEP))
+            .take(self.radii)
+            .collect()
+    }
+
+    /// Vectors stored per place and sign.
+    pub(super) fn terms(&self) -> usize {
+        self.radii * POWERS
     }
 }
 
@@ -184,7 +195,13 @@ impl ResponseTable {
     #[must_use]
     pub fn radii_mm(&self) -> [f64; 2] {
         let radii = self.places.radii_mm();
-        [radii[1], radii[RADII - 2]]
+        [radii[1], radii[radii.len() - 2]]
+    }
+
+    /// Largest radius of most fingers, mm; wider ones are covered, too.
+    #[must_use]
+    pub fn usual_radius_mm(&self) -> f64 {
+        self.places.radii_mm()[OLD_RADII - 2]
     }
 
     /// How far outside the pad's box a touch's centre may be, mm.
@@ -196,7 +213,7 @@ impl ResponseTable {
     /// Whether the table has responses of rising and falling touches; otherwise only those of the pad's sign.
     #[must_use]
     pub fn has_both_signs(&self) -> bool {
-        self.terms.len() == SIGNS * self.places.len() * TERMS * self.rank
+        self.terms.len() == SIGNS * self.places.len() * self.places.terms() * self.rank
     }
 
     /// Converts coordinates to relative changes, one per channel.
@@ -221,7 +238,7 @@ impl ResponseTable {
     pub(crate) fn small() -> Self {
         let (channels, rank) = (12, LANES);
         let places = Places::new([60.0, 40.0]);
-        let size = places.len() * TERMS * rank;
+        let size = places.len() * places.terms() * rank;
         let mut basis = vec![0.0; rank * channels];
         for dimension in 0..rank {
             basis[dimension * channels + dimension] = 1.0;
@@ -230,8 +247,8 @@ impl ResponseTable {
             .map(|index| {
                 let sign = if index < size { 1.0 } else { -1.0 };
                 let index = index % size;
-                let place = places.at_mm(index / (RADII * POWERS * rank));
-                let radius = (index / (POWERS * rank)) % RADII;
+                let place = places.at_mm(index / (places.terms() * rank));
+                let radius = (index / (POWERS * rank)) % places.radii;
                 let (power, dimension) = ((index / rank) % POWERS, index % rank);
                 let phase = dimension as f64 + 0.3 * radius as f64;
                 let wave = libm::sin(0.09 * place[0] + phase) + libm::cos(0.07 * place[1] - phase);

@@ -229,18 +229,11 @@ impl Detector {
             self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
             return;
         }
-        if std::env::var_os("GELPAD_DBG").is_some() && outside > 9.0 {
-            eprintln!("t {} outside {outside:.2} SKIP", frame.t_ns / 1000000);
-        }
         if outside > UNEXPLAINED_OUTSIDE || waits_for_weights || self.is_impossible() {
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
         let rest = locator.locate(noise, steady).rest;
-        if std::env::var_os("GELPAD_DBG").is_some() {
-            eprintln!("t {} outside {outside:.2} rest {rest:.2} noise {noise:.2} lost {:?} touches {:?}", frame.t_ns / 1000000, self.electrodes.as_ref().map(|e| e.lost()),
-                locator.debug());
-        }
         if rest > UNEXPLAINED_REST && outside > SUSPICIOUS_OUTSIDE {
             locator.undo_frame();
             self.skip_unexplained(Some(locator), frame, changed);

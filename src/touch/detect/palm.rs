@@ -13,6 +13,8 @@ const POOR_REST: f64 = 4.0;
 const MANY_TOUCHES: usize = 5;
 /// ... or this many of full force.
 const HEAVY_TOUCHES: usize = 3;
+/// Touches that leave less than this many times noise and model error are fingers.
+const FINGERS_REST: f64 = 1.0;
 /// A palm that rests for this long becomes part of the reference.
 const REST_NS: Nanos = 300 * NANOS_PER_MS;
 /// A palm that is not detected for this long has left.
@@ -21,16 +23,18 @@ const GONE_NS: Nanos = 100 * NANOS_PER_MS;
 impl Detector {
     /// Whether a frame shows a palm. If so, the contacts of the image replace the located ones.
     pub(super) fn is_under_palm(&mut self, rest: f64, t_ns: Nanos) -> bool {
-        let heavy = self
-            .contacts
-            .iter()
-            .filter(|contact| contact.force >= 1.0)
-            .count()
-            >= HEAVY_TOUCHES
-            && rest > crate::knob("HEAVY_REST", 0.0);
+        // Where the table covers all fingers, what they explain this well is no palm.
+        let are_fingers = self.knows_both_signs() && rest < FINGERS_REST;
+        let heavy = !are_fingers
+            && self
+                .contacts
+                .iter()
+                .filter(|contact| contact.force >= 1.0)
+                .count()
+                >= HEAVY_TOUCHES;
         let is_possible = heavy
             || rest > POOR_REST
-            || (self.contacts.len() >= MANY_TOUCHES && rest > crate::knob("MANY_REST", 1.5))
+            || (self.contacts.len() >= MANY_TOUCHES && !are_fingers)
             || self.palm_ns.is_some();
         if !is_possible {
             return false;

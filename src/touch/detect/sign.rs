@@ -76,7 +76,11 @@ impl Detector {
     pub(super) fn judge_onset(&mut self, frame: &Frame) -> Judged {
         let noise = self.noise().0;
         let is_untouched = self.tracker.down().is_empty();
-        let Some(locator) = self.locator.as_mut().filter(|locator| is_untouched && locator.knows_both_signs()) else {
+        let Some(locator) = self
+            .locator
+            .as_mut()
+            .filter(|locator| is_untouched && locator.knows_both_signs())
+        else {
             return Judged::Unclear;
         };
         let (as_touches, as_lift) = match locator.explain_onset(&self.changes, noise) {
@@ -115,7 +119,11 @@ impl Detector {
 
     /// Whether the pad is back at the reference that was given up: what was taken for the lift of a finger was a touch of the
     /// other sign. Then that reference and that sign count again.
-    pub(super) fn is_back_at_old_reference(&mut self, frame: &Frame, changed: &mut Vec<Touch>) -> bool {
+    pub(super) fn is_back_at_old_reference(
+        &mut self,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) -> bool {
         let Some(Tried::Lift(old)) = &self.sign.tried else {
             return false;
         };
@@ -142,7 +150,8 @@ impl Detector {
         self.reset();
         self.reference = old;
         self.reference.advance(frame.t_ns);
-        self.reference.relative_changes(&frame.volts, &mut self.changes);
+        self.reference
+            .relative_changes(&frame.volts, &mut self.changes);
         if let Some(locator) = &mut self.locator {
             locator.expect_sign(locator.sign().opposite());
         }

@@ -16,9 +16,8 @@ const UNKNOWNS: usize = 4;
 const TYPICAL_STRENGTH: f64 = 0.42;
 /// Standard deviations of log radius and strength between fingers.
 const SPREAD: [f64; 2] = [0.35, 0.3];
-fn outside_spread() -> f64 {
-    crate::knob("OUTSIDE_MM", 1.0)
-}
+/// Standard deviation of how far outside the pad a finger's centre is, mm.
+const OUTSIDE_MM: f64 = 1.0;
 /// The fit has converged when a step moves no touch further than this, mm, ...
 const CONVERGED_STEP_MM: f64 = 0.02;
 /// ... and lowers the cost by less than this, squared deviations.
@@ -64,6 +63,8 @@ pub(super) struct Bounds {
     pub(super) sign: TouchSign,
     /// Smallest and largest log radius.
     pub(super) log_radius: [f64; 2],
+    /// Log radius of a typical finger.
+    pub(super) typical_log_radius: f64,
     /// Weight of the prior: the variance of the noise in the metric's units.
     pub(super) prior_weight: f64,
 }
@@ -78,18 +79,12 @@ pub(super) struct Problem<'a> {
 }
 
 impl Bounds {
-    /// Log radius of a typical finger.
-    #[must_use]
-    pub(super) fn typical_log_radius(&self) -> f64 {
-        0.5 * (self.log_radius[0] + self.log_radius[1])
-    }
-
     /// A typical finger at a place.
     #[must_use]
     pub(super) fn typical(&self, centre_mm: [f64; 2]) -> TouchModel {
         TouchModel {
             centre_mm,
-            log_radius: self.typical_log_radius(),
+            log_radius: self.typical_log_radius,
             strength: TYPICAL_STRENGTH,
             sign: self.sign,
         }
@@ -107,9 +102,9 @@ impl Bounds {
 
     /// Cost of the deviation from a typical finger on the pad.
     fn prior_cost(&self, touch: &TouchModel) -> f64 {
-        let radius = (touch.log_radius - self.typical_log_radius()) / SPREAD[0];
+        let radius = (touch.log_radius - self.typical_log_radius) / SPREAD[0];
         let strength = (touch.strength - TYPICAL_STRENGTH) / SPREAD[1];
-        let [x, y] = self.outside_mm(touch).map(|off| off / outside_spread());
+        let [x, y] = self.outside_mm(touch).map(|off| off / OUTSIDE_MM);
         self.prior_weight * (radius * radius + strength * strength + x * x + y * y)
     }
 
@@ -230,7 +225,7 @@ impl Fit {
                 .push(f64::from(dot(column(row), &self.residual)));
         }
         for (index, touch) in self.touches.iter().enumerate() {
-            let typical = [bounds.typical_log_radius(), TYPICAL_STRENGTH];
+            let typical = [bounds.typical_log_radius, TYPICAL_STRENGTH];
             for (k, at) in [touch.log_radius, touch.strength].into_iter().enumerate() {
                 let row = UNKNOWNS * index + 2 + k;
                 let weight = bounds.prior_weight / (SPREAD[k] * SPREAD[k]);
@@ -240,7 +235,7 @@ impl Fit {
             for (k, off_mm) in bounds.outside_mm(touch).into_iter().enumerate() {
                 if off_mm != 0.0 {
                     let row = UNKNOWNS * index + k;
-                    let weight = bounds.prior_weight / (outside_spread() * outside_spread());
+                    let weight = bounds.prior_weight / (OUTSIDE_MM * OUTSIDE_MM);
                     self.normal[row * count + row] += weight;
                     self.gradient[row] -= weight * off_mm;
                 }

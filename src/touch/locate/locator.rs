@@ -38,6 +38,8 @@ pub struct Locator {
     pub(super) fit: Fit,
     pub(super) trial: Fit,
     pub(super) best: Fit,
+    /// The best fit before its touches are split.
+    pub(super) whole: Fit,
     /// The fit of the frame, while a mean of frames is tried.
     pub(super) present: Fit,
     pub(super) recent: RecentResiduals,
@@ -71,6 +73,7 @@ impl Locator {
             fit: Fit::default(),
             trial: Fit::default(),
             best: Fit::default(),
+            whole: Fit::default(),
             present: Fit::default(),
             recent: RecentResiduals::default(),
             refused_cost: 0.0,
@@ -93,10 +96,6 @@ impl Locator {
     pub fn undo_frame(&mut self) {
         self.fit.touches.clone_from(&self.before);
         self.recent.clear();
-    }
-
-    pub fn debug(&self) -> String {
-        self.fit.touches.iter().map(|t| format!("({:.1} {:.1} r {:.1} s {:.2} {:?}) ", t.centre_mm[0], t.centre_mm[1], t.log_radius.exp(), t.strength, t.sign)).collect()
     }
 
     /// Forgets all touches.

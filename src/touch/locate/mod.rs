@@ -11,6 +11,7 @@ mod locator;
 mod metric;
 mod model;
 mod new_touches;
+mod odd;
 mod recent;
 mod sign;
 mod templates;

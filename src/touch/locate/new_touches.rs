@@ -14,8 +14,13 @@ use crate::types::PointMm;
 
 /// Least distance between two touches, a finger's width. What looks closer is one wide or oval finger.
 const LEAST_APART_MM: f64 = 12.5;
-/// Least distance of a new touch's centre from the edge: a fit at the very edge is an error of an electrode's contact.
+/// Least distance of a new touch's centre from the edge with tables that end there: a fit at the very edge is an error of an
+/// electrode's contact.
 const LEAST_DEPTH_MM: f64 = 1.5;
+/// With tables that reach further, a new touch lies within this share of their reach: one at its end is not a finger.
+const OUTERMOST_SHARE: f64 = 0.97;
+/// Two touches must explain more than one odd finger by this many times what a new touch must explain.
+const ODD_GAINS: f64 = 0.1;
 /// Below this distance, the second touch must explain most of what the first leaves, ...
 const NEAR_MM: f64 = 28.0;
 /// ... this share.
@@ -200,15 +205,50 @@ impl Locator {
         }
         if energy(&self.best.residual) > well && self.model.table.has_both_signs() {
             self.try_other_starts();
-            if energy(&self.best.residual) > well {
+            if energy(&self.best.residual) > well && self.best.touches.len() > 1 {
+                self.whole.clone_from(&self.best);
                 self.try_all_splits();
+                if self.is_odd_finger(noise) {
+                    std::mem::swap(&mut self.whole, &mut self.best);
+                }
             }
         }
-        let is_better = self.justifies_touch(least_gain);
+        let is_better = self.justifies_touch(least_gain) && !self.is_odd_finger(noise);
         if is_better {
             std::mem::swap(&mut self.fit, &mut self.best);
         }
         is_better
+    }
+
+    /// Whether the two nearest touches of the best trial are rather one finger of odd shape.
+    fn is_odd_finger(&mut self, noise: f64) -> bool {
+        if !self.model.table.has_both_signs() {
+            return false;
+        }
+        let touches = &self.best.touches;
+        let pairs = (0..touches.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let nearest = pairs
+            .map(|(i, j)| {
+                (
+                    distance_mm(touches[i].centre_mm, touches[j].centre_mm),
+                    i,
+                    j,
+                )
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, i, j)) = nearest.filter(|(apart_mm, ..)| *apart_mm < NEAR_MM) else {
+            return false;
+        };
+        let mut target = self.best.residual.clone();
+        for index in [i, j] {
+            for (sum, value) in target.iter_mut().zip(&self.best.responses[index].value) {
+                *sum += value;
+            }
+        }
+        let ends_mm = [touches[i].centre_mm, touches[j].centre_mm];
+        let pair = energy(&self.best.residual);
+        let odd = self.odd_cost(&target, ends_mm);
+        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + self.model_error())
     }
 
     /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
@@ -319,10 +359,19 @@ impl Locator {
             .map(|touch| self.depth_mm(touch.centre_mm))
             .fold(f64::INFINITY, f64::min);
         least_apart >= LEAST_APART_MM
-            && (outermost >= LEAST_DEPTH_MM || self.bounds.reach_mm > 0.0 && outermost > crate::knob("DEPTH", -3.9))
+            && outermost >= self.least_depth_mm()
             && lightest >= LEAST_MM2
             && !is_shadow
             && (least_apart >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)
+    }
+
+    /// Least distance of a new touch's centre from the edge, mm; negative outside.
+    fn least_depth_mm(&self) -> f64 {
+        if self.bounds.reach_mm > 0.0 {
+            OUTERMOST_SHARE * -self.bounds.reach_mm
+        } else {
+            LEAST_DEPTH_MM
+        }
     }
 
     /// Distance of a place from the nearest side of the pad's box, mm.

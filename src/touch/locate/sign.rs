@@ -80,9 +80,6 @@ impl Locator {
         let (as_lift, _) = self.explain_alone(&from_untouched, noise);
         let best = as_touches.min(as_lift);
         let gain = before - best;
-        if std::env::var_os("GELPAD_SIGNS").is_some() {
-            eprintln!("before {before:.0} expected {expected:.0} rest {rest:.1} touches {as_touches:.0} lift {as_lift:.0}");
-        }
         if best < RIVAL_SHARE * expected && gain > RIVAL_GAINS * DOWN_GAIN * noise {
             return Onset::Opposite {
                 as_touches,
@@ -104,7 +101,11 @@ impl Locator {
         let found = energy(&self.fit.residual);
         let mut left = found;
         // A single touch, from several starts and anywhere.
-        for place_mm in self.model.templates.peaks(&self.frame.coordinates, self.bounds.sign) {
+        for place_mm in self
+            .model
+            .templates
+            .peaks(&self.frame.coordinates, self.bounds.sign)
+        {
             let touch = self.bounds.typical(place_mm);
             self.try_fit(&[touch], FIT_STEPS);
             left = left.min(energy(&self.trial.residual));

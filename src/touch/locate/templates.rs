@@ -105,7 +105,8 @@ impl Templates {
         places.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut chosen: Vec<PointMm> = Vec::with_capacity(PEAKS);
         for (_, [x, y]) in places {
-            let is_apart = |other: &PointMm| libm::hypot(other[0] - x, other[1] - y) > PEAKS_APART_MM;
+            let is_apart =
+                |other: &PointMm| libm::hypot(other[0] - x, other[1] - y) > PEAKS_APART_MM;
             if chosen.len() < PEAKS && chosen.iter().all(is_apart) {
                 chosen.push([x, y]);
             }

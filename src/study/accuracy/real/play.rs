@@ -125,9 +125,6 @@ impl Session<'_> {
     /// Plays one press and scores it.
     fn press(&mut self, press: &Press) -> Result<(), StudyError> {
         let count = press.centres_mm.len();
-        if std::env::var_os("GELPAD_DBG").is_some() {
-            eprintln!("PRESS {:?}", press.centres_mm);
-        }
         let mut first: Vec<Option<f64>> = vec![None; count];
         for index in 0..PRESS_FRAMES {
             let errors = self.step(&press.volts, &press.centres_mm)?;
