@@ -9,7 +9,7 @@ use faer::{Mat, Side};
 
 use super::scatter::Scatterer;
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable, SIGNS};
+use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable, SIGNS, TERMS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
@@ -36,12 +36,10 @@ pub struct ResponseBuilder {
     key: String,
 }
 
-/// One row of places, solved.
+/// One row of places, solved; the others follow by symmetry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseRow {
-    /// The places that are solved; the others follow by symmetry.
-    places: Vec<usize>,
-    /// Places x samples x channels: responses divided by area and strength.
+    /// Solved places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
 }
 
@@ -90,12 +88,12 @@ impl ResponseBuilder {
             .map(|sign| STRENGTHS.map(|s| sign * HALF_RISE * s / (1.0 - s)))
             .concat();
         let columns = self.places.columns;
-        let places: Vec<usize> = (row * columns..(row + 1) * columns)
-            .filter(|place| self.orbits.is_solved(*place))
-            .collect();
-        let mut scaled = Vec::with_capacity(places.len() * SAMPLES * self.channels);
-        for place in &places {
-            let centre_mm = self.places.at_mm(*place);
+        let mut scaled = Vec::new();
+        for place in row * columns..(row + 1) * columns {
+            if !self.orbits.is_solved(place) {
+                continue;
+            }
+            let centre_mm = self.places.at_mm(place);
             for radius_mm in &self.places.radii_mm()[1..=SOLVED] {
                 let responses = self.scatterer.changes(centre_mm, *radius_mm, &rises);
                 for (response, strength) in responses.iter().zip(STRENGTHS.iter().cycle()) {
@@ -104,7 +102,7 @@ impl ResponseBuilder {
                 }
             }
         }
-        ResponseRow { places, scaled }
+        ResponseRow { scaled }
     }
 
     /// Assembles the table from all rows, in order.
@@ -117,20 +115,14 @@ impl ResponseBuilder {
         let basis = self.basis(rows);
         let rank = basis.ncols();
         let powers = powers_through_strengths();
-        let mut solved: Vec<&[f32]> = vec![&[]; self.places.len()];
-        for row in rows {
-            let samples = row.scaled.chunks_exact(SAMPLES * self.channels);
-            for (place, samples) in row.places.iter().zip(samples) {
-                solved[*place] = samples;
-            }
-        }
-        // Rise and fall, each places x radii x powers x rank.
+        // Rise and fall, each solved places x radii x powers x rank.
         let mut terms: [Vec<f32>; SIGNS] = Default::default();
-        for place in 0..self.places.len() {
-            let (origin, readings) = self.orbits.origin(place);
-            let samples = solved[origin];
+        for samples in rows
+            .iter()
+            .flat_map(|row| row.scaled.chunks_exact(SAMPLES * self.channels))
+        {
             let responses = Mat::from_fn(self.channels, SAMPLES, |channel, sample| {
-                f64::from(samples[sample * self.channels + readings[channel]])
+                f64::from(samples[sample * self.channels + channel])
             });
             let coordinates = basis.transpose() * &responses;
             for (sign, terms) in terms.iter_mut().enumerate() {
@@ -140,14 +132,17 @@ impl ResponseBuilder {
                 });
             }
         }
+        let basis: Vec<f32> = (0..rank)
+            .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
+            .collect();
+        let terms = terms.map(|solved| self.orbits.expand(&solved, TERMS, &basis));
         ResponseTable {
             key: self.key,
             channels: self.channels,
             rank,
-            basis: (0..rank)
-                .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
-                .collect(),
+            basis,
             places: self.places,
+            orbits: self.orbits,
             terms: terms.concat(),
         }
     }

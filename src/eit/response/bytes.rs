@@ -1,14 +1,16 @@
 //! The response table as bytes, for the cache on disk and for recordings.
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
-//! mm (f64); the key; basis and terms (f32); CRC-32 of everything before it. The first version, of older recordings, holds
-//! one sign and no places beyond the edge but those that the interpolation needs.
+//! mm (f64); the key; basis and terms (f32) of both signs at the places from which the others follow by symmetry; CRC-32 of
+//! everything before it. The first version, of older recordings, holds one sign at all places, and no places beyond the edge but
+//! those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-use super::table::{LANES, Places, ResponseTable, SIGNS};
+use super::symmetry::Orbits;
+use super::table::{LANES, Places, ResponseTable, SIGNS, TERMS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
@@ -54,19 +56,28 @@ impl ResponseTable {
             self.rank,
             self.places.columns,
             self.places.rows,
-            self.places.terms(),
+            TERMS,
         ];
         for value in dimensions {
             bytes.extend_from_slice(&(value as u32).to_le_bytes());
         }
         bytes.extend_from_slice(&self.places.pitch_mm.to_le_bytes());
         bytes.extend_from_slice(self.key.as_bytes());
-        for value in self.basis.iter().chain(&self.terms) {
+        for value in self.basis.iter().chain(self.solved_terms()) {
             bytes.extend_from_slice(&value.to_le_bytes());
         }
         let sum = CRC.checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
         bytes
+    }
+
+    /// The terms at the places that the others follow from.
+    fn solved_terms(&self) -> impl Iterator<Item = &f32> {
+        let stride = TERMS * self.rank;
+        let places = self.terms.chunks_exact(stride).enumerate();
+        places
+            .filter(|(index, _)| self.orbits.is_solved(index % self.places.len()))
+            .flat_map(|(_, terms)| terms)
     }
 
     /// Reads and checks a table of a pad.
@@ -76,9 +87,13 @@ impl ResponseTable {
     pub fn from_bytes(bytes: &[u8], pad: &Pad) -> Result<Self, TableError> {
         let size_mm = pad.outline.size_mm();
         if bytes.starts_with(OLD_MAGIC) {
-            Self::read(bytes, Places::old(size_mm), 1, pad.channels())
+            let places = Places::old(size_mm);
+            let orbits = Orbits::none(&places, pad.channels());
+            Self::read(bytes, places, orbits, 1, pad.channels())
         } else {
-            Self::read(bytes, Places::new(size_mm), SIGNS, pad.channels())
+            let places = Places::new(size_mm);
+            let orbits = Orbits::new(pad, &places);
+            Self::read(bytes, places, orbits, SIGNS, pad.channels())
         }
     }
 
@@ -86,6 +101,7 @@ impl ResponseTable {
     fn read(
         bytes: &[u8],
         places: Places,
+        orbits: Orbits,
         signs: usize,
         channels: usize,
     ) -> Result<Self, TableError> {
@@ -103,7 +119,7 @@ impl ResponseTable {
         let dimensions = reader.u32s(6).ok_or(TableError::Damaged)?;
         let stored = |index: usize| dimensions[index] as usize;
         let (key_length, rank) = (stored(0), stored(2));
-        if stored(5) != places.terms() {
+        if stored(5) != TERMS {
             return Err(TableError::NotATable);
         }
         let pitch_mm = reader.f64().ok_or(TableError::Damaged)?;
@@ -118,7 +134,7 @@ impl ResponseTable {
         let (Some(key), Some(basis), Some(terms), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
-            reader.f32s(signs * places.len() * places.terms() * rank),
+            reader.f32s(signs * orbits.solved() * TERMS * rank),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);
@@ -128,12 +144,17 @@ impl ResponseTable {
         if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
             return Err(TableError::OutOfRange);
         }
+        let terms = terms
+            .chunks_exact(terms.len() / signs)
+            .flat_map(|solved| orbits.expand(solved, TERMS, &basis))
+            .collect();
         Ok(Self {
             key: String::from_utf8(key.to_vec()).map_err(|_| TableError::Damaged)?,
             channels,
             rank,
             basis,
             places,
+            orbits,
             terms,
         })
     }
@@ -146,7 +167,7 @@ mod tests {
 
     fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
         let table = ResponseTable::small();
-        ResponseTable::read(bytes, table.places, SIGNS, table.channels)
+        ResponseTable::read(bytes, table.places, table.orbits, SIGNS, table.channels)
     }
 
     /// The small table's bytes with some replaced, and a checksum that is right again.

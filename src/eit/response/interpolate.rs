@@ -8,7 +8,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::table::{
-    LANES, POWERS, Places, RADIUS_STEP, Response, ResponseTable, SIGNS, TouchModel,
+    LANES, POWERS, Places, RADII, RADIUS_STEP, Response, ResponseTable, SIGNS, TouchModel,
 };
 use crate::pad::TouchSign;
 
@@ -75,7 +75,7 @@ impl NullaryFnOnce for Interpolation<'_> {
         } = self;
         let rank = table.rank;
         let radius_stride = POWERS * rank;
-        let place_stride = table.places.radii * radius_stride;
+        let place_stride = RADII * radius_stride;
         // A few dimensions at a time, so that the sums stay in registers.
         for first in (0..rank).step_by(LANES) {
             let mut sums = [[0.0f32; LANES]; 5];
@@ -135,9 +135,9 @@ impl SizeWeights {
     fn new(touch: &TouchModel, places: &Places) -> Self {
         let step = libm::log(RADIUS_STEP);
         let least = libm::log(places.least_radius_mm());
-        let radius = Cubic::at((touch.log_radius - least) / step, places.radii).per(step);
+        let radius = Cubic::at((touch.log_radius - least) / step, RADII).per(step);
         let log_least = least + step;
-        let log_most = least + step * (places.radii - 2) as f64;
+        let log_most = least + step * (RADII - 2) as f64;
         let area = libm::exp(2.0 * touch.log_radius.clamp(log_least, log_most));
         let s = touch.strength;
         let terms = std::array::from_fn(|index| {

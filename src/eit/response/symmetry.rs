@@ -28,7 +28,7 @@ const TURNS: [Turn; 8] = [
 ];
 
 /// One symmetry of a pad.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Symmetry {
     turn: Turn,
     /// For each reading with the touch at the image of a place, the reading with the touch at the place.
@@ -36,7 +36,7 @@ struct Symmetry {
 }
 
 /// Which places of a table follow from which.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orbits {
     symmetries: Vec<Symmetry>,
     /// For each place the least of its images, and the symmetry that maps that one to it.
@@ -70,15 +70,67 @@ impl Orbits {
         }
     }
 
+    /// Every place by itself: tables of the first version.
+    pub(super) fn none(places: &Places, channels: usize) -> Self {
+        Self {
+            symmetries: vec![Symmetry {
+                turn: TURNS[0],
+                readings: (0..channels).collect(),
+            }],
+            origins: (0..places.len()).map(|place| (place, 0)).collect(),
+        }
+    }
+
+    /// Number of solved places.
+    pub(super) fn solved(&self) -> usize {
+        (0..self.origins.len())
+            .filter(|place| self.is_solved(*place))
+            .count()
+    }
+
+    /// The vectors at all places from those at the solved ones, in the order of the places; `per_place` vectors of the basis's
+    /// rank each. `basis` holds rows of readings.
+    ///
+    /// The order of the sums is fixed: the same bits on every machine.
+    pub(super) fn expand(&self, solved: &[f32], per_place: usize, basis: &[f32]) -> Vec<f32> {
+        let turns: Vec<Vec<f32>> = self
+            .symmetries
+            .iter()
+            .map(|symmetry| symmetry.turned_basis(basis))
+            .collect();
+        let channels = self.symmetries[0].readings.len();
+        let rank = basis.len() / channels;
+        let stride = per_place * rank;
+        let mut first_of = vec![0; self.origins.len()];
+        let mut count = 0;
+        for place in 0..self.origins.len() {
+            if self.is_solved(place) {
+                first_of[place] = count * stride;
+                count += 1;
+            }
+        }
+        let mut all = vec![0.0f32; self.origins.len() * stride];
+        for (place, into) in all.chunks_exact_mut(stride).enumerate() {
+            let (origin, symmetry) = self.origins[place];
+            let from = &solved[first_of[origin]..first_of[origin] + stride];
+            if origin == place {
+                into.copy_from_slice(from);
+                continue;
+            }
+            for (to, vector) in into.chunks_exact_mut(rank).zip(from.chunks_exact(rank)) {
+                for (value, column) in vector.iter().zip(turns[symmetry].chunks_exact(rank)) {
+                    for (sum, entry) in to.iter_mut().zip(column) {
+                        *sum += value * entry;
+                    }
+                }
+            }
+        }
+        all
+    }
+
     /// Whether a place is solved.
     pub(super) fn is_solved(&self, place: usize) -> bool {
         self.origins[place].0 == place
-    }
-
-    /// The solved place from which a place follows, and for each of its readings the reading there.
-    pub(super) fn origin(&self, place: usize) -> (usize, &[usize]) {
-        let (origin, symmetry) = self.origins[place];
-        (origin, &self.symmetries[symmetry].readings)
     }
 
     /// The order of the readings under each symmetry.
@@ -110,6 +162,24 @@ impl Symmetry {
             .board_indices()
             .collect();
         Some(Self { turn, readings })
+    }
+
+    /// What the symmetry does to coordinates in a basis: columns of a matrix, rank x rank.
+    fn turned_basis(&self, basis: &[f32]) -> Vec<f32> {
+        let channels = self.readings.len();
+        let rows = || basis.chunks_exact(channels);
+        let mut columns = Vec::with_capacity(rows().len() * rows().len());
+        for from in rows() {
+            columns.extend(rows().map(|to| {
+                let sum: f64 = to
+                    .iter()
+                    .zip(&self.readings)
+                    .map(|(value, reading)| f64::from(*value) * f64::from(from[*reading]))
+                    .sum();
+                sum as f32
+            }));
+        }
+        columns
     }
 
     /// The place to which a place is mapped, if it is one of the grid.
@@ -179,7 +249,7 @@ mod tests {
         let solved = (0..places.len()).filter(|place| orbits.is_solved(*place));
         assert!(solved.count() < places.len() / 6);
         for place in 0..places.len() {
-            assert!(orbits.is_solved(orbits.origin(place).0));
+            assert!(orbits.is_solved(orbits.origins[place].0));
         }
     }
 }

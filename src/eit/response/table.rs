@@ -4,6 +4,7 @@
 //! basis of it instead of one value per channel. Several touches superpose: from two radii apart, their interaction is
 //! smaller than the model error.
 
+use super::symmetry::Orbits;
 use crate::eit::cholesky::add_scaled;
 use crate::pad::TouchSign;
 use crate::types::PointMm;
@@ -16,14 +17,14 @@ pub const MOST_STRENGTH: f64 = 0.8;
 const PLACES_ALONG: f64 = 50.0;
 /// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
 /// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.
-pub(super) const RADII: usize = 9;
-/// The same in tables of the first version.
-const OLD_RADII: usize = 7;
+pub(super) const RADII: usize = 7;
 /// The smallest solved radius as a share of the pad's longer side: 4.4 mm of 100 mm.
 const LEAST_RADIUS_SHARE: f64 = 0.044;
 pub(super) const RADIUS_STEP: f64 = 1.22;
 /// Terms of the polynomial in strength at each radius.
 pub(super) const POWERS: usize = 3;
+/// Vectors stored per place and sign.
+pub(super) const TERMS: usize = RADII * POWERS;
 /// Dimensions that are summed together; a table's rank is a multiple of it.
 pub(super) const LANES: usize = 8;
 
@@ -65,6 +66,8 @@ pub struct ResponseTable {
     /// Rank x channels, rows orthonormal: coordinates times the basis are relative changes.
     pub(super) basis: Vec<f32>,
     pub(super) places: Places,
+    /// Which places follow from which by symmetry: bytes hold the others only.
+    pub(super) orbits: Orbits,
     /// Signs x places x radii x powers of the strength x rank. Tables of the first version hold one sign, that of the pad.
     pub(super) terms: Vec<f32>,
 }
@@ -85,22 +88,20 @@ pub(super) struct Places {
     pub(super) rows: usize,
     /// Steps beyond the box.
     pub(super) margin: usize,
-    /// Number of radii at each place.
-    pub(super) radii: usize,
 }
 
 impl Places {
     /// The grid of a pad of the given width and height, mm.
     pub(super) fn new(size_mm: [f64; 2]) -> Self {
-        Self::with_margin(size_mm, MARGIN, RADII)
+        Self::with_margin(size_mm, MARGIN)
     }
 
     /// The grid of tables of the first version.
     pub(super) fn old(size_mm: [f64; 2]) -> Self {
-        Self::with_margin(size_mm, OLD_MARGIN, OLD_RADII)
+        Self::with_margin(size_mm, OLD_MARGIN)
     }
 
-    fn with_margin([width, height]: [f64; 2], margin: usize, radii: usize) -> Self {
+    fn with_margin([width, height]: [f64; 2], margin: usize) -> Self {
         let pitch_mm = width.max(height) / PLACES_ALONG;
         let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 1 + 2 * margin;
         Self {
@@ -108,7 +109,6 @@ impl Places {
             columns: count(width),
             rows: count(height),
             margin,
-            radii,
         }
     }
 
@@ -147,13 +147,8 @@ impl Places {
     pub(super) fn radii_mm(&self) -> Vec<f64> {
         let first = Some(self.least_radius_mm());
         std::iter::successors(first, |radius_mm| Some(radius_mm * RADIUS_STEP))
-            .take(self.radii)
+            .take(RADII)
             .collect()
-    }
-
-    /// Vectors stored per place and sign.
-    pub(super) fn terms(&self) -> usize {
-        self.radii * POWERS
     }
 }
 
@@ -198,12 +193,6 @@ impl ResponseTable {
         [radii[1], radii[radii.len() - 2]]
     }
 
-    /// Largest radius of most fingers, mm; wider ones are covered, too.
-    #[must_use]
-    pub fn usual_radius_mm(&self) -> f64 {
-        self.places.radii_mm()[OLD_RADII - 2]
-    }
-
     /// How far outside the pad's box a touch's centre may be, mm.
     #[must_use]
     pub fn reach_mm(&self) -> f64 {
@@ -213,7 +202,7 @@ impl ResponseTable {
     /// Whether the table has responses of rising and falling touches; otherwise only those of the pad's sign.
     #[must_use]
     pub fn has_both_signs(&self) -> bool {
-        self.terms.len() == SIGNS * self.places.len() * self.places.terms() * self.rank
+        self.terms.len() == SIGNS * self.places.len() * TERMS * self.rank
     }
 
     /// Converts coordinates to relative changes, one per channel.
@@ -238,7 +227,7 @@ impl ResponseTable {
     pub(crate) fn small() -> Self {
         let (channels, rank) = (12, LANES);
         let places = Places::new([60.0, 40.0]);
-        let size = places.len() * places.terms() * rank;
+        let size = places.len() * TERMS * rank;
         let mut basis = vec![0.0; rank * channels];
         for dimension in 0..rank {
             basis[dimension * channels + dimension] = 1.0;
@@ -247,8 +236,8 @@ impl ResponseTable {
             .map(|index| {
                 let sign = if index < size { 1.0 } else { -1.0 };
                 let index = index % size;
-                let place = places.at_mm(index / (places.terms() * rank));
-                let radius = (index / (POWERS * rank)) % places.radii;
+                let place = places.at_mm(index / (TERMS * rank));
+                let radius = (index / (POWERS * rank)) % RADII;
                 let (power, dimension) = ((index / rank) % POWERS, index % rank);
                 let phase = dimension as f64 + 0.3 * radius as f64;
                 let wave = libm::sin(0.09 * place[0] + phase) + libm::cos(0.07 * place[1] - phase);
@@ -261,6 +250,7 @@ impl ResponseTable {
             rank,
             basis,
             places,
+            orbits: Orbits::none(&places, channels),
             terms,
         }
     }

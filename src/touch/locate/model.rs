@@ -82,7 +82,7 @@ impl LocatorModel {
             reach_mm: table.reach_mm(),
             sign,
             log_radius: [libm::log(least), libm::log(most)],
-            typical_log_radius: 0.5 * (libm::log(least) + libm::log(table.usual_radius_mm())),
+            typical_log_radius: 0.5 * (libm::log(least) + libm::log(most)),
             prior_weight: 1.0,
         };
         Self {

@@ -135,11 +135,11 @@ impl Locator {
                 [middle[0], middle[1], half[0], half[1], log_radius, 0.3],
             )
         };
-        let ring = |radius_mm: f64| {
-            let narrow = self.bounds.log_radius[0];
+        let [narrow, wide] = self.bounds.log_radius;
+        let ring = |radius_mm: f64, log_radius: f64| {
             (
                 Kind::Ring,
-                [middle[0], middle[1], radius_mm, 0.0, narrow, 0.3],
+                [middle[0], middle[1], radius_mm, 0.0, log_radius, 0.3],
             )
         };
         let quarter = std::f64::consts::FRAC_PI_4;
@@ -148,8 +148,9 @@ impl Locator {
             ridge(quarter),
             ridge(2.0 * quarter),
             ridge(3.0 * quarter),
-            ring(RINGS_MM[0]),
-            ring(RINGS_MM[1]),
+            ring(RINGS_MM[0], narrow),
+            ring(RINGS_MM[1], narrow),
+            ring(RINGS_MM[1], wide),
         ];
         let frame = Whitened {
             coordinates: target.to_vec(),

@@ -15,6 +15,8 @@ use crate::pad::TouchSign;
 const FIT_STEPS: usize = 40;
 /// Touches of the expected sign that leave less than this many times noise and model error need no rival.
 const WELL_REST: f64 = 1.0;
+/// The same if they leave less than this share of the frame.
+const CLEAR_SHARE: f64 = 0.02;
 /// A rival explains at least this many times [`DOWN_GAIN`]: at rest, noise has one more way to look like a touch.
 const RIVAL_GAINS: f64 = 2.0;
 /// A rival leaves at most this share of what touches of the expected sign leave.
@@ -65,7 +67,7 @@ impl Locator {
             return Onset::Unclear;
         }
         let (expected, rest) = self.explain_alone(changes, noise);
-        if rest < WELL_REST {
+        if rest < WELL_REST || expected < CLEAR_SHARE * before {
             return Onset::Expected;
         }
         let sign = self.bounds.sign;

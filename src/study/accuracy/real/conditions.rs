@@ -23,6 +23,8 @@ pub struct Condition {
 pub struct Goal {
     /// Share of presses not seen in their first ten frames.
     pub missed: Option<f64>,
+    /// Share of presses with the right number of touches.
+    pub right: Option<f64>,
     /// Mean error of place, mm.
     pub mean_mm: Option<f64>,
     /// Touches that no finger made, in all.
@@ -79,17 +81,19 @@ const ROWS: &[Row] = &[
     ("2 to 4 mm from the edge", "", 60.0, Hand::Edge(2.0, 4.0), goal(Some(0.01), None, Some(0))),
     ("corner", "", 60.0, Hand::Corner, goal(Some(0.03), None, Some(0))),
     ("over an electrode", "", 60.0, Hand::Electrode, goal(Some(0.03), None, Some(0))),
-    ("ellipse 12 x 6 mm", "", 60.0, Hand::Ellipse(12.0, 6.0), goal(None, None, None)),
-    ("ellipse 15 x 6 mm", "", 60.0, Hand::Ellipse(15.0, 6.0), goal(None, None, None)),
-    ("annulus", "", 60.0, Hand::Annulus, goal(None, None, None)),
+    ("ellipse 12 x 6 mm", "", 60.0, Hand::Ellipse(12.0, 6.0), right(0.97)),
+    ("ellipse 15 x 6 mm", "", 60.0, Hand::Ellipse(15.0, 6.0), right(0.95)),
+    ("annulus", "", 60.0, Hand::Annulus, right(0.95)),
     ("radius 15 mm", "", 60.0, Hand::Radius(15.0), goal(None, Some(0.4), None)),
     ("rise of 10 %", "", 60.0, Hand::Rise(0.1), goal(None, Some(0.8), None)),
     ("radius 3 mm", "", 60.0, Hand::Radius(3.0), goal(Some(0.18), None, None)),
     ("radius 4 mm", "", 60.0, Hand::Radius(4.0), goal(Some(0.05), None, None)),
-    ("pairs 12 mm apart", "", 60.0, Hand::Pair(12.0), goal(None, None, None)),
-    ("pairs 14 mm apart", "", 60.0, Hand::Pair(14.0), goal(None, None, None)),
-    ("five fingers", "", 60.0, Hand::Several(5), goal(None, None, None)),
-    ("six fingers", "", 60.0, Hand::Several(6), goal(None, None, None)),
+    ("pairs 12 mm apart", "", 60.0, Hand::Pair(12.0), right(0.6)),
+    ("pairs 14 mm apart", "", 60.0, Hand::Pair(14.0), right(0.95)),
+    ("five fingers", "", 60.0, Hand::Several(5), right(0.95)),
+    ("six fingers", "", 60.0, Hand::Several(6), right(0.85)),
+    ("any of these, 500 ms after the lift", "", 60.0, Hand::Any { falls: false }, goal(None, None, None)),
+    ("the same, falling", "", 60.0, Hand::Any { falls: true }, goal(None, None, None)),
 ];
 
 const fn goal(missed: Option<f64>, mean_mm: Option<f64>, false_touches: Option<usize>) -> Goal {
@@ -98,6 +102,15 @@ const fn goal(missed: Option<f64>, mean_mm: Option<f64>, false_touches: Option<u
         mean_mm,
         false_touches,
         longest_ms: None,
+        right: None,
+    }
+}
+
+/// So many presses have the right number of touches.
+const fn right(share: f64) -> Goal {
+    Goal {
+        right: Some(share),
+        ..goal(None, None, None)
     }
 }
 

@@ -14,6 +14,13 @@ const SEVERAL_APART_MM: f64 = 22.0;
 /// Radius and half width of the ring of [`Hand::Annulus`], mm.
 const RING_MM: (f64, f64) = (6.0, 3.0);
 
+/// Frames between presses, ...
+const PAUSE_FRAMES: usize = 20;
+/// ... and where it is looked at what is left after half a second.
+const LONG_PAUSE_FRAMES: usize = 55;
+/// [`Hand::Any`] presses so many times as often as others.
+const ANY_TIMES: usize = 5;
+
 /// What presses the pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hand {
@@ -45,7 +52,31 @@ pub enum Hand {
     Pair(f64),
     /// Several fingers at least 22 mm apart.
     Several(usize),
+    /// Any of the above, one after the other at random, rising or falling.
+    Any {
+        /// Whether they lower the conductivity.
+        falls: bool,
+    },
 }
+
+/// What [`Hand::Any`] chooses from.
+const KINDS: [Hand; 15] = [
+    Hand::Finger,
+    Hand::Edge(0.0, 2.0),
+    Hand::Edge(2.0, 4.0),
+    Hand::Corner,
+    Hand::Electrode,
+    Hand::Ellipse(12.0, 6.0),
+    Hand::Ellipse(15.0, 6.0),
+    Hand::Annulus,
+    Hand::Radius(15.0),
+    Hand::Rise(0.1),
+    Hand::Radius(3.0),
+    Hand::Radius(4.0),
+    Hand::Pair(14.0),
+    Hand::Several(5),
+    Hand::Several(6),
+];
 
 /// Where fingers press, and the factor by which they multiply the conductivity at a point.
 type Drawn = (Vec<PointMm>, Box<dyn Fn(PointMm) -> f64>);
@@ -53,6 +84,14 @@ type Drawn = (Vec<PointMm>, Box<dyn Fn(PointMm) -> f64>);
 impl Hand {
     pub(super) fn is_untouched(self) -> bool {
         self == Self::Untouched
+    }
+
+    /// Presses for each one of another hand, and frames between them.
+    pub(super) fn presses_and_pause(self) -> (usize, usize) {
+        match self {
+            Self::Any { .. } => (ANY_TIMES, LONG_PAUSE_FRAMES),
+            _ => (1, PAUSE_FRAMES),
+        }
     }
 
     pub(super) fn is_on_model(self) -> bool {
@@ -89,6 +128,16 @@ impl Hand {
             Self::Rise(rise) => finger(inner, radius_mm, rise),
             Self::Pair(distance_mm) => fingers(draws.pair(distance_mm)?),
             Self::Several(count) => fingers(draws.presses_apart(count, SEVERAL_APART_MM)?),
+            Self::Any { falls } => {
+                let index = draws.between(0.0, KINDS.len() as f64) as usize;
+                let (centres, rising) =
+                    KINDS[index.min(KINDS.len() - 1)].draw(pad, scale, draws)?;
+                if falls {
+                    (centres, Box::new(move |point| 1.0 / rising(point)))
+                } else {
+                    (centres, rising)
+                }
+            }
         })
     }
 }

@@ -144,7 +144,7 @@ fn solve(bench: &Bench, hand: Hand, pad: usize, extent: Extent) -> Result<Solved
     let count = if hand.is_untouched() {
         0
     } else {
-        extent.presses
+        extent.presses * hand.presses_and_pause().0
     };
     let presses = (0..count)
         .map(|_| {

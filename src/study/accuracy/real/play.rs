@@ -19,8 +19,8 @@ const REST_FRAMES: usize = 400;
 const LYING_FRAMES: usize = 100;
 /// Frames of a press.
 const PRESS_FRAMES: usize = 10;
-/// Frames between presses.
-const PAUSE_FRAMES: usize = 20;
+/// A touch that is still down so many frames after the last finger lifted is stuck.
+const STUCK_FRAMES: usize = 50;
 
 /// One press, solved.
 pub(super) struct Press {
@@ -43,6 +43,8 @@ pub(super) struct Played {
     pub late: usize,
     /// Fingers that were never found while they pressed.
     pub missed: usize,
+    /// Presses after which a touch is down half a second after the lift, where that is looked at.
+    pub stuck: usize,
     /// Touches that were never within reach of a finger.
     pub false_touches: usize,
     /// Errors of place in the frame in which a finger was first found, mm.
@@ -108,8 +110,10 @@ pub(super) fn session(
     }
     for press in presses {
         session.press(press)?;
-        for _ in 0..PAUSE_FRAMES {
+        for pause in 1..=condition.hand.presses_and_pause().1 {
             session.step(rest, &[])?;
+            let is_down = !session.detector.frame_touches().down.is_empty();
+            session.played.stuck += usize::from(pause == STUCK_FRAMES && is_down);
         }
     }
     session.played.false_touches = session

@@ -29,6 +29,8 @@ pub struct ConditionFindings {
     pub last_mm: Spread,
     /// Touches that no finger made.
     pub false_touches: usize,
+    /// Presses after which a touch is down half a second after the lift, where that is looked at.
+    pub stuck: usize,
     /// Longest time of a touch without a finger, ms.
     pub longest_ms: f64,
     /// Seconds played.
@@ -68,6 +70,7 @@ impl ConditionFindings {
             first_mm: errors(|one| &one.first_errors_mm),
             last_mm: errors(|one| &one.last_errors_mm),
             false_touches: sum(|one| one.false_touches),
+            stuck: sum(|one| one.stuck),
             longest_ms: played.iter().map(|one| one.longest_ms).fold(0.0, f64::max),
             seconds: played.iter().map(|one| one.seconds).sum(),
             is_met: false,
@@ -85,6 +88,10 @@ impl ConditionFindings {
                 .false_touches
                 .is_none_or(|most| self.false_touches <= most)
             && below(self.longest_ms, goal.longest_ms)
+            && self.stuck == 0
+            && goal
+                .right
+                .is_none_or(|least| self.counted_right.share >= least)
     }
 }
 
@@ -101,13 +108,13 @@ impl RealFindings {
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = String::from(
-            "condition                        missed  (95 %)       late   right   first mm  last mm  false  longest ms  goal\n",
+            "condition                            missed  (95 %)       late   right   first mm  last mm  false  stuck  longest ms  goal\n",
         );
         for row in &self.conditions {
             let percent = |share: f64| number(100.0 * share, 1);
             let _ = writeln!(
                 text,
-                "{:<32} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>9.0}   {}",
+                "{:<36} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>6} {:>9.0}   {}",
                 row.name,
                 percent(row.missed.share),
                 percent(row.missed.low),
@@ -117,6 +124,7 @@ impl RealFindings {
                 number(row.first_mm.mean, 2),
                 number(row.last_mm.mean, 2),
                 row.false_touches,
+                row.stuck,
                 row.longest_ms,
                 if row.is_met { "met" } else { "NOT MET" },
             );
