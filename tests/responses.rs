@@ -3,9 +3,9 @@
 mod lattice;
 
 use gelpad::cache;
-use gelpad::eit::Press;
 use gelpad::eit::response::{Response, TouchModel, strength_from_rise};
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
+use gelpad::eit::{Press, ResponseTable};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -80,6 +80,16 @@ fn the_table_of_the_lattice_is_within_a_few_per_cent_of_the_forward_model() {
         let errors = errors(&lattice::pad(), sign, 60);
         assert!(errors[30] < 0.02 && errors[57] < 0.10);
     }
+}
+
+/// A table holds an eighth of its places; the others follow when it is read, to the same bits.
+#[test]
+fn a_table_that_is_read_again_is_the_same() {
+    let pad = lattice::pad();
+    let table = cache::solve(&pad, |_, _| ()).expect("solvable");
+    let bytes = table.to_bytes();
+    assert!(bytes.len() < 7 << 20, "{} bytes", bytes.len());
+    assert_eq!(ResponseTable::from_bytes(&bytes, &pad), Ok(table));
 }
 
 #[test]

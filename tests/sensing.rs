@@ -7,7 +7,7 @@ mod lattice;
 use std::sync::Arc;
 
 use gelpad::eit::{Press, Reconstruction};
-use gelpad::pad::Pad;
+use gelpad::pad::{Pad, TouchSign};
 use gelpad::source::{Noise, SimulatedPad};
 use gelpad::touch::{Detector, SensingBuilder};
 use gelpad::types::{Frame, Method, Nanos, Phase, Touch};
@@ -185,6 +185,90 @@ fn a_finger_that_was_down_at_the_start_leaves_no_ghost() {
             assert_eq!(bench.play(&[], 300), (0, 1));
         }
     }
+}
+
+/// The pad's text says that touches conduct better, and they conduct worse.
+#[test]
+fn touches_of_the_other_sign_are_seen_from_the_first_on_and_leave_no_ghost() {
+    let mut bench = Bench::located(60.0, 5);
+    let falling = Pad {
+        touch_sign: TouchSign::Fall,
+        ..bench.pad.clone()
+    };
+    bench.simulated = SimulatedPad::new(&falling).expect("solvable");
+    bench.play(&[], 300);
+    for place in [[30.0, 62.0], [71.0, 33.0], [50.0, 50.0], [99.0, 40.0]] {
+        assert_eq!(
+            bench.play(&[finger(place, 7.0, 1.0)], 30),
+            (1, 0),
+            "{place:?}"
+        );
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!((x - place[0]).hypot(y - place[1]) < 2.0, "{x} {y}");
+        assert_eq!(bench.play(&[], 60), (0, 1), "{place:?}");
+    }
+    // Now the sign is known: a finger that lay on the pad is a lift, not a touch.
+    bench.detector.rezero(&mut Vec::new());
+    bench.play(&[finger([40.0, 40.0], 7.0, 1.0)], 50);
+    assert_eq!(bench.play(&[], 60), (0, 0));
+}
+
+/// A finger that lay there, one of either sign, at any time: no touch is left when nothing is on the pad.
+#[test]
+fn a_lift_before_the_first_touch_leaves_no_ghost() {
+    for (seed, frames) in [(1, 60), (2, 150), (3, 400), (4, 1000)] {
+        let mut bench = Bench::located(60.0, seed);
+        bench.play(&[finger([34.0, 57.0], 7.5, 1.2)], frames);
+        bench.play(&[], 100);
+        bench.play(&[finger([70.0, 30.0], 7.0, 1.0)], 20);
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!((x - 70.0).hypot(y - 30.0) < 2.0, "{x} {y}");
+        assert_eq!(bench.down().len(), 1, "after {frames} frames");
+        bench.play(&[], 60);
+        assert_eq!(bench.down(), [], "after {frames} frames");
+    }
+}
+
+#[test]
+fn a_finger_at_the_edge_is_placed_and_leaves_no_ghost() {
+    let mut bench = Bench::located(60.0, 6);
+    bench.play(&[], 200);
+    for place in [
+        [0.5, 62.0],
+        [99.5, 33.0],
+        [57.0, 0.0],
+        [44.0, 99.0],
+        [1.5, 98.5],
+    ] {
+        assert_eq!(
+            bench.play(&[finger(place, 7.0, 1.2)], 30),
+            (1, 0),
+            "{place:?}"
+        );
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!((x - place[0]).hypot(y - place[1]) < 2.5, "{x} {y}");
+        assert_eq!(bench.play(&[], 60), (0, 1), "{place:?}");
+    }
+}
+
+#[test]
+fn five_fingers_are_five_and_no_palm() {
+    let mut bench = Bench::located(60.0, 7);
+    bench.play(&[], 200);
+    let places = [
+        [20.0, 30.0],
+        [38.0, 62.0],
+        [55.0, 78.0],
+        [78.0, 62.0],
+        [60.0, 25.0],
+    ];
+    let hand = places.map(|place| finger(place, 6.5, 1.0));
+    // No two fingers land at the same time.
+    for count in 1..=hand.len() {
+        assert_eq!(bench.play(&hand[..count], 3), (1, 0), "finger {count}");
+    }
+    assert_eq!(bench.play(&hand, 100), (0, 0));
+    assert_eq!(bench.play(&[], 60), (0, 5));
 }
 
 #[test]

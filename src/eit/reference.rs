@@ -100,6 +100,12 @@ impl Reference {
         self.step = step.unwrap_or(0.0);
     }
 
+    /// Whether the readings show the steps of the board's converter.
+    #[must_use]
+    pub fn is_rounded(&self) -> bool {
+        self.step > 0.0
+    }
+
     /// Variances of the gains that channels share; 0 where the frames show none.
     #[must_use]
     pub fn shared_noise(&self) -> SharedNoise {

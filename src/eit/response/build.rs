@@ -24,7 +24,7 @@ const SAMPLES: usize = SOLVED * SIGNS * POWERS;
 /// Dimensions with less than this share of the responses' energy are left out: 90 dB below the total.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest rank of a table.
-const MOST_DIMENSIONS: usize = 64;
+const MOST_DIMENSIONS: usize = 72;
 
 /// Solves the table of one pad.
 #[derive(Clone, Debug)]

@@ -101,14 +101,14 @@ impl Orbits {
         let channels = self.symmetries[0].readings.len();
         let rank = basis.len() / channels;
         let stride = per_place * rank;
-        let mut first_of = vec![0; self.origins.len()];
-        let mut count = 0;
-        for place in 0..self.origins.len() {
-            if self.is_solved(place) {
-                first_of[place] = count * stride;
-                count += 1;
-            }
-        }
+        let mut end = 0;
+        let first_of: Vec<usize> = (0..self.origins.len())
+            .map(|place| {
+                let first = end;
+                end += if self.is_solved(place) { stride } else { 0 };
+                first
+            })
+            .collect();
         let mut all = vec![0.0f32; self.origins.len() * stride];
         for (place, into) in all.chunks_exact_mut(stride).enumerate() {
             let (origin, symmetry) = self.origins[place];

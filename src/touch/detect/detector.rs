@@ -16,6 +16,10 @@ const UNEXPLAINED_OUTSIDE: f64 = 9.0;
 const SUSPICIOUS_OUTSIDE: f64 = 3.0;
 /// ... leave this many times noise and model error, more than a palm does.
 const UNEXPLAINED_REST: f64 = 60.0;
+/// For so many frames after the reference was taken, the noise of a board that rounds coarsely is little known, ...
+const YOUNG_FRAMES: u64 = 128;
+/// ... and a new touch must explain this many times as much as later.
+const YOUNG_GAINS: f64 = 2.0;
 /// While touches that leave this many times noise and model error are down, the reference is not updated.
 const POLLUTING_REST: f64 = 10.0;
 /// No touch changes this many readings ...
@@ -67,6 +71,8 @@ pub struct Detector {
     /// Time of the last explained frame.
     pub(super) explained_ns: Nanos,
     pub(super) frames: u64,
+    /// Number of frames when the reference was taken.
+    pub(super) referenced_at: u64,
     /// Deviations for which a new [`Sensing`] is wanted.
     pub(super) wanted: Option<ChannelNoise>,
     /// How often the reference was taken again.
@@ -130,11 +136,12 @@ impl Detector {
             noise_is_unknown: false,
             rebounds: Vec::new(),
             shift: GainShift::default(),
-            sign: SignState::default(),
+            sign: SignState::new(&sensing),
             first_ns: 0,
             palm_ns: None,
             explained_ns: 0,
             frames: 0,
+            referenced_at: 0,
             wanted: None,
             references_retaken: 0,
             sensing,
@@ -162,6 +169,7 @@ impl Detector {
             (Some(locator), Some(model)) => locator.set_weights(model),
             (locator, model) => *locator = model.map(Locator::new),
         }
+        self.sign.set_sensing(&sensing);
         self.sensing = sensing;
         self.wanted = None;
         self.request_for_lost_channels();
@@ -189,6 +197,9 @@ impl Detector {
         if self.is_shifted(frame, changed) {
             return;
         }
+        if let Some(locator) = &mut self.locator {
+            locator.expect_sign(self.sign.expected);
+        }
         self.is_back_at_old_reference(frame, changed);
         if self.is_rebound(frame) {
             return;
@@ -215,6 +226,11 @@ impl Detector {
 
     /// Locates touches in the voltages.
     fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
+        if self.knows_both_signs() {
+            let is_young =
+                self.frames - self.referenced_at < YOUNG_FRAMES && self.reference.is_rounded();
+            locator.demand(if is_young { YOUNG_GAINS } else { 1.0 });
+        }
         let (noise, steady) = self.noise();
         let outside = locator.take_frame(&self.changes, noise).outside;
         let is_late = self.is_late(frame);
@@ -230,10 +246,16 @@ impl Detector {
             return;
         }
         if outside > UNEXPLAINED_OUTSIDE || waits_for_weights || self.is_impossible() {
+            if self.is_contradicted(outside, changed) {
+                return;
+            }
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
         let rest = locator.locate(noise, steady).rest;
+        if self.is_contradicted(rest, changed) {
+            return;
+        }
         if rest > UNEXPLAINED_REST && outside > SUSPICIOUS_OUTSIDE {
             locator.undo_frame();
             self.skip_unexplained(Some(locator), frame, changed);
@@ -259,7 +281,7 @@ impl Detector {
             // The gel springs back.
             self.reference.skip_frame();
         }
-        if self.learn_sign(were_down, rest, frame, changed) {
+        if self.learn_sign(were_down, frame, changed) {
             return;
         }
         if let Some(electrodes) = &mut self.electrodes {

@@ -14,7 +14,7 @@ const MANY_TOUCHES: usize = 5;
 /// ... or this many of full force.
 const HEAVY_TOUCHES: usize = 3;
 /// Touches that leave less than this many times noise and model error are fingers.
-const FINGERS_REST: f64 = 1.0;
+const FINGERS_REST: f64 = 2.0;
 /// A palm that rests for this long becomes part of the reference.
 const REST_NS: Nanos = 300 * NANOS_PER_MS;
 /// A palm that is not detected for this long has left.

@@ -142,6 +142,7 @@ impl Detector {
         self.reference.learn_first_shared_noise(&first);
         self.noise_is_unknown = first_frames.windows(2).all(|pair| pair[0] == pair[1]);
         self.explained_ns = frame.t_ns;
+        self.referenced_at = self.frames;
         if self.references_retaken == 0 {
             self.first_ns = frame.t_ns;
         }

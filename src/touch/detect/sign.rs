@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use super::Detector;
 use crate::eit::{REFERENCE_FRAMES, Reference};
 use crate::pad::TouchSign;
-use crate::touch::Locator;
+use crate::touch::Sensing;
 use crate::touch::locate::Onset;
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
 
@@ -43,12 +43,43 @@ pub(super) enum Judged {
 }
 
 /// What is known about the sign of touches.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct SignState {
+    /// The sign of the touches that are expected.
+    pub(super) expected: TouchSign,
+    /// Whether touches of either sign are located: the table has both.
+    has_both: bool,
     /// A touch of the expected sign has come and gone.
     is_known: bool,
     /// The present choice, which may be wrong.
     tried: Option<Tried>,
+}
+
+impl SignState {
+    /// Before the first frame of a pad with this sensing.
+    pub(super) fn new(sensing: &Sensing) -> Self {
+        let mut state = Self {
+            expected: sensing.reconstruction.touch_sign(),
+            has_both: false,
+            is_known: false,
+            tried: None,
+        };
+        state.set_sensing(sensing);
+        state
+    }
+
+    /// Takes over a sensing of the same pad.
+    pub(super) fn set_sensing(&mut self, sensing: &Sensing) {
+        let model = sensing.locator_model.as_ref();
+        self.has_both = model.is_some_and(|model| model.table().has_both_signs());
+    }
+
+    /// The sign is certain: the expected one, or the other one.
+    fn decide(&mut self, expected: TouchSign) {
+        self.expected = expected;
+        self.is_known = true;
+        self.tried = None;
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -66,16 +97,13 @@ impl Detector {
     /// The sign of the touches that are expected: at first that of the pad's text.
     #[must_use]
     pub fn touch_sign(&self) -> TouchSign {
-        match &self.locator {
-            Some(locator) => locator.sign(),
-            None => self.sensing.reconstruction.touch_sign(),
-        }
+        self.sign.expected
     }
 
     /// What a change of the untouched pad is. If it is a touch of an unexpected sign, that sign is expected from now on.
     pub(super) fn judge_onset(&mut self, frame: &Frame) -> Judged {
         let noise = self.noise().0;
-        let is_untouched = self.tracker.down().is_empty();
+        let is_untouched = self.tracker.down().is_empty() && self.sign.has_both;
         let Some(locator) = self
             .locator
             .as_mut()
@@ -96,8 +124,8 @@ impl Detector {
         if self.sign.is_known || as_touches * factor >= as_lift {
             return Judged::Lift;
         }
-        let opposite = locator.sign().opposite();
-        locator.expect_sign(opposite);
+        self.sign.expected = self.sign.expected.opposite();
+        locator.expect_sign(self.sign.expected);
         self.sign.tried = Some(Tried::Touch {
             since_ns: frame.t_ns,
             frames: VecDeque::new(),
@@ -107,7 +135,7 @@ impl Detector {
 
     /// Whether touches of either sign are located.
     pub(super) fn knows_both_signs(&self) -> bool {
-        self.locator.as_ref().is_some_and(Locator::knows_both_signs)
+        self.sign.has_both
     }
 
     /// Remembers the reference that is given up because a finger seems to have been lying on the pad.
@@ -152,54 +180,62 @@ impl Detector {
         self.reference.advance(frame.t_ns);
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
+        self.sign.decide(self.sign.expected.opposite());
         if let Some(locator) = &mut self.locator {
-            locator.expect_sign(locator.sign().opposite());
+            locator.expect_sign(self.sign.expected);
         }
-        self.sign = SignState {
-            is_known: true,
-            tried: None,
-        };
         true
     }
 
-    /// Learns the sign from an explained frame: `were_down` touches were down before it, and `rest` times noise and model error
-    /// is left. Returns whether a touch of unexpected sign was none: then the reference is taken again.
+    /// Learns the sign from an explained frame before which `were_down` touches were down. Returns whether a touch of unexpected
+    /// sign stays too long to be one: then the reference is taken again.
     pub(super) fn learn_sign(
         &mut self,
         were_down: usize,
-        rest: f64,
         frame: &Frame,
         changed: &mut Vec<Touch>,
     ) -> bool {
         let down = self.tracker.down().len();
         if down < were_down {
-            self.sign = SignState {
-                is_known: true,
-                tried: None,
-            };
+            self.sign.decide(self.sign.expected);
         }
         let Some(Tried::Touch { since_ns, frames }) = &mut self.sign.tried else {
             return false;
         };
-        let is_too_long = frame.t_ns.saturating_sub(*since_ns) > LONGEST_FIRST_NS;
-        let is_contradicted = rest > CONTRADICTED_REST && frames.len() >= REFERENCE_FRAMES;
-        if !is_too_long && !is_contradicted {
-            if frames.len() >= REFERENCE_FRAMES {
-                frames.pop_front();
-            }
-            frames.push_back((frame.t_ns, frame.volts.clone()));
-            return false;
+        if frame.t_ns.saturating_sub(*since_ns) > LONGEST_FIRST_NS {
+            self.take_for_lift(changed);
+            return true;
         }
-        let frames: Vec<(Nanos, Vec<f32>)> = std::mem::take(frames).into();
-        self.tracker.lift_all(changed);
-        if let Some(locator) = &mut self.locator {
-            locator.expect_sign(locator.sign().opposite());
+        if frames.len() >= REFERENCE_FRAMES {
+            frames.pop_front();
         }
-        self.retake_reference(&frames);
-        self.sign = SignState {
-            is_known: true,
-            tried: None,
+        frames.push_back((frame.t_ns, frame.volts.clone()));
+        false
+    }
+
+    /// Whether a frame that leaves `rest` times noise and model error contradicts a touch of unexpected sign: another one began
+    /// beside it that has the first sign. Then it was none, and the reference is taken from the frames before.
+    pub(super) fn is_contradicted(&mut self, rest: f64, changed: &mut Vec<Touch>) -> bool {
+        let is_tried = matches!(
+            &self.sign.tried,
+            Some(Tried::Touch { frames, .. }) if frames.len() >= REFERENCE_FRAMES
+        );
+        if is_tried && rest > CONTRADICTED_REST {
+            self.take_for_lift(changed);
+            return true;
+        }
+        false
+    }
+
+    /// What was taken for a touch of unexpected sign was the lift of a finger: its last frames are the untouched pad.
+    fn take_for_lift(&mut self, changed: &mut Vec<Touch>) {
+        let Some(Tried::Touch { frames, .. }) = self.sign.tried.take() else {
+            return;
         };
-        true
+        let frames: Vec<(Nanos, Vec<f32>)> = frames.into();
+        self.tracker.lift_all(changed);
+        // The locator follows with the next frame.
+        self.sign.decide(self.sign.expected.opposite());
+        self.retake_reference(&frames);
     }
 }

@@ -43,6 +43,8 @@ pub struct Locator {
     /// The fit of the frame, while a mean of frames is tried.
     pub(super) present: Fit,
     pub(super) recent: RecentResiduals,
+    /// New touches must explain this many times [`DOWN_GAIN`].
+    pub(super) down_gains: f64,
     /// The cost at which the last search for another touch failed; the search is repeated when it has grown.
     pub(super) refused_cost: f64,
     /// The cost of the last frame that neither touches nor the lift of a finger explain.
@@ -76,6 +78,7 @@ impl Locator {
             whole: Fit::default(),
             present: Fit::default(),
             recent: RecentResiduals::default(),
+            down_gains: 1.0,
             refused_cost: 0.0,
             unclear_cost: 0.0,
             before: Vec::new(),
@@ -90,6 +93,11 @@ impl Locator {
         self.recent.clear();
         self.refused_cost = 0.0;
         self.unclear_cost = 0.0;
+    }
+
+    /// New touches must explain `times` as much as usual: while the reference is young, its noise is little known.
+    pub fn demand(&mut self, times: f64) {
+        self.down_gains = times;
     }
 
     /// Restores the touches of the previous frame.
@@ -209,7 +217,7 @@ impl Locator {
 
     /// Energy of the model error in this frame.
     pub(super) fn model_error(&self) -> f64 {
-        MODEL_ERROR * MODEL_ERROR * energy(&self.frame.coordinates)
+        model_error(energy(&self.frame.coordinates))
     }
 
     /// Number of dimensions that touches can explain.
@@ -226,6 +234,11 @@ impl Locator {
             rest: energy(&self.fit.residual) / (inside * noise + error),
         }
     }
+}
+
+/// Energy of the model error of touches that change the readings by an energy.
+pub(super) fn model_error(energy: f64) -> f64 {
+    MODEL_ERROR * MODEL_ERROR * energy
 }
 
 /// Rise of conductivity x area: the mean rise of a paraboloid is half of the rise at its centre.

@@ -5,7 +5,7 @@
 //! directions; while the fit is poor, each touch is removed and located again; touches that the others make redundant are
 //! removed.
 
-use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
+use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, model_error, volume_mm2};
 use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
@@ -21,6 +21,8 @@ const LEAST_DEPTH_MM: f64 = 1.5;
 const OUTERMOST_SHARE: f64 = 0.97;
 /// Two touches must explain more than one odd finger by this many times what a new touch must explain.
 const ODD_GAINS: f64 = 0.1;
+/// Two touches closer than this, mm, may be one odd finger.
+const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain most of what the first leaves, ...
 const NEAR_MM: f64 = 28.0;
 /// ... this share.
@@ -43,6 +45,8 @@ const SPLIT_STEPS: usize = 3;
 const SPLITS_FITTED: usize = 3;
 /// The template of a typical finger explains at least this share of what the fitted touch will.
 const TEMPLATE_SHARE: f64 = 0.5;
+/// A new touch that leaves more than this many times noise and model error is tried from other places, too.
+const MISPLACED_REST: f64 = 1.3;
 /// Where every touch is tried as two, in so few directions, ...
 const FEW_DIRECTIONS: usize = 4;
 /// ... at this distance from its centre, mm, ...
@@ -64,7 +68,7 @@ impl Locator {
     /// Adds touches while another one explains enough.
     pub(super) fn add_touches(&mut self, noise: f64) {
         let before = self.fit.touches.len();
-        let least_gain = DOWN_GAIN * noise + self.model_error();
+        let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
         while self.fit.touches.len() < MOST_TOUCHES {
             let rest = energy(&self.fit.residual);
             if rest < least_gain || rest < REFUSED_GROWTH * self.refused_cost {
@@ -92,7 +96,7 @@ impl Locator {
             return;
         }
         let noise = steady + (noise - steady) * self.recent.noise_share();
-        let least_gain = DOWN_GAIN * noise + self.model_error();
+        let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
         let peak = self.peak(self.recent.mean());
         let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
             return;
@@ -204,7 +208,9 @@ impl Locator {
             self.try_splits(place_mm);
         }
         if energy(&self.best.residual) > well && self.model.table.has_both_signs() {
-            self.try_other_starts();
+            if energy(&self.best.residual) > MISPLACED_REST / WELL_REST * well {
+                self.try_other_starts();
+            }
             if energy(&self.best.residual) > well && self.best.touches.len() > 1 {
                 self.whole.clone_from(&self.best);
                 self.try_all_splits();
@@ -236,7 +242,7 @@ impl Locator {
                 )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, i, j)) = nearest.filter(|(apart_mm, ..)| *apart_mm < NEAR_MM) else {
+        let Some((_, i, j)) = nearest.filter(|(apart_mm, ..)| *apart_mm < ODD_REACH_MM) else {
             return false;
         };
         let mut target = self.best.residual.clone();
@@ -248,7 +254,7 @@ impl Locator {
         let ends_mm = [touches[i].centre_mm, touches[j].centre_mm];
         let pair = energy(&self.best.residual);
         let odd = self.odd_cost(&target, ends_mm);
-        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + self.model_error())
+        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + model_error(energy(&target)))
     }
 
     /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
