@@ -197,6 +197,12 @@ impl Engine {
         self.detector.references_retaken()
     }
 
+    /// How many times the board has hung: touches were lifted because it repeated one frame.
+    #[must_use]
+    pub fn hangs(&self) -> u64 {
+        self.detector.hangs()
+    }
+
     /// Number of frames lost before they reached the engine.
     #[must_use]
     pub fn lost_frames(&self) -> u64 {

@@ -415,3 +415,51 @@ fn a_short_between_neighbours_makes_no_touch_and_play_goes_on() {
     );
     assert_eq!(bench.play(&[finger([30.0, 50.0], 7.0, 1.0)], 50), (1, 0));
 }
+
+#[test]
+fn a_board_that_repeats_one_frame_holds_no_touch() {
+    let mut bench = Bench::located(60.0, 8);
+    bench.play(&[], 200);
+    let press = [finger([40.0, 60.0], 7.0, 1.2)];
+    assert_eq!(bench.play(&press, 30), (1, 0));
+    // It hangs: the noise of one frame comes again and again.
+    let volts = bench.simulated.volts(&press).expect("solvable");
+    let volts = bench.noise.read(&volts);
+    let mut changed = Vec::new();
+    for _ in 0..27 {
+        let t_ns = bench.frame * FRAME_NS;
+        let frame = Frame {
+            t_ns,
+            volts: volts.clone(),
+        };
+        bench.detector.process_frame(&frame, &mut changed);
+        bench.frame += 1;
+    }
+    assert!(changed.iter().any(|touch| touch.phase == Phase::Up));
+    assert!(bench.down().is_empty(), "released within 270 ms");
+    assert_eq!(bench.detector.hangs(), 1);
+    // It wakes: the finger is still there, then lifts.
+    assert_eq!(bench.play(&press, 20), (1, 0));
+    assert_eq!(bench.play(&[], 50), (0, 1));
+}
+
+#[test]
+fn a_held_finger_is_placed_by_all_its_frames() {
+    let mut bench = Bench::located(40.0, 9);
+    bench.play(&[], 400);
+    let (mut first, mut held) = (0.0, 0.0);
+    let places = [[30.0, 35.0], [62.0, 44.0], [48.0, 71.0], [75.0, 25.0]];
+    for round in 0..40 {
+        let place = places[round % places.len()];
+        let mut off_mm = |bench: &Bench| {
+            let [x, y] = bench.down()[0].contact.centre_mm;
+            (x - place[0]).hypot(y - place[1]) / 40.0
+        };
+        bench.play(&[finger(place, 7.0, 1.2)], 1);
+        first += off_mm(&bench);
+        bench.play(&[finger(place, 7.0, 1.2)], 9);
+        held += off_mm(&bench);
+        bench.play(&[], 20);
+    }
+    assert!(held < 0.65 * first, "{held:.2} of {first:.2} mm");
+}

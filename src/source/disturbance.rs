@@ -12,6 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::pad::{Channel, Protocol};
+
 /// Full scale of the converter, as a multiple of the largest reading of the untouched pad.
 const ADC_HEADROOM: f64 = 1.25;
 /// Share of frames that a spike hits.
@@ -54,6 +56,8 @@ pub enum Disturbance {
     RepeatedStart(usize),
     /// `gain-step:SHARE`: three seconds after the start all readings are multiplied by 1 + SHARE and stay so.
     GainStep(f64),
+    /// `lost-pair`: from three seconds after the start two neighbouring electrodes have no contact.
+    LostPair,
     /// `stuck-frame`: from three seconds after the start the board repeats one frame.
     StuckFrame,
 }
@@ -84,6 +88,7 @@ pub const DISTURBANCE_NAMES: &[&str] = &[
     "bad-frame:FACTOR",
     "repeated-start:FRAMES",
     "gain-step:SHARE",
+    "lost-pair",
     "stuck-frame",
 ];
 
@@ -129,6 +134,7 @@ impl FromStr for Disturbance {
             "bad-frame" => Self::BadFrame(number(1.6)?),
             "repeated-start" => Self::RepeatedStart(count(10, 1, 1000)? as usize),
             "gain-step" => Self::GainStep(number(0.2)?),
+            "lost-pair" => Self::LostPair,
             "stuck-frame" => Self::StuckFrame,
             _ => return Err(wrong()),
         })
@@ -152,6 +158,7 @@ impl fmt::Display for Disturbance {
             Self::BadFrame(factor) => write!(f, "bad-frame:{factor}"),
             Self::RepeatedStart(frames) => write!(f, "repeated-start:{frames}"),
             Self::GainStep(share) => write!(f, "gain-step:{share}"),
+            Self::LostPair => write!(f, "lost-pair"),
             Self::StuckFrame => write!(f, "stuck-frame"),
         }
     }
@@ -165,6 +172,8 @@ pub struct Disturber {
     full_scale: f64,
     /// Drive of each channel.
     drives: Vec<u16>,
+    /// Of each channel, whether it uses one of the electrodes that `lost-pair` hits.
+    is_lost: Vec<bool>,
     /// The channel that `noisy-channel` and `dead-channel` hit.
     victim: usize,
     /// Flicker noise: components by channel.
@@ -176,17 +185,25 @@ pub struct Disturber {
 }
 
 impl Disturber {
-    /// Disturbances of a pad that reads `rest` volts untouched; `drives` is the drive of each channel.
+    /// Disturbances of a pad with a protocol that reads `rest` volts untouched.
     #[must_use]
-    pub fn new(disturbances: &[Disturbance], rest: &[f64], drives: &[u16], seed: u64) -> Self {
+    pub fn new(disturbances: &[Disturbance], rest: &[f64], protocol: &Protocol, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let largest = rest.iter().fold(0.0_f64, |most, volt| most.max(volt.abs()));
         let victim = (random.next_u64() % rest.len().max(1) as u64) as usize;
         let phase = uniform(&mut random) * TAU;
+        let first = victim % protocol.electrodes;
+        let lost = [first, (first + 1) % protocol.electrodes];
+        let is_lost = |channel: &Channel| {
+            [channel.drive, channel.measure]
+                .iter()
+                .any(|pair| lost.contains(&pair.0) || lost.contains(&pair.1))
+        };
         Self {
             disturbances: disturbances.to_vec(),
             full_scale: ADC_HEADROOM * largest,
-            drives: drives.to_vec(),
+            drives: protocol.drives(),
+            is_lost: protocol.channels.iter().map(is_lost).collect(),
             victim,
             flicker: vec![[0.0; FLICKER_OCTAVES]; rest.len()],
             phase,
@@ -253,6 +270,7 @@ impl Disturber {
                 }
             }
             Disturbance::GainStep(share) if t_s >= EVENT_S => scale(volts, 1.0 + share),
+            Disturbance::LostPair if t_s >= EVENT_S => self.lose_pair(volts),
             Disturbance::StuckFrame if t_s >= EVENT_S => {
                 if self.repeated.is_empty() {
                     self.repeated = volts.to_vec();
@@ -263,6 +281,7 @@ impl Disturber {
             | Disturbance::GarbageStart
             | Disturbance::BadFrame(_)
             | Disturbance::GainStep(_)
+            | Disturbance::LostPair
             | Disturbance::StuckFrame => {}
         }
     }
@@ -280,6 +299,15 @@ impl Disturber {
         let step = 2.0 * self.full_scale / libm::exp2(f64::from(bits));
         for volt in volts {
             *volt = libm::rint(volt.clamp(-self.full_scale, self.full_scale) / step) * step;
+        }
+    }
+
+    /// Inputs without contact float: they read anything.
+    fn lose_pair(&mut self, volts: &mut [f64]) {
+        for (channel, volt) in volts.iter_mut().enumerate() {
+            if self.is_lost[channel] {
+                *volt = self.full_scale * self.normal();
+            }
         }
     }
 
@@ -336,6 +364,13 @@ fn uniform(random: &mut ChaCha8Rng) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
+
+    fn protocol() -> Protocol {
+        let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+        let pad = Pad::from_toml(shipped.name, shipped.toml).expect("valid");
+        pad.protocol
+    }
 
     #[test]
     fn every_name_is_read_and_printed_alike() {
@@ -352,7 +387,7 @@ mod tests {
     #[test]
     fn readings_of_a_converter_are_multiples_of_its_step() {
         let rest = [1.0, 0.01, -0.3];
-        let mut disturber = Disturber::new(&[Disturbance::Adc(10)], &rest, &[0, 0, 1], 1);
+        let mut disturber = Disturber::new(&[Disturbance::Adc(10)], &rest, &protocol(), 1);
         let mut volts = rest.to_vec();
         disturber.apply(0.0, &mut volts);
         let step = 2.5 / 1024.0;
@@ -366,17 +401,17 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_frames() {
-        let rest = vec![1.0; 8];
-        let all: Vec<Disturbance> = "gain:40,drive:40,flicker:40,spikes:1,surge:0.3"
+        let rest = vec![1.0; protocol().channels.len()];
+        let all: Vec<Disturbance> = "gain:40,drive:40,flicker:40,spikes:1,surge:0.3,lost-pair"
             .split(',')
             .map(|name| name.parse().expect("known"))
             .collect();
         let run = |seed| {
-            let mut disturber = Disturber::new(&all, &rest, &[0, 0, 0, 0, 1, 1, 1, 1], seed);
+            let mut disturber = Disturber::new(&all, &rest, &protocol(), seed);
             let mut volts = rest.clone();
             for frame in 0..200 {
                 volts.clone_from(&rest);
-                disturber.apply(f64::from(frame) * 0.01, &mut volts);
+                disturber.apply(f64::from(frame) * 0.02, &mut volts);
             }
             volts
         };

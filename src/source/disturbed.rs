@@ -9,7 +9,7 @@ use crate::types::Nanos;
 pub struct DisturbedSource {
     source: Box<dyn Source>,
     disturbances: Vec<Disturbance>,
-    drives: Vec<u16>,
+    protocol: Protocol,
     seed: u64,
     /// Made with the first frame, and its time.
     started: Option<(Disturber, Nanos)>,
@@ -27,7 +27,7 @@ impl DisturbedSource {
         Self {
             source,
             disturbances,
-            drives: protocol.drives(),
+            protocol: protocol.clone(),
             seed,
             started: None,
         }
@@ -44,7 +44,8 @@ impl Source for DisturbedSource {
         if let SourceReading::Frame(frame) = &mut reading {
             let mut volts: Vec<f64> = frame.volts.iter().map(|volt| f64::from(*volt)).collect();
             let (disturber, first_ns) = self.started.get_or_insert_with(|| {
-                let disturber = Disturber::new(&self.disturbances, &volts, &self.drives, self.seed);
+                let disturber =
+                    Disturber::new(&self.disturbances, &volts, &self.protocol, self.seed);
                 (disturber, frame.t_ns)
             });
             let t_s = frame.t_ns.saturating_sub(*first_ns) as f64 * 1e-9;

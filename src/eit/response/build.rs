@@ -7,9 +7,10 @@ use faer::linalg::solvers::SelfAdjointEigen;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
+use super::places::{Places, RADII};
 use super::scatter::Scatterer;
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, LANES, POWERS, Places, RADII, ResponseTable, SIGNS, TERMS};
+use super::table::{HALF_RISE, LANES, POWERS, ResponseTable, SIGNS, TERMS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 

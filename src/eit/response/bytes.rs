@@ -9,8 +9,9 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
+use super::places::Places;
 use super::symmetry::Orbits;
-use super::table::{LANES, Places, ResponseTable, SIGNS, TERMS};
+use super::table::{LANES, ResponseTable, SIGNS, TERMS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 

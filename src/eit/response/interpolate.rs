@@ -7,9 +7,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::table::{
-    LANES, POWERS, Places, RADII, RADIUS_STEP, Response, ResponseTable, SIGNS, TouchModel,
-};
+use super::places::{Places, RADII, RADIUS_STEP};
+use super::table::{LANES, POWERS, Response, ResponseTable, SIGNS, TouchModel};
 use crate::pad::TouchSign;
 
 impl ResponseTable {

@@ -6,6 +6,7 @@
 mod build;
 mod bytes;
 mod interpolate;
+mod places;
 mod scatter;
 mod symmetry;
 mod table;

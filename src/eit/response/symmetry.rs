@@ -3,7 +3,7 @@
 //! A touch at the image of a place changes the readings as a touch at the place does, in another order. So the response table
 //! solves one place of each set of images, an eighth of all on a square pad.
 
-use super::table::Places;
+use super::places::Places;
 use crate::pad::{Direction, Numbering, Pad, Renumbered};
 use crate::types::PointMm;
 

@@ -58,6 +58,8 @@ pub(in crate::runtime) struct EngineThread {
     is_silent: bool,
     /// Retaken references that were logged.
     logged_retakes: u64,
+    /// Times the board had hung that were logged.
+    logged_hangs: u64,
     /// Time of the first frame.
     first_ns: Option<Nanos>,
     /// Time and arrival of the last frame: they tie the source's time to the clock.
@@ -88,6 +90,7 @@ impl EngineThread {
             longest_silence: SILENCE,
             is_silent: false,
             logged_retakes: 0,
+            logged_hangs: 0,
             first_ns: None,
             last_frame: None,
             second: None,
@@ -184,6 +187,13 @@ impl EngineThread {
             self.logged_retakes = retaken;
             tracing::warn!(
                 "the reference was taken again: a hand rested on the pad, or has left it"
+            );
+        }
+        let hangs = self.engine.hangs();
+        if hangs > self.logged_hangs {
+            self.logged_hangs = hangs;
+            tracing::warn!(
+                "the board repeats one frame: keys are released until it sends another; if it stays so, reset the board"
             );
         }
         if self.view.frames == REFERENCE_FRAMES as u64 {

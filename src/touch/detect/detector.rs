@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::repeats::Repeats;
 use super::shift::GainShift;
 use super::sign::SignState;
 use crate::eit::{ElectrodeMonitor, FirstFrames, Imager, Reconstruction, Reference};
@@ -63,6 +64,8 @@ pub struct Detector {
     pub(super) rebounds: Vec<(Nanos, Vec<f32>)>,
     /// Frames in a row whose readings are all scaled alike.
     pub(super) shift: GainShift,
+    /// Frames that come again and again.
+    pub(super) repeats: Repeats,
     pub(super) sign: SignState,
     /// Time of the first reference.
     pub(super) first_ns: Nanos,
@@ -136,6 +139,7 @@ impl Detector {
             noise_is_unknown: false,
             rebounds: Vec::new(),
             shift: GainShift::default(),
+            repeats: Repeats::default(),
             sign: SignState::new(&sensing),
             first_ns: 0,
             palm_ns: None,
@@ -186,6 +190,9 @@ impl Detector {
     /// # Panics
     /// If the frame has another number of voltages than the pad.
     pub fn process_frame(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        if self.is_hung(frame, changed) {
+            return;
+        }
         if !self.reference.is_ready() {
             self.take_reference_frame(frame);
             return;
@@ -252,7 +259,7 @@ impl Detector {
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
-        let rest = locator.locate(noise, steady).rest;
+        let rest = locator.locate(frame.t_ns, noise, steady).rest;
         if self.is_contradicted(rest, changed) {
             return;
         }

@@ -158,6 +158,30 @@ impl Fit {
         self.backup = backup;
     }
 
+    /// Variances of a touch's coordinates x and y, mm2, where a reading has the variance of the weights: the inverse of its
+    /// normal matrix, radius and strength unknown as well.
+    pub(super) fn variances_mm2(&self, index: usize) -> [f64; 2] {
+        let columns = &self.responses[index].derivatives;
+        let mut normal = [0.0; UNKNOWNS * UNKNOWNS];
+        for row in 0..UNKNOWNS {
+            for other in 0..UNKNOWNS {
+                normal[row * UNKNOWNS + other] = f64::from(dot(&columns[row], &columns[other]));
+            }
+        }
+        normal[2 * (UNKNOWNS + 1)] += 1.0 / (SPREAD[0] * SPREAD[0]);
+        normal[3 * (UNKNOWNS + 1)] += 1.0 / (SPREAD[1] * SPREAD[1]);
+        [0, 1].map(|axis| {
+            let mut factors = normal;
+            let mut unit = [0.0; UNKNOWNS];
+            unit[axis] = 1.0;
+            if solve_in_place(&mut factors, &mut unit) {
+                unit[axis]
+            } else {
+                f64::MAX
+            }
+        })
+    }
+
     /// Moves the touches by the step.
     fn apply_step(&mut self, bounds: &Bounds) {
         for (touch, step) in self
@@ -241,6 +265,7 @@ impl Fit {
                 }
             }
         }
+        self.pin_at_bounds(bounds);
         for row in 0..count {
             let diagonal = &mut self.normal[row * count + row];
             *diagonal += damping * *diagonal + f64::MIN_POSITIVE;
@@ -249,6 +274,34 @@ impl Fit {
         self.step.extend_from_slice(&self.gradient);
         solve_in_place(&mut self.normal, &mut self.step)
             && self.step.iter().all(|value| value.is_finite())
+    }
+
+    /// Takes unknowns that are at their bound, and would leave it, out of the step: cut off after the step, they would spoil it
+    /// for the others. Fits to tables that end at the edge stay as they were.
+    fn pin_at_bounds(&mut self, bounds: &Bounds) {
+        if bounds.reach_mm <= 0.0 {
+            return;
+        }
+        let count = self.gradient.len();
+        for (index, touch) in self.touches.iter().enumerate() {
+            let limits = [
+                (touch.log_radius, bounds.log_radius),
+                (touch.strength, [0.0, MOST_STRENGTH]),
+            ];
+            for (k, (at, [least, most])) in limits.into_iter().enumerate() {
+                let row = UNKNOWNS * index + 2 + k;
+                let leaves = at <= least && self.gradient[row] < 0.0
+                    || at >= most && self.gradient[row] > 0.0;
+                if leaves {
+                    for other in 0..count {
+                        self.normal[row * count + other] = 0.0;
+                        self.normal[other * count + row] = 0.0;
+                    }
+                    self.normal[row * count + row] = 1.0;
+                    self.gradient[row] = 0.0;
+                }
+            }
+        }
     }
 
     /// Largest distance by which the step moves a touch, mm.

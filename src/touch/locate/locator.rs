@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::fit::{Bounds, Fit};
 use super::metric::{Whitened, energy};
 use super::model::LocatorModel;
+use super::motion::{Motion, nearest};
 use super::recent::RecentResiduals;
 use crate::eit::response::{Response, TouchModel};
-use crate::types::Contact;
+use crate::types::{Contact, Nanos};
 
 /// A new touch lowers the cost by at least this many squared deviations: noise alone reaches half of it once in hours.
 pub(super) const DOWN_GAIN: f64 = 45.0;
@@ -51,6 +52,12 @@ pub struct Locator {
     pub(super) unclear_cost: f64,
     /// The touches of the previous frame.
     pub(super) before: Vec<TouchModel>,
+    /// How each touch of the fit moves, in the same order, ...
+    motions: Vec<Motion>,
+    /// ... and scratch memory.
+    last_motions: Vec<Motion>,
+    /// Time of the last located frame.
+    located_ns: Nanos,
     pub(super) response: Response,
     pub(super) sum: Vec<f32>,
 }
@@ -82,6 +89,9 @@ impl Locator {
             refused_cost: 0.0,
             unclear_cost: 0.0,
             before: Vec::new(),
+            motions: Vec::new(),
+            last_motions: Vec::new(),
+            located_ns: 0,
             response: Response::default(),
             sum: Vec::new(),
         }
@@ -109,6 +119,7 @@ impl Locator {
     /// Forgets all touches.
     pub fn forget_touches(&mut self) {
         self.fit.touches.clear();
+        self.motions.clear();
         self.recent.clear();
         self.refused_cost = 0.0;
     }
@@ -120,9 +131,16 @@ impl Locator {
         self.quality(noise)
     }
 
-    /// Locates the touches of the frame last taken. `steady` is the part of the noise that is the reference's uncertainty:
-    /// it does not change from frame to frame.
-    pub fn locate(&mut self, noise: f64, steady: f64) -> FitQuality {
+    /// Locates the touches of the frame last taken, of the given time. `steady` is the part of the noise that is the
+    /// reference's uncertainty: it does not change from frame to frame.
+    pub fn locate(&mut self, t_ns: Nanos, noise: f64, steady: f64) -> FitQuality {
+        self.find_touches(noise, steady);
+        self.follow_motions(t_ns, noise);
+        self.quality(noise)
+    }
+
+    /// Finds the touches of the frame last taken, starting from those of the frame before.
+    pub(super) fn find_touches(&mut self, noise: f64, steady: f64) {
         self.bounds.prior_weight = noise;
         // The reference's uncertainty ends no touch.
         self.follow(noise - steady);
@@ -133,19 +151,49 @@ impl Locator {
         } else {
             self.recent.clear();
         }
-        self.quality(noise)
+    }
+
+    /// Places every touch by this frame and those before.
+    fn follow_motions(&mut self, t_ns: Nanos, noise: f64) {
+        let elapsed_s = t_ns.saturating_sub(self.located_ns) as f64 * 1e-9;
+        self.located_ns = t_ns;
+        std::mem::swap(&mut self.motions, &mut self.last_motions);
+        for motion in &mut self.last_motions {
+            motion.advance(elapsed_s);
+        }
+        self.motions.clear();
+        for (index, touch) in self.fit.touches.iter().enumerate() {
+            let variances_mm2 = self.fit.variances_mm2(index).map(|unit| noise * unit);
+            let mut motion = match nearest(&self.last_motions, touch.centre_mm) {
+                Some(which) => {
+                    let mut motion = self.last_motions.swap_remove(which);
+                    motion.correct(touch.centre_mm, variances_mm2);
+                    motion
+                }
+                None => Motion::new(touch.centre_mm, variances_mm2),
+            };
+            motion.weigh(stay_ratio(touch, &self.fit.responses[index], noise));
+            self.motions.push(motion);
+        }
     }
 
     /// The touches of the last frame, in the order in which they were found.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        // Events of recordings with tables of one sign stay as they were.
+        let is_fused = self.model.table.has_both_signs();
         self.fit
             .touches
             .iter()
             .zip(&self.fit.responses)
-            .map(|(touch, response)| {
+            .zip(&self.motions)
+            .map(move |((touch, response), motion)| {
                 let radius_mm = libm::exp(touch.log_radius);
                 let confidence = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
-                let [x, y] = touch.centre_mm;
+                let [x, y] = if is_fused {
+                    motion.place_mm()
+                } else {
+                    touch.centre_mm
+                };
                 let [width, height] = self.bounds.size_mm;
                 Contact {
                     centre_mm: [x.clamp(0.0, width), y.clamp(0.0, height)],
@@ -181,8 +229,11 @@ impl Locator {
             frame,
             model,
             bounds,
+            motions,
             ..
         } = self;
+        // Events of recordings with tables of one sign stay as they were.
+        let is_fused = model.table.has_both_signs();
         let problem = model.problem(frame, bounds);
         fit.set_touches(before, problem);
         // First those that have left, or the fit would drag them to new touches elsewhere.
@@ -197,14 +248,18 @@ impl Locator {
                 .touches
                 .iter()
                 .zip(&fit.responses)
-                .map(|(touch, response)| {
-                    let gain = energy(&response.value) / (STAY_GAIN * noise);
-                    gain.min(volume_mm2(touch) / (STAY_SHARE * LEAST_MM2))
-                })
+                .map(|(touch, response)| stay_ratio(touch, response, noise))
                 .enumerate()
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             match weakest {
                 Some((index, ratio)) if ratio < 1.0 => {
+                    let place_mm = fit.touches[index].centre_mm;
+                    if is_fused
+                        && nearest(motions, place_mm)
+                            .is_some_and(|which| motions[which].outlives_weak_frame())
+                    {
+                        break;
+                    }
                     let mut touches = std::mem::take(&mut fit.touches);
                     touches.remove(index);
                     fit.set_touches(&touches, problem);
@@ -234,6 +289,12 @@ impl Locator {
             rest: energy(&self.fit.residual) / (inside * noise + error),
         }
     }
+}
+
+/// What a touch explains as a multiple of what it needs to stay.
+fn stay_ratio(touch: &TouchModel, response: &Response, noise: f64) -> f64 {
+    let gain = energy(&response.value) / (STAY_GAIN * noise);
+    gain.min(volume_mm2(touch) / (STAY_SHARE * LEAST_MM2))
 }
 
 /// Energy of the model error of touches that change the readings by an energy.

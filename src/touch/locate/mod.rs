@@ -10,6 +10,7 @@ mod fit;
 mod locator;
 mod metric;
 mod model;
+mod motion;
 mod new_touches;
 mod odd;
 mod recent;

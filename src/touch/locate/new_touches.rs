@@ -19,6 +19,9 @@ const LEAST_APART_MM: f64 = 12.5;
 const LEAST_DEPTH_MM: f64 = 1.5;
 /// With tables that reach further, a new touch lies within this share of their reach: one at its end is not a finger.
 const OUTERMOST_SHARE: f64 = 0.97;
+/// A touch whose centre lies outside the pad or within [`LEAST_DEPTH_MM`] of its edge leaves less than this many times noise
+/// and model error: the contact of an electrode that comes loose resembles such a touch, but less well.
+const EDGE_REST: f64 = 3.0;
 /// Two touches must explain more than one odd finger by this many times what a new touch must explain.
 const ODD_GAINS: f64 = 0.1;
 /// Two touches closer than this, mm, may be one odd finger.
@@ -29,6 +32,9 @@ const NEAR_MM: f64 = 28.0;
 const NEAR_DROP: f64 = 0.55;
 /// Within this distance in mm of a strong touch, one with less than this share of its volume is part of its shape.
 const SHADOWS: [(f64, f64); 2] = [(NEAR_MM, 0.12), (50.0, 0.04)];
+/// Within this distance in mm of a strong touch, one at the edge with less than this share of its volume is what a poor fit of
+/// the strong one leaves: outside the pad nothing contradicts it.
+const EDGE_SHADOW: (f64, f64) = (50.0, 0.12);
 /// Where one touch was fitted to two, the residual has its peak within this distance of it.
 const SPLIT_WITHIN_MM: f64 = 50.0;
 /// The halves of a split touch start at these distances from its centre, mm, ...
@@ -45,8 +51,9 @@ const SPLIT_STEPS: usize = 3;
 const SPLITS_FITTED: usize = 3;
 /// The template of a typical finger explains at least this share of what the fitted touch will.
 const TEMPLATE_SHARE: f64 = 0.5;
-/// A new touch that leaves more than this many times noise and model error is tried from other places, too.
-const MISPLACED_REST: f64 = 1.3;
+/// A new touch that leaves more than this many times noise and model error, more than noise alone does, is tried from other
+/// places, too.
+const MISPLACED_REST: f64 = 1.6;
 /// Where every touch is tried as two, in so few directions, ...
 const FEW_DIRECTIONS: usize = 4;
 /// ... at this distance from its centre, mm, ...
@@ -219,11 +226,24 @@ impl Locator {
                 }
             }
         }
-        let is_better = self.justifies_touch(least_gain) && !self.is_odd_finger(noise);
+        let is_better = self.justifies_touch(least_gain)
+            && !self.is_odd_finger(noise)
+            && !self.is_loose_contact(noise);
         if is_better {
             std::mem::swap(&mut self.fit, &mut self.best);
         }
         is_better
+    }
+
+    /// Whether a touch at the edge is rather an electrode whose contact changes.
+    fn is_loose_contact(&self, noise: f64) -> bool {
+        let at_edge = self
+            .best
+            .touches
+            .iter()
+            .any(|touch| self.depth_mm(touch.centre_mm) < LEAST_DEPTH_MM);
+        let fair = self.inside() * noise + self.model_error();
+        at_edge && energy(&self.best.residual) > EDGE_REST * fair
     }
 
     /// Whether the two nearest touches of the best trial are rather one finger of odd shape.
@@ -355,8 +375,11 @@ impl Locator {
             touches.iter().any(|strong| {
                 let apart = distance_mm(weak.centre_mm, strong.centre_mm);
                 let share = volume_mm2(weak) / volume_mm2(strong);
+                let at_edge = self.depth_mm(weak.centre_mm) < LEAST_DEPTH_MM;
+                let edge_shadow = at_edge.then_some(&EDGE_SHADOW);
                 SHADOWS
                     .iter()
+                    .chain(edge_shadow)
                     .any(|(reach, least)| apart < *reach && share < *least)
             })
         });

@@ -99,7 +99,8 @@ impl Locator {
     fn explain_alone(&mut self, changes: &[f32], noise: f64) -> (f64, f64) {
         self.forget_touches();
         self.take_frame(changes, noise);
-        let quality = self.locate(noise, 0.0);
+        self.find_touches(noise, 0.0);
+        let quality = self.quality(noise);
         let found = energy(&self.fit.residual);
         let mut left = found;
         // A single touch, from several starts and anywhere.

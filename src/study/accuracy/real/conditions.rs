@@ -1,6 +1,7 @@
 //! The conditions of `gelpad accuracy --real`: what disturbs the readings, which hand presses, and which goal is set.
 
 use super::hand::Hand;
+use super::surroundings::Surroundings;
 use crate::source::Disturbance;
 
 /// One row of the table.
@@ -14,6 +15,8 @@ pub struct Condition {
     pub snr_db: f64,
     /// What presses.
     pub hand: Hand,
+    /// What happens around the fingers.
+    pub surroundings: Surroundings,
     /// What is to be reached.
     pub goal: Goal,
 }
@@ -25,8 +28,10 @@ pub struct Goal {
     pub missed: Option<f64>,
     /// Share of presses with the right number of touches.
     pub right: Option<f64>,
-    /// Mean error of place, mm.
+    /// Mean error of place where a finger is first found, mm.
     pub mean_mm: Option<f64>,
+    /// Mean error of place in the press's last frame, mm.
+    pub held_mm: Option<f64>,
     /// Touches that no finger made, in all.
     pub false_touches: Option<usize>,
     /// Longest time for which a touch outlives its finger, or lasts without one, ms.
@@ -51,7 +56,10 @@ const SPIKY: Goal = Goal {
 const ROWS: &[Row] = &[
     ("as the model assumes, 60 dB", "", 60.0, Hand::Finger, USUAL),
     ("pad = model, 80 dB", "", 80.0, Hand::FingerOnModel, goal(Some(0.0), Some(0.06), None)),
-    ("40 dB", "", 40.0, Hand::Finger, goal(None, Some(0.6), None)),
+    ("40 dB, held for 50 ms", "", 40.0, Hand::ShortFinger, held(0.6)),
+    ("slide at 300 mm/s", "", 60.0, Hand::Slide(300.0), Goal { right: Some(0.98), ..held(0.6) }),
+    ("slide at 600 mm/s", "", 60.0, Hand::Slide(600.0), Goal { right: Some(0.95), ..held(1.0) }),
+    ("two neighbouring electrodes lost", "lost-pair", 60.0, Hand::Finger, goal(Some(0.1), None, Some(1))),
     ("ADC of 12 bits, 70 dB", "adc:12", 70.0, Hand::Finger, goal(Some(0.02), Some(0.5), None)),
     ("ADC of 10 bits, 70 dB", "adc:10", 70.0, Hand::Finger, goal(Some(0.1), None, None)),
     ("common gain, 60 dB", "gain:60", 90.0, Hand::Finger, goal(Some(0.005), Some(0.25), None)),
@@ -96,13 +104,30 @@ const ROWS: &[Row] = &[
     ("the same, falling", "", 60.0, Hand::Any { falls: true }, goal(None, None, None)),
 ];
 
+/// Fingers while something happens around them, at 60 dB.
+#[rustfmt::skip]
+const SURROUNDED: &[(&str, Surroundings, Hand, Goal)] = &[
+    ("beside the heel of the hand", Surroundings::Heel, Hand::Finger, goal(Some(0.1), None, Some(1))),
+    ("a pad that bends by 1 %", Surroundings::Bending, Hand::Finger, goal(Some(0.02), None, Some(1))),
+    ("an edge that dries by 10 %", Surroundings::DryingEdge, Hand::Finger, goal(Some(0.02), None, Some(1))),
+];
+
 const fn goal(missed: Option<f64>, mean_mm: Option<f64>, false_touches: Option<usize>) -> Goal {
     Goal {
         missed,
         mean_mm,
+        held_mm: None,
         false_touches,
         longest_ms: None,
         right: None,
+    }
+}
+
+/// The mean error of place at the end of a press.
+const fn held(mm: f64) -> Goal {
+    Goal {
+        held_mm: Some(mm),
+        ..goal(None, None, None)
     }
 }
 
@@ -126,8 +151,21 @@ pub fn conditions() -> Vec<Condition> {
                 .collect(),
             snr_db: *snr_db,
             hand: *hand,
+            surroundings: Surroundings::Still,
             goal: *goal,
         })
+        .chain(
+            SURROUNDED
+                .iter()
+                .map(|(name, surroundings, hand, goal)| Condition {
+                    name,
+                    disturbances: Vec::new(),
+                    snr_db: 60.0,
+                    hand: *hand,
+                    surroundings: *surroundings,
+                    goal: *goal,
+                }),
+        )
         .collect()
 }
 
@@ -140,6 +178,7 @@ pub fn own_conditions(disturbances: &[Disturbance], snr_db: f64) -> Vec<Conditio
             disturbances: disturbances.to_vec(),
             snr_db,
             hand,
+            surroundings: Surroundings::Still,
             goal: Goal::default(),
         })
         .to_vec()

@@ -5,6 +5,8 @@ use crate::study::accuracy::draws::Draws;
 use crate::study::{Press, StudyError};
 use crate::types::PointMm;
 
+/// Time between frames, ms.
+const FRAME_MS: f64 = 10.0;
 /// Radius of a finger, mm on a pad of 100 mm.
 const RADIUS_MM: [f64; 2] = [5.0, 9.0];
 /// Relative rise in the middle of a finger.
@@ -14,6 +16,10 @@ const SEVERAL_APART_MM: f64 = 22.0;
 /// Radius and half width of the ring of [`Hand::Annulus`], mm.
 const RING_MM: (f64, f64) = (6.0, 3.0);
 
+/// Frames of a press, ...
+pub(super) const PRESS_FRAMES: usize = 10;
+/// ... and of a short one.
+const SHORT_PRESS_FRAMES: usize = 5;
 /// Frames between presses, ...
 const PAUSE_FRAMES: usize = 20;
 /// ... and where it is looked at what is left after half a second.
@@ -30,6 +36,10 @@ pub enum Hand {
     Finger,
     /// The same on a pad exactly as the model takes it.
     FingerOnModel,
+    /// A finger for 50 ms.
+    ShortFinger,
+    /// A finger that slides at this speed, mm/s.
+    Slide(f64),
     /// A finger that lowers the conductivity.
     Falling,
     /// A finger, after another one that lay on the pad from the start and was lifted.
@@ -81,37 +91,83 @@ const KINDS: [Hand; 15] = [
 /// Where fingers press, and the factor by which they multiply the conductivity at a point.
 type Drawn = (Vec<PointMm>, Box<dyn Fn(PointMm) -> f64>);
 
+/// Presses for each one of another hand, the frames of each, and those between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Rhythm {
+    pub presses: usize,
+    pub press_frames: usize,
+    pub pause_frames: usize,
+}
+
 impl Hand {
     pub(super) fn is_untouched(self) -> bool {
         self == Self::Untouched
     }
 
-    /// Presses for each one of another hand, and frames between them.
-    pub(super) fn presses_and_pause(self) -> (usize, usize) {
+    pub(super) fn rhythm(self) -> Rhythm {
+        let usual = Rhythm {
+            presses: 1,
+            press_frames: PRESS_FRAMES,
+            pause_frames: PAUSE_FRAMES,
+        };
         match self {
-            Self::Any { .. } => (ANY_TIMES, LONG_PAUSE_FRAMES),
-            _ => (1, PAUSE_FRAMES),
+            Self::Any { .. } => Rhythm {
+                presses: ANY_TIMES,
+                pause_frames: LONG_PAUSE_FRAMES,
+                ..usual
+            },
+            Self::ShortFinger => Rhythm {
+                press_frames: SHORT_PRESS_FRAMES,
+                ..usual
+            },
+            _ => usual,
         }
+    }
+
+    /// Whether the hand moves while it presses.
+    pub(super) fn is_moving(self) -> bool {
+        matches!(self, Self::Slide(_))
     }
 
     pub(super) fn is_on_model(self) -> bool {
         self == Self::FingerOnModel
     }
 
-    /// One press of the hand. Lengths shrink with `scale` on small pads.
+    /// One press of the hand: a single stage, or one for each frame if it moves.
     pub(super) fn draw(
         self,
         pad: &Pad,
         scale: f64,
         draws: &mut Draws,
-    ) -> Result<Drawn, StudyError> {
+    ) -> Result<Vec<Drawn>, StudyError> {
+        let Self::Slide(mm_per_s) = self else {
+            return Ok(vec![self.draw_still(pad, scale, draws)?]);
+        };
+        let path_mm = 1e-3 * mm_per_s * FRAME_MS * (PRESS_FRAMES - 1) as f64;
+        let ends = draws.pair(path_mm)?;
+        let radius_mm = scale * draws.between(RADIUS_MM[0], RADIUS_MM[1]);
+        let rise = draws.between(RISE[0], RISE[1]);
+        let stage = |frame: usize| {
+            let share = frame as f64 / (PRESS_FRAMES - 1) as f64;
+            let [from, to] = [0, 1].map(|end| ends[end].centre_mm);
+            let at_mm = [0, 1].map(|k| from[k] + share * (to[k] - from[k]));
+            finger(at_mm, radius_mm, rise)
+        };
+        Ok((0..PRESS_FRAMES).map(stage).collect())
+    }
+
+    /// One press of a hand that does not move. Lengths shrink with `scale` on small pads.
+    fn draw_still(self, pad: &Pad, scale: f64, draws: &mut Draws) -> Result<Drawn, StudyError> {
         let radius_mm = scale * draws.between(RADIUS_MM[0], RADIUS_MM[1]);
         let rise = draws.between(RISE[0], RISE[1]);
         let inner = draws.presses(1)?[0].centre_mm;
         Ok(match self {
-            Self::Untouched | Self::Finger | Self::FingerOnModel | Self::FingerAfterLying => {
-                finger(inner, radius_mm, rise)
-            }
+            Self::Untouched
+            | Self::Finger
+            | Self::FingerOnModel
+            | Self::FingerAfterLying
+            | Self::ShortFinger
+            | Self::Slide(_) => finger(inner, radius_mm, rise),
             Self::Falling => {
                 let (centres, rising) = finger(inner, radius_mm, rise);
                 (centres, Box::new(move |point| 1.0 / rising(point)))
@@ -131,7 +187,7 @@ impl Hand {
             Self::Any { falls } => {
                 let index = draws.between(0.0, KINDS.len() as f64) as usize;
                 let (centres, rising) =
-                    KINDS[index.min(KINDS.len() - 1)].draw(pad, scale, draws)?;
+                    KINDS[index.min(KINDS.len() - 1)].draw_still(pad, scale, draws)?;
                 if falls {
                     (centres, Box::new(move |point| 1.0 / rising(point)))
                 } else {

@@ -8,10 +8,12 @@ mod conditions;
 mod hand;
 mod play;
 mod report;
+mod surroundings;
 
 pub use conditions::{Condition, Goal, conditions, own_conditions};
 pub use hand::Hand;
 pub use report::{ConditionFindings, RealFindings};
+pub use surroundings::Surroundings;
 
 use std::collections::BTreeMap;
 
@@ -19,7 +21,8 @@ use super::Bench;
 use super::draws::Draws;
 use super::specimen::Specimen;
 use crate::study::{StudyError, job};
-use play::{Played, Press};
+use crate::types::PointMm;
+use play::{Played, Press, Solved, Stage};
 
 /// How much is played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,12 +50,6 @@ impl Extent {
     };
 }
 
-/// Presses of one hand on one pad, solved once for all conditions.
-struct Solved {
-    rest: Vec<f64>,
-    presses: Vec<Press>,
-}
-
 /// Plays all conditions.
 ///
 /// # Errors
@@ -71,19 +68,12 @@ pub(super) fn play_all(
         &runs,
         |(index, pad)| {
             let condition = &conditions[*index];
-            let solved = &solved[&(key(condition.hand), *pad)];
+            let solved = &solved[&(key(condition), *pad)];
             let seed = bench
                 .seed
                 .wrapping_mul(1_000_003)
                 .wrapping_add((index * 64 + pad) as u64);
-            play::session(
-                bench,
-                condition,
-                extent,
-                &solved.rest,
-                &solved.presses,
-                seed,
-            )
+            play::session(bench, condition, extent, solved, seed)
         },
         progress,
     )?;
@@ -102,28 +92,28 @@ pub(super) fn play_all(
         .collect())
 }
 
-/// Hands are compared by their text: their numbers are constants.
-fn key(hand: Hand) -> String {
-    format!("{hand:?}")
+/// Hands and surroundings are compared by their text: their numbers are constants.
+fn key(condition: &Condition) -> String {
+    format!("{:?} {:?}", condition.hand, condition.surroundings)
 }
 
-/// Solves every hand of the conditions on every pad, once.
+/// Solves every hand in its surroundings on every pad, once.
 fn solve_hands(
     bench: &Bench,
     conditions: &[Condition],
     extent: Extent,
 ) -> Result<BTreeMap<(String, usize), Solved>, StudyError> {
-    let hands: BTreeMap<String, Hand> = conditions
+    let hands: BTreeMap<String, &Condition> = conditions
         .iter()
-        .map(|condition| (key(condition.hand), condition.hand))
+        .map(|condition| (key(condition), condition))
         .collect();
-    let jobs: Vec<(String, Hand, usize)> = hands
+    let jobs: Vec<(String, &Condition, usize)> = hands
         .into_iter()
-        .flat_map(|(key, hand)| (0..extent.pads).map(move |pad| (key.clone(), hand, pad)))
+        .flat_map(|(key, condition)| (0..extent.pads).map(move |pad| (key.clone(), condition, pad)))
         .collect();
     let solved = job::solve_in_parallel(
         &jobs,
-        |(_, hand, pad)| solve(bench, *hand, *pad, extent),
+        |(_, condition, pad)| solve(bench, condition, *pad, extent),
         |_, _| (),
     )?;
     let keys = jobs.into_iter().map(|(key, _, pad)| (key, pad));
@@ -131,7 +121,13 @@ fn solve_hands(
 }
 
 /// Solves a pad at rest and under each press of a hand. Pad and presses depend on the seed and the pad's number only.
-fn solve(bench: &Bench, hand: Hand, pad: usize, extent: Extent) -> Result<Solved, StudyError> {
+fn solve(
+    bench: &Bench,
+    condition: &Condition,
+    pad: usize,
+    extent: Extent,
+) -> Result<Solved, StudyError> {
+    let (hand, surroundings) = (condition.hand, condition.surroundings);
     let specimen = if hand.is_on_model() {
         Specimen::ideal(&bench.pad)?
     } else {
@@ -144,16 +140,26 @@ fn solve(bench: &Bench, hand: Hand, pad: usize, extent: Extent) -> Result<Solved
     let count = if hand.is_untouched() {
         0
     } else {
-        extent.presses * hand.presses_and_pause().0
+        extent.presses * hand.rhythm().presses
     };
-    let presses = (0..count)
-        .map(|_| {
-            let (centres_mm, factor) = hand.draw(&bench.pad, bench.scale, &mut draws)?;
-            let volts = specimen.touched(factor)?.voltages(&bench.pad.protocol);
-            Ok(Press { centres_mm, volts })
-        })
-        .collect::<Result<_, StudyError>>()?;
+    let mut presses = Vec::with_capacity(count);
+    while presses.len() < count {
+        let drawn = hand.draw(&bench.pad, bench.scale, &mut draws)?;
+        let fits = |place: &PointMm| surroundings.leaves_room(&bench.pad, bench.scale, *place);
+        if !drawn.iter().flat_map(|(centres, _)| centres).all(fits) {
+            continue;
+        }
+        let stages = drawn
+            .into_iter()
+            .map(|(centres_mm, factor)| {
+                let volts = specimen.touched(factor)?.voltages(&bench.pad.protocol);
+                Ok(Stage { centres_mm, volts })
+            })
+            .collect::<Result<_, StudyError>>()?;
+        presses.push(Press { stages });
+    }
     Ok(Solved {
+        surrounded: surroundings.solve(&bench.pad, bench.scale, &specimen)?,
         rest: specimen.rest,
         presses,
     })

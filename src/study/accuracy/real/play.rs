@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Condition, Extent, Hand};
+use super::{Condition, Extent, Hand, Surroundings};
 use crate::source::{Disturber, Noise};
 use crate::study::StudyError;
 use crate::study::accuracy::Bench;
@@ -17,17 +17,34 @@ const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
 const REST_FRAMES: usize = 400;
 /// Frames for which a finger lies on the pad from the start.
 const LYING_FRAMES: usize = 100;
-/// Frames of a press.
-const PRESS_FRAMES: usize = 10;
 /// A touch that is still down so many frames after the last finger lifted is stuck.
 const STUCK_FRAMES: usize = 50;
 
-/// One press, solved.
+/// One press, solved: a single stage while it lasts, or one for each of its frames.
 pub(super) struct Press {
+    pub stages: Vec<Stage>,
+}
+
+/// A press at one moment.
+pub(super) struct Stage {
     /// Where its fingers are.
     pub centres_mm: Vec<PointMm>,
-    /// Readings while it lasts, V/A.
+    /// Readings, V/A.
     pub volts: Vec<f64>,
+}
+
+impl Press {
+    fn stage(&self, frame: usize) -> &Stage {
+        &self.stages[frame.min(self.stages.len() - 1)]
+    }
+}
+
+/// One pad, solved at rest and under each press.
+pub(super) struct Solved {
+    pub rest: Vec<f64>,
+    pub presses: Vec<Press>,
+    /// What the surroundings change at their full size, relative to each reading; empty if nothing.
+    pub surrounded: Vec<f64>,
 }
 
 /// What became of a session.
@@ -37,7 +54,7 @@ pub(super) struct Played {
     pub fingers: usize,
     /// Presses.
     pub presses: usize,
-    /// Presses in whose last frame as many touches were down as fingers.
+    /// Presses in whose last frame as many touches were down as fingers; of a moving hand, throughout and one touch a finger.
     pub counted_right: usize,
     /// Fingers that were not found in the first frame of their press.
     pub late: usize,
@@ -49,7 +66,7 @@ pub(super) struct Played {
     pub false_touches: usize,
     /// Errors of place in the frame in which a finger was first found, mm.
     pub first_errors_mm: Vec<f64>,
-    /// Errors of place in the last frame of the press, mm.
+    /// Errors of place in the last frame of the press, mm; of a moving hand, in all but its first.
     pub last_errors_mm: Vec<f64>,
     /// Longest time of a touch without a finger, ms.
     pub longest_ms: f64,
@@ -60,6 +77,9 @@ pub(super) struct Played {
 /// The sensing under test, with the disturbed readings of one pad.
 struct Session<'a> {
     bench: &'a Bench,
+    hand: Hand,
+    surroundings: Surroundings,
+    surrounded: &'a [f64],
     detector: Detector,
     noise: Noise,
     disturber: Disturber,
@@ -77,16 +97,24 @@ pub(super) fn session(
     bench: &Bench,
     condition: &Condition,
     extent: Extent,
-    rest: &[f64],
-    presses: &[Press],
+    solved: &Solved,
     seed: u64,
 ) -> Result<Played, StudyError> {
-    let drives = bench.pad.protocol.drives();
+    let (rest, mut presses) = (&solved.rest[..], &solved.presses[..]);
+    let rhythm = condition.hand.rhythm();
     let mut session = Session {
         bench,
+        hand: condition.hand,
+        surroundings: condition.surroundings,
+        surrounded: &solved.surrounded,
         detector: bench.sensing.new_detector(),
         noise: Noise::new(condition.snr_db, seed),
-        disturber: Disturber::new(&condition.disturbances, rest, &drives, seed ^ 0x5eed),
+        disturber: Disturber::new(
+            &condition.disturbances,
+            rest,
+            &bench.pad.protocol,
+            seed ^ 0x5eed,
+        ),
         frame: 0,
         changed: Vec::new(),
         matched: BTreeMap::new(),
@@ -98,10 +126,9 @@ pub(super) fn session(
     } else {
         REST_FRAMES
     };
-    let mut presses = presses;
     if let (Hand::FingerAfterLying, [lying, others @ ..]) = (condition.hand, presses) {
         for _ in 0..LYING_FRAMES {
-            session.step(&lying.volts, &[])?;
+            session.step(&lying.stage(0).volts, &[])?;
         }
         presses = others;
     }
@@ -109,8 +136,8 @@ pub(super) fn session(
         session.step(rest, &[])?;
     }
     for press in presses {
-        session.press(press)?;
-        for pause in 1..=condition.hand.presses_and_pause().1 {
+        session.press(press, rhythm.press_frames)?;
+        for pause in 1..=rhythm.pause_frames {
             session.step(rest, &[])?;
             let is_down = !session.detector.frame_touches().down.is_empty();
             session.played.stuck += usize::from(pause == STUCK_FRAMES && is_down);
@@ -127,22 +154,38 @@ pub(super) fn session(
 
 impl Session<'_> {
     /// Plays one press and scores it.
-    fn press(&mut self, press: &Press) -> Result<(), StudyError> {
-        let count = press.centres_mm.len();
+    fn press(&mut self, press: &Press, frames: usize) -> Result<(), StudyError> {
+        let count = press.stages[0].centres_mm.len();
+        let is_moving = self.hand.is_moving();
         let mut first: Vec<Option<f64>> = vec![None; count];
-        for index in 0..PRESS_FRAMES {
-            let errors = self.step(&press.volts, &press.centres_mm)?;
+        let mut ids: Vec<u64> = Vec::new();
+        for index in 0..frames {
+            let stage = press.stage(index);
+            let errors = self.step(&stage.volts, &stage.centres_mm)?;
             for (kept, error) in first.iter_mut().zip(&errors) {
                 *kept = kept.or(*error);
             }
             if index == 0 {
                 self.played.late += errors.iter().filter(|error| error.is_none()).count();
             }
-            if index + 1 == PRESS_FRAMES {
+            ids.extend(
+                self.detector
+                    .frame_touches()
+                    .down
+                    .iter()
+                    .map(|touch| touch.id.0),
+            );
+            let is_last = index + 1 == frames;
+            if is_last || is_moving && index > 0 {
                 self.played.last_errors_mm.extend(errors.iter().flatten());
+            }
+            if is_last {
+                ids.sort_unstable();
+                ids.dedup();
                 let down = self.detector.frame_touches().down.len();
-                let all_found = errors.iter().all(Option::is_some);
-                self.played.counted_right += usize::from(down == count && all_found);
+                let is_whole = !is_moving || ids.len() == count;
+                let is_right = down == count && errors.iter().all(Option::is_some) && is_whole;
+                self.played.counted_right += usize::from(is_right);
             }
         }
         self.played.presses += 1;
@@ -154,14 +197,20 @@ impl Session<'_> {
 
     /// Plays one frame; returns for each finger how far off it was found.
     fn step(&mut self, volts: &[f64], fingers: &[PointMm]) -> Result<Vec<Option<f64>>, StudyError> {
+        let t_s = self.frame as f64 * FRAME_NS as f64 * 1e-9;
+        let share = self.surroundings.share(t_s);
+        let mut surrounded = volts.to_vec();
+        for (volt, change) in surrounded.iter_mut().zip(self.surrounded) {
+            *volt *= 1.0 + share * change;
+        }
         let mut read: Vec<f64> = self
             .noise
-            .read(volts)
+            .read(&surrounded)
             .iter()
             .map(|volt| f64::from(*volt))
             .collect();
         let t_ns = self.frame as Nanos * FRAME_NS;
-        self.disturber.apply(t_ns as f64 * 1e-9, &mut read);
+        self.disturber.apply(t_s, &mut read);
         let volts = read.iter().map(|volt| *volt as f32).collect();
         self.changed.clear();
         self.detector

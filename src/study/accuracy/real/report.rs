@@ -84,6 +84,7 @@ impl ConditionFindings {
             |value: f64, most: Option<f64>| most.is_none_or(|most| value <= most || value.is_nan());
         below(self.missed.share, goal.missed)
             && below(self.first_mm.mean, goal.mean_mm)
+            && below(self.last_mm.mean, goal.held_mm)
             && goal
                 .false_touches
                 .is_none_or(|most| self.false_touches <= most)
