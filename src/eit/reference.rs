@@ -211,6 +211,13 @@ impl Reference {
         }
     }
 
+    /// Multiplies each level by 1 + a relative change: the pad has deformed.
+    pub fn shift(&mut self, changes: &[f32]) {
+        for (volt, change) in self.volts.iter_mut().zip(changes) {
+            *volt *= 1.0 + f64::from(*change);
+        }
+    }
+
     /// Predicts the reference at a time: levels move along their rates, uncertainties grow.
     pub fn advance(&mut self, t_ns: u64) {
         let elapsed_s = (t_ns.saturating_sub(self.last_ns) as f64 * 1e-9).min(LONGEST_STEP_S);

@@ -208,6 +208,11 @@ impl Detector {
             locator.expect_sign(self.sign.expected);
         }
         self.is_back_at_old_reference(frame, changed);
+        if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
+            locator.take_untouched(&self.changes, self.noise().0);
+            self.follow_deformation(&locator, frame);
+            self.locator = Some(locator);
+        }
         if self.is_rebound(frame) {
             return;
         }
@@ -260,6 +265,7 @@ impl Detector {
             return;
         }
         let rest = locator.locate(frame.t_ns, noise, steady).rest;
+        self.follow_deformation(locator, frame);
         if self.is_contradicted(rest, changed) {
             return;
         }
@@ -298,6 +304,15 @@ impl Detector {
         // What the touches leave must not become part of the reference.
         if rest < POLLUTING_REST || self.tracker.down().is_empty() || !self.knows_both_signs() {
             self.follow_reference(frame);
+        }
+    }
+
+    /// Moves the reference by the deformation of the pad that the locator found in the frame.
+    fn follow_deformation(&mut self, locator: &Locator, frame: &Frame) {
+        if let Some(deformation) = locator.deformation() {
+            self.reference.shift(&deformation);
+            self.reference
+                .relative_changes(&frame.volts, &mut self.changes);
         }
     }
 

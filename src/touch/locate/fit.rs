@@ -32,6 +32,8 @@ const LEAST_DAMPING: f64 = 1e-6;
 const MOST_DAMPING: f64 = 1e3;
 /// A step moves a touch at most this far, mm: beyond, the response is not linear.
 const LONGEST_MM: f64 = 6.0;
+/// Variance of a coordinate of which the frame shows nothing, mm2.
+const UNSEEN_MM2: f64 = 1e6;
 /// A step changes log radius and strength by at most this.
 const LONGEST: f64 = 0.4;
 
@@ -174,10 +176,12 @@ impl Fit {
             let mut factors = normal;
             let mut unit = [0.0; UNKNOWNS];
             unit[axis] = 1.0;
-            if solve_in_place(&mut factors, &mut unit) {
-                unit[axis]
+            let is_seen = solve_in_place(&mut factors, &mut unit) && unit[axis] > 0.0;
+            // At the end of the table's reach the response may not depend on the place.
+            if is_seen {
+                unit[axis].min(UNSEEN_MM2)
             } else {
-                f64::MAX
+                UNSEEN_MM2
             }
         })
     }

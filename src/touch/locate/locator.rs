@@ -21,6 +21,8 @@ const MODEL_ERROR: f64 = 0.04;
 pub(super) const LEAST_MM2: f64 = 4.0;
 /// A touch ends below this share of [`LEAST_MM2`].
 const STAY_SHARE: f64 = 0.5;
+/// Touches that leave more than this many times noise and model error are looked for elsewhere, too.
+const MISFIT_REST: f64 = 4.0;
 /// A touch ends if less than this share of its response is left: the finger moved on or lifted.
 const LEFT_SHARE: f64 = 0.3;
 /// Steps of the fit that follow a touch from frame to frame.
@@ -53,9 +55,11 @@ pub struct Locator {
     /// The touches of the previous frame.
     pub(super) before: Vec<TouchModel>,
     /// How each touch of the fit moves, in the same order, ...
-    motions: Vec<Motion>,
+    pub(super) motions: Vec<Motion>,
     /// ... and scratch memory.
     last_motions: Vec<Motion>,
+    /// What the pad's deformation changed in the last frame, in the table's coordinates; empty if nothing.
+    pub(super) deformation: Vec<f32>,
     /// Time of the last located frame.
     located_ns: Nanos,
     pub(super) response: Response,
@@ -91,6 +95,7 @@ impl Locator {
             before: Vec::new(),
             motions: Vec::new(),
             last_motions: Vec::new(),
+            deformation: Vec::new(),
             located_ns: 0,
             response: Response::default(),
             sum: Vec::new(),
@@ -134,16 +139,30 @@ impl Locator {
     /// Locates the touches of the frame last taken, of the given time. `steady` is the part of the noise that is the
     /// reference's uncertainty: it does not change from frame to frame.
     pub fn locate(&mut self, t_ns: Nanos, noise: f64, steady: f64) -> FitQuality {
+        let elapsed_s = t_ns.saturating_sub(self.located_ns) as f64 * 1e-9;
+        self.located_ns = t_ns;
+        for motion in &mut self.motions {
+            motion.advance(elapsed_s);
+        }
         self.find_touches(noise, steady);
-        self.follow_motions(t_ns, noise);
+        self.follow_motions(noise);
         self.quality(noise)
     }
 
     /// Finds the touches of the frame last taken, starting from those of the frame before.
     pub(super) fn find_touches(&mut self, noise: f64, steady: f64) {
         self.bounds.prior_weight = noise;
+        self.deformation.clear();
         // The reference's uncertainty ends no touch.
         self.follow(noise - steady);
+        if self.model.table.has_both_signs() && self.quality(noise).rest > MISFIT_REST {
+            // A fast finger is far from where the fit looked for it.
+            self.escape_minimum(noise);
+        }
+        if self.is_settled(noise) && self.is_deformed(&self.fit.residual, noise) {
+            let residual = self.fit.residual.clone();
+            self.take_deformation(&residual);
+        }
         let touches = self.fit.touches.len();
         self.add_touches(noise);
         if self.fit.touches.len() == touches {
@@ -154,13 +173,8 @@ impl Locator {
     }
 
     /// Places every touch by this frame and those before.
-    fn follow_motions(&mut self, t_ns: Nanos, noise: f64) {
-        let elapsed_s = t_ns.saturating_sub(self.located_ns) as f64 * 1e-9;
-        self.located_ns = t_ns;
+    fn follow_motions(&mut self, noise: f64) {
         std::mem::swap(&mut self.motions, &mut self.last_motions);
-        for motion in &mut self.last_motions {
-            motion.advance(elapsed_s);
-        }
         self.motions.clear();
         for (index, touch) in self.fit.touches.iter().enumerate() {
             let variances_mm2 = self.fit.variances_mm2(index).map(|unit| noise * unit);
@@ -235,6 +249,13 @@ impl Locator {
         // Events of recordings with tables of one sign stay as they were.
         let is_fused = model.table.has_both_signs();
         let problem = model.problem(frame, bounds);
+        if is_fused && before.len() == motions.len() {
+            for (touch, motion) in before.iter_mut().zip(motions.iter()) {
+                let [dx, dy] = motion.step_mm();
+                touch.centre_mm[0] += dx;
+                touch.centre_mm[1] += dy;
+            }
+        }
         fit.set_touches(before, problem);
         // First those that have left, or the fit would drag them to new touches elsewhere.
         while let Some(gone) = fit.least_remaining().filter(|(_, left)| *left < LEFT_SHARE) {
@@ -268,6 +289,14 @@ impl Locator {
                 _ => break,
             }
         }
+    }
+
+    /// Fits the touches to the frame as it is now.
+    pub(super) fn fit_again(&mut self) {
+        let touches = std::mem::take(&mut self.fit.touches);
+        let problem = self.model.problem(&self.frame, &self.bounds);
+        self.fit.set_touches(&touches, problem);
+        self.fit.descend(FOLLOW_STEPS, problem);
     }
 
     /// Energy of the model error in this frame.

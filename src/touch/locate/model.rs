@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::deformation::Deformations;
 use super::fit::{Bounds, Problem};
 use super::metric::{Metric, Whitened};
 use super::templates::Templates;
@@ -17,6 +18,7 @@ pub struct LocatorModel {
     pub(super) bounds: Bounds,
     pub(super) metric: Metric,
     pub(super) templates: Templates,
+    pub(super) deformations: Deformations,
 }
 
 impl LocatorModel {
@@ -87,6 +89,7 @@ impl LocatorModel {
         };
         Self {
             templates: Templates::new(&table, &metric, &bounds, outline),
+            deformations: Deformations::new(&table, &metric, bounds.size_mm),
             table,
             bounds,
             metric,

@@ -17,6 +17,8 @@ const ACCELERATION_MM_PER_S2: f64 = 500.0;
 const TREMBLE_MM: f64 = 0.03;
 /// A measurement is unexpected if its squared distance exceeds this many variances: 1 of 400 by noise.
 const UNEXPECTED: f64 = 12.0;
+/// A finger that moves less than this between two frames is looked for where it was, mm.
+const LEAST_STEP_MM: f64 = 1.0;
 /// Weight of a frame in the mean of what a touch explains.
 const EVIDENCE_WEIGHT: f64 = 0.25;
 /// A touch that explains less than this many times what it needs to stay is faint.
@@ -78,6 +80,8 @@ pub(super) struct Motion {
     evidence: f64,
     /// Whether it explained too little in the last frame.
     was_weak: bool,
+    /// How far the touch is expected to have moved since the last frame.
+    step_mm: PointMm,
 }
 
 impl Motion {
@@ -87,6 +91,7 @@ impl Motion {
             axes: [0, 1].map(|k| Axis::new(place_mm[k], variances_mm2[k], LANDING_MM_PER_S)),
             evidence: 1.0,
             was_weak: false,
+            step_mm: [0.0; 2],
         }
     }
 
@@ -108,8 +113,19 @@ impl Motion {
 
     /// Moves the expected place on by a time.
     pub(super) fn advance(&mut self, elapsed_s: f64) {
+        self.step_mm = self.axes.map(|axis| elapsed_s * axis.mm_per_s);
         for axis in &mut self.axes {
             axis.advance(elapsed_s);
+        }
+    }
+
+    /// How far the touch is expected to have moved since the last frame, mm; zero if it hardly moves.
+    pub(super) fn step_mm(&self) -> PointMm {
+        let [dx, dy] = self.step_mm;
+        if libm::hypot(dx, dy) < LEAST_STEP_MM {
+            [0.0; 2]
+        } else {
+            self.step_mm
         }
     }
 

@@ -103,6 +103,13 @@ impl Locator {
             return;
         }
         let noise = steady + (noise - steady) * self.recent.noise_share();
+        if self.is_settled(noise) && self.is_deformed(self.recent.mean(), noise) {
+            let mean = self.recent.mean().to_vec();
+            if self.take_deformation(&mean) {
+                self.recent.clear();
+                return;
+            }
+        }
         let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
         let peak = self.peak(self.recent.mean());
         let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
@@ -155,7 +162,7 @@ impl Locator {
 
     /// Leaves a local minimum: while the fit is poor, removes each touch in turn and locates it again. Returns whether
     /// that improved the fit.
-    fn escape_minimum(&mut self, noise: f64) -> bool {
+    pub(super) fn escape_minimum(&mut self, noise: f64) -> bool {
         let mut improved = false;
         for _ in 0..MOST_ROUNDS {
             if self.quality(noise).rest < POOR_REST {
@@ -186,7 +193,7 @@ impl Locator {
     }
 
     /// The place where a touch would explain most of a residual.
-    fn peak(&self, residual: &[f32]) -> Option<Peak> {
+    pub(super) fn peak(&self, residual: &[f32]) -> Option<Peak> {
         self.model.templates.peak(residual, self.bounds.sign)
     }
 
