@@ -463,3 +463,65 @@ fn a_held_finger_is_placed_by_all_its_frames() {
     }
     assert!(held < 0.65 * first, "{held:.2} of {first:.2} mm");
 }
+
+#[test]
+fn a_pad_that_bends_makes_no_touch_and_fingers_are_found() {
+    let mut bench = Bench::located(60.0, 10);
+    bench.play(&[], 200);
+    // 1 % in a wide bump and a hollow beside it, back and forth in three seconds.
+    let bump = [
+        finger([30.0, 40.0], 70.0, 0.01),
+        finger([80.0, 65.0], 50.0, -0.012),
+    ];
+    let rest = bench.simulated.volts(&[]).expect("solvable");
+    let bent = bench.simulated.volts(&bump).expect("solvable");
+    let changes: Vec<f64> = bent.iter().zip(&rest).map(|(b, r)| b / r - 1.0).collect();
+    bench.board = Box::new(move |channel, volt, frame| {
+        let share = (std::f64::consts::TAU * (frame as f64 - 200.0) / 300.0).sin();
+        (f64::from(volt) * (1.0 + share * changes[channel])) as f32
+    });
+    assert_eq!(bench.play(&[], 600), (0, 0), "no touch");
+    for (index, place) in [[40.0, 60.0], [70.0, 30.0], [25.0, 25.0], [66.0, 71.0]]
+        .into_iter()
+        .enumerate()
+    {
+        assert_eq!(
+            bench.play(&[finger(place, 7.0, 1.2)], 15),
+            (1, 0),
+            "{index}"
+        );
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!((x - place[0]).hypot(y - place[1]) < 1.5, "{x} {y}");
+        assert_eq!(bench.play(&[], 60), (0, 1), "{index}");
+    }
+}
+
+#[test]
+fn a_fast_slide_is_one_touch_and_keeps_up() {
+    let mut bench = Bench::located(60.0, 11);
+    bench.play(&[], 200);
+    let at = |frame: usize| [20.0 + 6.0 * frame as f64, 30.0 + 4.0 * frame as f64];
+    let mut downs = 0;
+    for frame in 0..10 {
+        let (down, up) = bench.play(&[finger(at(frame), 7.0, 1.2)], 1);
+        downs += down;
+        assert_eq!(up, 0, "frame {frame}");
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        let off_mm = (x - at(frame)[0]).hypot(y - at(frame)[1]);
+        assert!(off_mm < 2.0, "frame {frame}: {off_mm} mm");
+    }
+    assert_eq!(downs, 1);
+    assert_eq!(bench.play(&[], 60), (0, 1));
+}
+
+#[test]
+fn a_finger_in_a_corner_has_a_place() {
+    let mut bench = Bench::located(60.0, 12);
+    bench.play(&[], 200);
+    for place in [[0.5, 0.8], [99.4, 0.3], [1.0, 99.5], [99.0, 98.9]] {
+        bench.play(&[finger(place, 8.0, 1.2)], 10);
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!((x - place[0]).hypot(y - place[1]) < 6.0, "{x} {y}");
+        bench.play(&[], 60);
+    }
+}

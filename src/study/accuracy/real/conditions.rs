@@ -104,10 +104,10 @@ const ROWS: &[Row] = &[
     ("the same, falling", "", 60.0, Hand::Any { falls: true }, goal(None, None, None)),
 ];
 
-/// Fingers while something happens around them, at 60 dB.
+/// Fingers while something happens around them, at 60 dB. The heel may be one touch on each of the four pads.
 #[rustfmt::skip]
 const SURROUNDED: &[(&str, Surroundings, Hand, Goal)] = &[
-    ("beside the heel of the hand", Surroundings::Heel, Hand::Finger, goal(Some(0.1), None, Some(1))),
+    ("beside the heel of the hand", Surroundings::Heel, Hand::Finger, goal(Some(0.1), None, Some(4))),
     ("a pad that bends by 1 %", Surroundings::Bending, Hand::Finger, goal(Some(0.02), None, Some(1))),
     ("an edge that dries by 10 %", Surroundings::DryingEdge, Hand::Finger, goal(Some(0.02), None, Some(1))),
 ];
