@@ -7,6 +7,7 @@
 //! Invariant: the same frames give the same touches, bit for bit.
 
 mod deformation;
+mod deformed;
 mod fit;
 mod locator;
 mod metric;

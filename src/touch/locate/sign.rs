@@ -61,6 +61,14 @@ impl Locator {
 
     /// Explains a frame in which no touch is down yet. `noise` as in [`Locator::locate`].
     pub fn explain_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
+        // The search for faint touches in the mean of the last frames goes on.
+        let recent = std::mem::take(&mut self.recent);
+        let onset = self.judge_onset(changes, noise);
+        self.recent = recent;
+        onset
+    }
+
+    fn judge_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
         self.take_frame(changes, noise);
         let before = energy(&self.frame.coordinates);
         if before < RIVAL_GAINS * DOWN_GAIN * noise || before < REFUSED_GROWTH * self.unclear_cost {

@@ -1,0 +1,114 @@
+//! Frames of a pad that has deformed: where patterns of deformation explain a residual better than a finger does, they are
+//! taken out of the frame, and the detector moves the reference by them.
+
+use super::locator::Locator;
+use super::metric::{dot, energy};
+use super::motion::Motion;
+
+/// A deformation explains at least this many squared deviations: noise does once in minutes, and then it costs nothing.
+const LEAST_GAIN: f64 = 60.0;
+/// Under touches it explains this share of their model error as well.
+const ERROR_SHARE: f64 = 0.25;
+/// A frame of which more than this many times noise and model error is nothing that a change of conductivity explains shows a
+/// bad electrode.
+const SOUND_OUTSIDE: f64 = 2.0;
+/// Touches that leave more than this many times noise and model error are not yet found.
+const SETTLED_REST: f64 = 3.0;
+/// It explains, beyond noise, this many times what a finger explains.
+const BETTER: f64 = 1.2;
+/// It changes readings by less than this share from one frame to the next (root mean square); a palm changes them by more.
+const MOST_CHANGE: f64 = 4e-3;
+/// Under touches it changes them by less than this: more is what the model does not know of the touches.
+const MOST_CHANGE_UNDER_TOUCHES: f64 = 1.2e-3;
+
+impl Locator {
+    /// Whether a deformation of the pad explains a residual better than a finger does; `noise` is the variance of the
+    /// residual's readings.
+    pub(super) fn is_deformed(&self, residual: &[f32], noise: f64) -> bool {
+        let patterns = &self.model.deformations;
+        let gain = patterns.gain(residual);
+        if gain < LEAST_GAIN * noise + ERROR_SHARE * self.model_error() {
+            return false;
+        }
+        let by_noise = noise * (patterns.whitened.len() / patterns.rank) as f64;
+        self.peak(residual)
+            .is_none_or(|peak| BETTER * peak.gain < gain - by_noise)
+    }
+
+    /// Whether the touches of the fit explain the frame well enough to look for a deformation in what they leave: no electrode is
+    /// bad, and the touches are found and do not move.
+    pub(super) fn is_settled(&self, noise: f64) -> bool {
+        let quality = self.quality(noise);
+        let is_still = |motion: &Motion| motion.step_mm() == [0.0; 2];
+        quality.outside < SOUND_OUTSIDE
+            && (self.fit.touches.is_empty()
+                || quality.rest < SETTLED_REST && self.motions.iter().all(is_still))
+    }
+
+    /// Takes a frame in which no touch is down, and a deformation out of it.
+    pub fn take_untouched(&mut self, changes: &[f32], noise: f64) {
+        self.deformation.clear();
+        if self.model.deformations.whitened.is_empty() || !self.fit.touches.is_empty() {
+            return;
+        }
+        let outside = self.take_frame(changes, noise).outside;
+        if outside < SOUND_OUTSIDE && self.is_deformed(&self.frame.coordinates, noise) {
+            let residual = self.frame.coordinates.clone();
+            self.take_deformation(&residual);
+        }
+    }
+
+    /// Takes what the patterns explain of a residual out of the frame, and fits the touches again. Returns whether it did: not
+    /// if it is more than a pad deforms by.
+    pub(super) fn take_deformation(&mut self, residual: &[f32]) -> bool {
+        let model = &self.model;
+        let rank = model.deformations.rank;
+        let mut change = vec![0.0f32; rank];
+        let mut rest = self.frame.coordinates.clone();
+        for (pattern, coordinates) in model
+            .deformations
+            .whitened
+            .chunks_exact(rank)
+            .zip(model.deformations.coordinates.chunks_exact(rank))
+        {
+            let along = dot(pattern, residual);
+            for (total, value) in change.iter_mut().zip(coordinates) {
+                *total += along * value;
+            }
+            for (value, part) in rest.iter_mut().zip(pattern) {
+                *value -= along * part;
+            }
+        }
+        // The table's basis is orthonormal: this is the sum over all channels.
+        let channels = model.table.channels() as f64;
+        let most_change = if self.fit.touches.is_empty() {
+            MOST_CHANGE
+        } else {
+            MOST_CHANGE_UNDER_TOUCHES
+        };
+        if energy(&change) > most_change * most_change * channels {
+            return false;
+        }
+        self.frame.energy += energy(&rest) - energy(&self.frame.coordinates);
+        self.frame.coordinates = rest;
+        if self.deformation.is_empty() {
+            self.deformation = change;
+        } else {
+            for (total, value) in self.deformation.iter_mut().zip(&change) {
+                *total += value;
+            }
+        }
+        self.fit_again();
+        true
+    }
+
+    /// The relative change of each channel by the deformation of the last frame, if there is one.
+    pub fn deformation(&self) -> Option<Vec<f32>> {
+        if self.deformation.is_empty() {
+            return None;
+        }
+        let mut changes = vec![0.0; self.model.table.channels()];
+        self.model.table.expand(&self.deformation, &mut changes);
+        Some(changes)
+    }
+}
