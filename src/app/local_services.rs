@@ -16,6 +16,7 @@ use super::timeline::RecordingTimeline;
 use super::{AppError, first_fault};
 use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
 use crate::calibrate::{Press, Presses, calibration_file_name, fit_correction};
+use crate::files::FileError;
 use crate::pad::{Pad, SHIPPED_PADS};
 use crate::profile::{Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::RunningGame;
@@ -143,10 +144,7 @@ fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> 
         AppError::Unsuitable("there is no folder for your own settings: set HOME".to_owned())
     })?;
     let folder = folder.join("calibrations");
-    std::fs::create_dir_all(&folder).map_err(|error| AppError::Write {
-        path: folder.clone(),
-        error,
-    })?;
+    std::fs::create_dir_all(&folder).map_err(|error| FileError::new(&folder, error))?;
     let name = calibration_file_name(&pad.name, |name| folder.join(name).exists());
     let path = folder.join(name);
     calibration::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;

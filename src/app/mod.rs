@@ -6,7 +6,6 @@ pub(crate) mod calibration;
 mod candidates;
 mod error;
 pub mod file_watch;
-pub(crate) mod files;
 pub mod focus_gate;
 pub(crate) mod folders;
 mod gamepads;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::runtime::ExistingFile;
 use crate::source::Disturbance;
 use crate::source::serial::DEFAULT_BAUD;
 use crate::source::wire::FormatChoice;
@@ -111,6 +112,8 @@ pub struct PlayRequest {
     pub calibration: Option<PathBuf>,
     /// Where the recording goes, if one is made.
     pub record: Option<PathBuf>,
+    /// What happens to a file that stands there.
+    pub existing: ExistingFile,
     /// Receiver of touches as TUIO, `HOST:PORT`.
     pub tuio: Option<String>,
 }
@@ -133,6 +136,7 @@ impl Default for PlayRequest {
             method: None,
             calibration: None,
             record: None,
+            existing: ExistingFile::Refuse,
             tuio: None,
         }
     }

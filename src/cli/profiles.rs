@@ -6,10 +6,10 @@ use super::args::{ProfileCommand, ShowArgs};
 use super::drawing;
 use super::exit::{self, Ending};
 use super::map::Map;
-use crate::app::files;
 use crate::app::pads::load_pad;
 use crate::app::profiles::load_profile;
 use crate::app::texts::profile_text;
+use crate::files;
 use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, schema};
 use crate::types::ms_from_nanos;
 

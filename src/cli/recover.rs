@@ -5,9 +5,11 @@ use anyhow::Context as _;
 use super::args::RecoverArgs;
 use super::exit::Ending;
 use super::message::say;
+use crate::files;
 use crate::session;
 
 pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
+    files::refuse_input(&args.file, &args.output)?;
     let salvage = session::recover(&args.file, &args.output)
         .with_context(|| args.file.display().to_string())?;
     let suffix = if salvage.was_whole {

@@ -8,6 +8,7 @@ use super::message::{Gap, Message};
 use super::read::{ReadError, Reader};
 use super::setup::Setup;
 use super::write::{WriteError, Writer};
+use crate::files::{self, FileError};
 
 /// Why a copy could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -19,8 +20,8 @@ pub enum CopyError {
     #[error("the copy cannot be written: {}", .0.reason())]
     Write(#[from] WriteError),
     /// A file cannot be created or renamed.
-    #[error("the copy cannot be written: {0}")]
-    File(#[from] std::io::Error),
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 /// What was saved of a recording.
@@ -50,7 +51,7 @@ impl RecoveryReport {
     }
 }
 
-/// Saves what can be read of a recording, packed: writes a temporary file next to `to`, then renames it.
+/// Saves what can be read of a recording, packed: completely or not at all (see [`files`]).
 ///
 /// # Errors
 /// A file of which nothing can be read; a copy that cannot be written.
@@ -77,27 +78,16 @@ fn copy<R: Read + Seek>(
     setup: &Setup,
     to: &Path,
 ) -> Result<RecoveryReport, CopyError> {
-    let mut part = to.as_os_str().to_owned();
-    part.push(".part");
-    let part = Path::new(&part);
-    let finished = copy_into(&mut reader, setup, part).and_then(|report| {
-        std::fs::rename(part, to)?;
-        Ok(report)
-    });
-    if finished.is_err() {
-        // The original is still there.
-        let _ = std::fs::remove_file(part);
-    }
-    finished
+    files::write_seekable(to, |file| copy_into(&mut reader, setup, file))
 }
 
 fn copy_into<R: Read + Seek>(
     reader: &mut Reader<R>,
     setup: &Setup,
-    to: &Path,
+    to: File,
 ) -> Result<RecoveryReport, CopyError> {
     let mut report = RecoveryReport::default();
-    let mut writer = Writer::packed(BufWriter::new(File::create(to)?), setup)?;
+    let mut writer = Writer::packed(BufWriter::new(to), setup)?;
     let mut known_losses = 0;
     while let Some(message) = reader.next()? {
         let (losses, _) = reader.losses();
@@ -125,8 +115,7 @@ fn copy_into<R: Read + Seek>(
     }
     let file = writer.finish()?;
     file.into_inner()
-        .map_err(std::io::IntoInnerError::into_error)?
-        .sync_all()?;
+        .map_err(|error| WriteError::from(mcap::McapError::from(error.into_error())))?;
     let (losses, notes) = reader.losses();
     report.losses = losses;
     report.notes = notes.to_vec();
