@@ -20,6 +20,8 @@ use crate::runtime::{PlayCommand, SessionSummary};
 
 /// Period of the live view and of the checks for signals.
 const PERIOD: Duration = Duration::from_millis(33);
+/// Longest wait for the output at the end.
+const END_LIMIT: Duration = Duration::from_secs(5);
 
 /// The level on the simulated pad; no keys are sent.
 pub(super) fn play_level() -> anyhow::Result<Ending> {
@@ -68,13 +70,17 @@ fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     let signals = Signals::listen()?;
     let mut game = prepared.start()?;
     let mut ended_by = follow(&mut game, &signals, &terminal, view.as_mut());
-    game.running.stop();
-    let summary = game.running.join();
+    let summary = game.running.end_within(END_LIMIT);
     drop(view);
     // A game whose output was the closed terminal has ended before the loop noticed.
     if terminal.is_lost() {
         ended_by = Some(SIGHUP);
     }
+    let Some(summary) = summary else {
+        // A recording is complete up to here, though not compressed.
+        say("the output does not take its events: gelpad ends without it");
+        return Ok(ended_by.map_or(Ending::LostData, Ending::Signal));
+    };
     let ending = conclude(summary, ended_by);
     let Some((summary, is_whole)) = game.recording.map(|recording| recording.finish()) else {
         return ending;
