@@ -58,8 +58,9 @@ pub(in crate::runtime) struct EngineThread {
     is_silent: bool,
     /// Retaken references that were logged.
     logged_retakes: u64,
-    /// Time of the first frame.
-    first_ns: Option<Nanos>,
+    /// Steps from one frame to the next, and their time, without the time in which the board was away.
+    steps: u64,
+    played_ns: Nanos,
     /// Time and arrival of the last frame: they tie the source's time to the clock.
     last_frame: Option<(Nanos, Instant)>,
     /// When the current second of the frame rate began, and the frames until then.
@@ -88,7 +89,8 @@ impl EngineThread {
             longest_silence: SILENCE,
             is_silent: false,
             logged_retakes: 0,
-            first_ns: None,
+            steps: 0,
+            played_ns: 0,
             last_frame: None,
             second: None,
         }
@@ -152,7 +154,6 @@ impl EngineThread {
     /// A gamepad's state: it has no image and does not count as a frame.
     fn take_control(&mut self, control: &Control, at: Instant) {
         self.is_silent = false;
-        self.first_ns.get_or_insert(control.t_ns);
         self.last_frame = Some((control.t_ns, at));
         self.view.t_ns = control.t_ns;
         let taken = now();
@@ -168,7 +169,7 @@ impl EngineThread {
             self.is_silent = false;
             tracing::warn!("the board sends frames again");
         }
-        self.first_ns.get_or_insert(frame.t_ns);
+        self.count_time(frame.t_ns);
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;
