@@ -1,6 +1,7 @@
 //! Lines for the user on stderr.
 
-use std::io::{self, Write};
+use std::borrow::Cow;
+use std::io::{self, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -17,6 +18,14 @@ static IS_STALLED: AtomicBool = AtomicBool::new(false);
 /// Prints a line on stderr; a closed stderr is ignored.
 pub(super) fn say(text: &str) {
     let _ = writeln!(Stderr, "{}", printable(text));
+}
+
+/// A text for stdout: as it is in a file or a pipe, without control characters on a terminal.
+pub(super) fn for_stdout(text: &str) -> Cow<'_, str> {
+    match io::stdout().is_terminal() {
+        true => printable(text),
+        false => Cow::Borrowed(text),
+    }
 }
 
 /// Standard error that does not wait for a reader that has stopped reading: that must not hold up the end of a game.

@@ -7,6 +7,7 @@ use signal_hook::consts::{SIGHUP, SIGINT};
 
 use super::args::PlayArgs;
 use super::exit::{self, Ending};
+use super::input::copy_pipe;
 use super::live::{LiveView, Title};
 use super::message::say;
 use super::progress::SolveBar;
@@ -38,7 +39,12 @@ pub(super) fn play_level() -> anyhow::Result<Ending> {
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let shows_view = !args.headless && can_show_view();
-    run(&args.to_request(!shows_view), shows_view)
+    let mut request = args.to_request(!shows_view);
+    let _copy = match &mut request.source {
+        SourceChoice::Replay(file) => copy_pipe(file)?,
+        _ => None,
+    };
+    run(&request, shows_view)
 }
 
 /// Whether stdout is a terminal that can be drawn on.

@@ -103,6 +103,7 @@ impl Process {
     }
 
     /// Sends a signal to the program.
+    #[allow(dead_code, reason = "the game's test sends none")]
     pub fn signal(&self, signal: Signal) -> Result<()> {
         Ok(kill_process(Pid::from_child(&self.child), signal)?)
     }
