@@ -217,3 +217,38 @@ fn a_recording_replaces_no_file_without_force() {
     let output = gelpad(folder, &["replay", "two.mcap"]).output();
     assert_eq!(output.expect("gelpad starts").status.code(), Some(0));
 }
+
+#[test]
+fn a_slim_recording_names_matrix_and_table_and_replays_exactly_here() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(
+        folder.join("touches.txt"),
+        "t:300 down 1 80 6\nt:450 up 1\n",
+    )
+    .expect("written");
+    let play = [
+        "play",
+        "./strip.toml",
+        "--pad",
+        "./strip-pad.toml",
+        "--source",
+        "simulated:touches.txt",
+        "--output",
+        "trace",
+        "--headless",
+        "--record",
+    ];
+    ends(folder, &[&play[..], &["whole.mcap"]].concat(), 0);
+    ends(folder, &[&play[..], &["slim.mcap", "--slim"]].concat(), 0);
+    let length = |name| fs::metadata(folder.join(name)).expect("there").len();
+    let (whole, slim) = (length("whole.mcap"), length("slim.mcap"));
+    assert!(slim * 4 < whole, "{slim} of {whole} bytes");
+    ends(folder, &["replay", "slim.mcap", "--expect", "slim.mcap"], 0);
+    ends(folder, &["recover", "slim.mcap", "-o", "saved.mcap"], 0);
+    ends(
+        folder,
+        &["replay", "saved.mcap", "--expect", "saved.mcap"],
+        0,
+    );
+}

@@ -7,6 +7,7 @@ use crate::files;
 use crate::output::Tuio;
 use crate::runtime::{self, StepListener};
 use crate::tape::EngineConfig;
+use crate::types::Method;
 
 /// Listeners of a game, and the recording that one of them makes.
 #[derive(Default)]
@@ -16,7 +17,11 @@ pub(super) struct Listeners {
 }
 
 impl Listeners {
-    pub(super) fn start(request: &PlayRequest, config: &EngineConfig) -> Result<Self, AppError> {
+    pub(super) fn start(
+        request: &PlayRequest,
+        config: &EngineConfig,
+        method: Method,
+    ) -> Result<Self, AppError> {
         let mut started = Self::default();
         if let Some(address) = &request.tuio {
             let tuio = Tuio::connect(address, config.pad.outline.size_mm())?;
@@ -24,8 +29,11 @@ impl Listeners {
             started.listeners.push(listener);
         }
         if let Some(path) = &request.record {
-            let (listener, recorder) =
-                runtime::start_recording(path, &config.to_setup(), request.existing)?;
+            let setup = match request.slim {
+                true => config.to_setup().into_slim(method.name()),
+                false => config.to_setup(),
+            };
+            let (listener, recorder) = runtime::start_recording(path, &setup, request.existing)?;
             started.listeners.push(listener);
             started.recording = Some(ActiveRecording {
                 path: path.clone(),

@@ -23,6 +23,7 @@ mod read_ahead;
 pub(crate) mod recording;
 mod reload;
 mod request;
+pub(crate) mod restore;
 pub mod services;
 pub mod signals;
 pub(crate) mod source;

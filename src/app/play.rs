@@ -93,7 +93,7 @@ impl PreparedGame {
         };
         let method = choose_method(request.method, &profile, &pad.pad);
         let (builder, config) = engine_config(pad, profile, method, correction, progress)?;
-        let listeners = Listeners::start(request, &config)?;
+        let listeners = Listeners::start(request, &config, method)?;
         Ok(Self {
             output: match request.output {
                 OutputChoice::Nothing => "nothing".to_owned(),

@@ -112,6 +112,8 @@ pub struct PlayRequest {
     pub calibration: Option<PathBuf>,
     /// Where the recording goes, if one is made.
     pub record: Option<PathBuf>,
+    /// Whether the recording only names matrix and response table, which each machine solves.
+    pub slim: bool,
     /// What happens to a file that stands there.
     pub existing: ExistingFile,
     /// Receiver of touches as TUIO, `HOST:PORT`.
@@ -136,6 +138,7 @@ impl Default for PlayRequest {
             method: None,
             calibration: None,
             record: None,
+            slim: false,
             existing: ExistingFile::Refuse,
             tuio: None,
         }

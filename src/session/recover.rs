@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::message::{Gap, Message};
 use super::read::{ReadError, Reader};
-use super::setup::Setup;
+use super::setup::{Setup, SetupParts};
 use super::write::{WriteError, Writer};
 use crate::files::{self, FileError};
 
@@ -16,6 +16,9 @@ pub enum CopyError {
     /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// The setup cannot be completed.
+    #[error("nothing can be replayed: {0}")]
+    Setup(String),
     /// The copy cannot be written.
     #[error("the copy cannot be written: {}", .0.reason())]
     Write(#[from] WriteError),
@@ -24,11 +27,41 @@ pub enum CopyError {
     File(#[from] FileError),
 }
 
+/// Makes a damaged recording one that replays.
+pub trait Restore {
+    /// Completes a setup of which parts cannot be read.
+    ///
+    /// # Errors
+    /// No engine can be built.
+    fn setup(&mut self, parts: SetupParts) -> Result<Setup, String>;
+
+    /// Checks a message; `matrix` are the bytes that a matrix message names. A refused message counts as lost.
+    ///
+    /// # Errors
+    /// Replay would end there.
+    fn check(&mut self, message: &Message, matrix: Option<&[u8]>) -> Result<(), String>;
+}
+
+/// Takes everything as it is.
+struct Unchanged;
+
+impl Restore for Unchanged {
+    fn setup(&mut self, parts: SetupParts) -> Result<Setup, String> {
+        parts.complete().map_err(str::to_owned)
+    }
+
+    fn check(&mut self, _: &Message, _: Option<&[u8]>) -> Result<(), String> {
+        Ok(())
+    }
+}
+
 /// What was saved of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RecoveryReport {
     /// Frames saved.
     pub frames: u64,
+    /// States of gamepads saved.
+    pub controls: u64,
     /// Other engine inputs saved.
     pub inputs: u64,
     /// Events saved.
@@ -54,10 +87,15 @@ impl RecoveryReport {
 /// Saves what can be read of a recording, packed: completely or not at all (see [`files`]).
 ///
 /// # Errors
-/// A file of which nothing can be read; a copy that cannot be written.
-pub fn recover(from: &Path, to: &Path) -> Result<RecoveryReport, CopyError> {
-    let (reader, setup) = Reader::salvage(open(from)?)?;
-    copy(reader, &setup, to)
+/// A file of which nothing can be read or replayed; a copy that cannot be written.
+pub fn recover(
+    from: &Path,
+    to: &Path,
+    restore: &mut dyn Restore,
+) -> Result<RecoveryReport, CopyError> {
+    let (reader, parts) = Reader::salvage(open(from)?)?;
+    let setup = restore.setup(parts).map_err(CopyError::Setup)?;
+    copy(reader, &setup, to, restore)
 }
 
 /// Packs a recording in place. The original stays until the packed file is complete.
@@ -66,7 +104,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoveryReport, CopyError> {
 /// As [`recover`]; any damage of the recording.
 pub fn pack(path: &Path) -> Result<(), CopyError> {
     let (reader, setup) = Reader::open(open(path)?)?;
-    copy(reader, &setup, path).map(|_| ())
+    copy(reader, &setup, path, &mut Unchanged).map(|_| ())
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, ReadError> {
@@ -77,23 +115,36 @@ fn copy<R: Read + Seek>(
     mut reader: Reader<R>,
     setup: &Setup,
     to: &Path,
+    restore: &mut dyn Restore,
 ) -> Result<RecoveryReport, CopyError> {
-    files::write_seekable(to, |file| copy_into(&mut reader, setup, file))
+    files::write_seekable(to, |file| copy_into(&mut reader, setup, file, restore))
 }
 
 fn copy_into<R: Read + Seek>(
     reader: &mut Reader<R>,
     setup: &Setup,
     to: File,
+    restore: &mut dyn Restore,
 ) -> Result<RecoveryReport, CopyError> {
     let mut report = RecoveryReport::default();
     let mut writer = Writer::packed(BufWriter::new(to), setup)?;
     let mut known_losses = 0;
     while let Some(message) = reader.next()? {
+        let matrix = match &message {
+            Message::Matrix(name) => reader.attachment(&name.attachment),
+            _ => None,
+        };
+        let refused = restore.check(&message, matrix).err();
+        if let Some(why) = &refused {
+            reader.reject(why);
+        }
         let (losses, _) = reader.losses();
         if losses > known_losses {
             known_losses = losses;
             writer.write(&Message::Gap(Gap { inputs: 0 }))?;
+        }
+        if refused.is_some() {
+            continue;
         }
         match &message {
             Message::Matrix(name) => match reader.attachment(&name.attachment) {
@@ -109,6 +160,7 @@ fn copy_into<R: Read + Seek>(
             Message::Frames(frames) => report.frames += frames.len() as u64,
             Message::Gap(gap) => report.dropped_inputs += gap.inputs.max(1),
             Message::Event(_) => report.events += 1,
+            Message::Control(_) => report.controls += 1,
             Message::Touches(_) | Message::Matrix(_) => {}
             _ => report.inputs += 1,
         }

@@ -15,7 +15,7 @@ use crate::{gelpad_ends, printed, said};
 /// Kills in a run of all tests; `GELPAD_KILLS=100` for the figure.
 const KILLS: u64 = 3;
 /// The setup is longer than this: matrix and table.
-const SET_UP_BYTES: u64 = 10_000_000;
+const SET_UP_BYTES: u64 = 1_000_000;
 
 /// A script that presses until it is killed.
 fn endless(folder: &Path) -> Result<()> {

@@ -56,6 +56,9 @@ pub(in crate::cli) struct PlayArgs {
     /// Record the session, to replay and export it: every input, touch and event
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Record without matrix and response table (6 MB): they are named, and solved again to replay
+    #[arg(long, requires = "record")]
+    pub slim: bool,
     /// Replace the file of --record if it exists
     #[arg(long, requires = "record")]
     pub force: bool,
@@ -104,6 +107,7 @@ impl PlayArgs {
             method: self.method,
             calibration: self.calibration.clone(),
             record: self.record.clone(),
+            slim: self.slim,
             existing: match self.force {
                 true => ExistingFile::Replace,
                 false => ExistingFile::Refuse,
