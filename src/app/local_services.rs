@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::calibration;
-use super::folders::{own_folder, own_texts};
+use super::folders::{own_folder, own_texts, recordings_folder};
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
 use super::play::{Game, PreparedGame};
@@ -90,6 +90,10 @@ impl AppServices for LocalServices {
 
     fn own_folder(&self) -> Option<PathBuf> {
         own_folder()
+    }
+
+    fn recordings_folder(&self) -> Option<PathBuf> {
+        recordings_folder()
     }
 }
 

@@ -26,11 +26,12 @@ pub(crate) fn open_recording(
         error,
     })?;
     let mut failed = None;
-    let complete = |setup: Setup| {
-        complete_slim(setup).unwrap_or_else(|(setup, error)| {
+    let complete = |setup: Setup| match complete_slim(&setup) {
+        Ok(completed) => completed.unwrap_or(setup),
+        Err(error) => {
             failed = Some(error);
             setup
-        })
+        }
     };
     let opened = RecordingPlayer::open_with(BufReader::new(file), complete);
     match failed {
@@ -42,40 +43,33 @@ pub(crate) fn open_recording(
     }
 }
 
-/// Solves what a slim recording names; warns if it differs from what was recorded.
-pub(super) fn complete_slim(setup: Setup) -> Result<Setup, (Setup, AppError)> {
+/// Solves what a slim recording names; warns if it differs from what was recorded. `None` for a whole recording.
+pub(super) fn complete_slim(setup: &Setup) -> Result<Option<Setup>, AppError> {
     let Some(slim) = &setup.slim else {
-        return Ok(setup);
+        return Ok(None);
     };
-    let solved = (|| {
-        let pad = Pad::from_toml("pad", &setup.pad)?;
-        let method = slim.method.parse().unwrap_or_default();
-        let builder = sensing(&pad, method, &|_, _| ())?;
-        let initial = builder
-            .build_initial()
-            .map_err(|error| no_image(&pad, error))?;
-        let locating = initial.locator_model.as_ref();
-        let responses = locating.map(|locating| locating.table().to_bytes());
-        Ok((initial.to_bytes(), responses))
-    })();
-    match solved {
-        Ok((sensing, responses)) => {
-            let is_same = slim_name(&sensing) == slim.sensing
-                && responses.as_deref().map(slim_name) == slim.responses;
-            if !is_same {
-                tracing::warn!(
-                    "the matrix or the response table that this machine solves differs from the recorded one: events may \
-                     differ by some milliseconds\n  help: compare with --tolerance-ms"
-                );
-            }
-            Ok(Setup {
-                sensing,
-                responses,
-                ..setup
-            })
-        }
-        Err(error) => Err((setup, error)),
+    let pad = Pad::from_toml("pad", &setup.pad)?;
+    let method = slim.method.parse().unwrap_or_default();
+    let builder = sensing(&pad, method, &|_, _| ())?;
+    let initial = builder
+        .build_initial()
+        .map_err(|error| no_image(&pad, error))?;
+    let locating = initial.locator_model.as_ref();
+    let responses = locating.map(|locating| locating.table().to_bytes());
+    let sensing = initial.to_bytes();
+    let is_same = slim_name(&sensing) == slim.sensing
+        && responses.as_deref().map(slim_name) == slim.responses;
+    if !is_same {
+        tracing::warn!(
+            "the matrix or the response table that this machine solves differs from the recorded one: events may \
+             differ by some milliseconds\n  help: compare with --tolerance-ms"
+        );
     }
+    Ok(Some(Setup {
+        sensing,
+        responses,
+        ..setup.clone()
+    }))
 }
 
 /// A recording that is being made.

@@ -96,8 +96,9 @@ impl<'a> Restorer<'a> {
 impl Restore for Restorer<'_> {
     fn setup(&mut self, parts: SetupParts) -> Result<Setup, String> {
         let setup = self.complete(parts).map_err(|error| error.to_string())?;
-        let whole = complete_slim(setup.clone()).map_err(|(_, error)| error.to_string())?;
-        let check = ReplayCheck::new(&whole).map_err(|error| error.to_string())?;
+        let completed = complete_slim(&setup).map_err(|error| error.to_string())?;
+        let check = ReplayCheck::new(completed.as_ref().unwrap_or(&setup));
+        let check = check.map_err(|error| error.to_string())?;
         self.check = Some(check);
         Ok(setup)
     }

@@ -34,9 +34,9 @@ pub(super) fn check(profile: &Profile, text: &Text, places: &[Place], warnings: 
     }
     let named = named_regions(text);
     let covers = CoverMap::new(profile, &placed);
-    for index in 0..profile.regions.len() {
+    for (index, is_bound) in is_bound.into_iter().enumerate() {
         let place = place_of(&profile.regions[index], text, &named);
-        check_region(profile, &covers, index, is_bound[index], place, warnings);
+        check_region(profile, &covers, index, is_bound, place, warnings);
     }
     let mut is_switched = vec![false; profile.layers.len()];
     for binding in &profile.bindings {
