@@ -11,11 +11,12 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU};
 
 const ENDING_SIGNALS: [i32; 5] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU];
 
+/// Whether the program has reacted to a signal. Global, as signals are: a window that does not open leaves its listener.
+static IS_NOTICED: AtomicBool = AtomicBool::new(false);
+
 /// Received signals, as flags.
 pub struct Signals {
     received: [Arc<AtomicBool>; ENDING_SIGNALS.len()],
-    /// Whether the program has reacted.
-    is_noticed: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -35,10 +36,7 @@ impl Signals {
             signal_hook::flag::register(signal, Arc::clone(&any))?;
             signal_hook::flag::register(signal, Arc::clone(flag))?;
         }
-        let signals = Self {
-            received,
-            is_noticed: Arc::new(AtomicBool::new(false)),
-        };
+        let signals = Self { received };
         #[cfg(unix)]
         crash::end_at_first()?;
         #[cfg(unix)]
@@ -52,7 +50,7 @@ impl Signals {
     #[must_use]
     pub fn received(&self) -> Option<i32> {
         let signal = first(&self.received)?;
-        self.is_noticed.store(true, Ordering::Relaxed);
+        IS_NOTICED.store(true, Ordering::Relaxed);
         Some(signal)
     }
 }
@@ -91,11 +89,10 @@ mod crash {
 mod limit {
     use std::io::{self, Read as _};
     use std::os::unix::net::UnixStream;
-    use std::sync::Arc;
     use std::sync::atomic::Ordering;
     use std::time::Duration;
 
-    use super::{ENDING_SIGNALS, Signals, first};
+    use super::{ENDING_SIGNALS, IS_NOTICED, Signals, first};
 
     /// Longest time until the program reacts.
     const REACTION: Duration = Duration::from_secs(3);
@@ -106,7 +103,6 @@ mod limit {
             signal_hook::low_level::pipe::register(signal, wake.try_clone()?)?;
         }
         let received = signals.received.clone();
-        let is_noticed = Arc::clone(&signals.is_noticed);
         let thread = std::thread::Builder::new().name("signals".to_owned());
         thread
             .spawn(move || {
@@ -115,7 +111,7 @@ mod limit {
                 }
                 std::thread::sleep(REACTION);
                 if let Some(signal) = first(&received)
-                    && !is_noticed.load(Ordering::Relaxed)
+                    && !IS_NOTICED.load(Ordering::Relaxed)
                 {
                     signal_hook::low_level::exit(128 + signal);
                 }

@@ -146,6 +146,7 @@ fn render(errors: &SourceErrors, severity: Severity) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::{Profile, SHIPPED_PROFILES};
 
     fn rendered(text: &str, span: std::ops::Range<usize>) -> String {
         let fault = Diagnostic::new(span, "wrong \u{1b}[31m", "here \u{7}");
@@ -171,6 +172,57 @@ mod tests {
         let said = rendered("a = \u{1b}]0;x\u{7}\u{9b}\n", 4..5);
         let harmful = |c: char| c.is_control() && c != '\n';
         assert!(!said.chars().any(harmful), "{said:?}");
+    }
+
+    /// Texts as an editor, or damage, may leave them: whatever is saved during play, reading and drawing it ends.
+    /// `GELPAD_MUTATIONS` sets the number.
+    #[test]
+    fn no_text_of_a_user_ends_play() {
+        let count = std::env::var("GELPAD_MUTATIONS").ok();
+        let count = count.and_then(|text| text.parse().ok()).unwrap_or(300);
+        let mut state = 7_u64;
+        let mut below = |end: usize| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % end.max(1)
+        };
+        let pieces: [&[u8]; 8] = [
+            b"\n",
+            b"\"",
+            b"[[region]]\n",
+            b"\x1b[31m",
+            b"=",
+            b"\xf0\x9f\x98\x80",
+            b"1e999",
+            b"\0",
+        ];
+        for _ in 0..count {
+            let shipped = &SHIPPED_PROFILES[below(SHIPPED_PROFILES.len())];
+            let mut bytes = shipped.toml.as_bytes().to_vec();
+            for _ in 0..=below(4) {
+                let at = below(bytes.len());
+                match below(5) {
+                    0 => bytes.truncate(at),
+                    1 => drop(bytes.drain(at..(at + below(40)).min(bytes.len()))),
+                    2 => drop(bytes.splice(at..at, pieces[below(pieces.len())].iter().copied())),
+                    3 => drop(bytes.splice(at..at, vec![b'x'; 70_000])),
+                    _ => bytes
+                        .iter_mut()
+                        .skip(at)
+                        .take(1)
+                        .for_each(|byte| *byte ^= 1 << below(8)),
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes).into_owned();
+            let errors = match Profile::from_toml("mine.toml", &text) {
+                Ok(_) => continue,
+                Err(errors) => errors,
+            };
+            let said = render_errors(&errors);
+            let harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+            assert!(!said.chars().any(harmful), "{said:?}");
+        }
     }
 
     #[test]
