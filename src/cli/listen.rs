@@ -264,6 +264,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_command_names_a_pad_that_takes_the_readings() {
+        let advice = |readings| play_advice(Some(WireFormat::Lines), readings, "P");
+        let plays = "\nplay it:\n  gelpad play --source serial:P --format lines";
+        assert_eq!(advice(208), format!("{plays}\n"));
+        assert_eq!(advice(104), format!("{plays}\n"));
+        assert_eq!(advice(192), format!("{plays} --pad openeit-lattice\n"));
+        assert!(advice(416).contains("--format lines:complex"));
+        for readings in [928, 200] {
+            let text = advice(readings);
+            assert!(
+                text.contains("no shipped pad") && !text.contains("play it"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
     fn a_dump_shows_bytes_and_text_in_columns() {
         assert_eq!(
             hex_dump(b"magnitudes: 1.5,\r\n"),
