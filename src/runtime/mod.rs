@@ -15,6 +15,7 @@ mod emit;
 mod feed;
 mod latency;
 mod listen;
+mod priority;
 mod rebuild;
 mod record;
 mod schedule;
@@ -225,6 +226,7 @@ pub fn start_with_listeners(
     let (views, views_out) = triple_buffer::triple_buffer(&blank);
     let (emitted_in, emitted) = triple_buffer::triple_buffer(&OutputStatistics::default());
     let output = spawn("output", move || {
+        priority::raise();
         output_thread(device, events_out, emitted_in)
     })?;
     let queues = EngineQueues {
@@ -239,11 +241,13 @@ pub fn start_with_listeners(
     };
     let pace = source.pace();
     let engine = spawn("engine", move || {
+        priority::raise();
         EngineThread::new(engine, builder, pace, queues, blank, listeners).run()
     })?;
     let to_engine = engine.thread().clone();
     let stopping = Arc::clone(&stop);
     let source = spawn("source", move || {
+        priority::raise();
         source_thread(source, frames_in, &to_engine, &stopping, &status)
     })?;
     Ok(RunningGame {

@@ -46,7 +46,7 @@ pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
     }
     let parent = rustix::process::getppid().map_or(0, |pid| pid.as_raw_nonzero().get());
     let mut releaser = Releaser::connect(way, parent)?;
-    releaser.release_left_down()?;
+    releaser.release_left_down(false)?;
     let line = io::stdin()
         .as_fd()
         .try_clone_to_owned()
@@ -67,15 +67,15 @@ pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
                 let _ = line.write_all(format!("{RELEASED}\n").as_bytes());
             }
             Received::ParentEnded => {
-                if parent_state.held.is_empty() {
-                    return Ok(());
-                }
                 exit_after_last_wait();
-                releaser.record(&parent_state.held, true);
-                releaser.release(&parent_state.held)?;
-                // A press that the parent sent just before its end may still be on its way.
-                releaser.wait_for_last_event()?;
-                return releaser.release(&parent_state.held);
+                if !parent_state.held.is_empty() {
+                    releaser.record(&parent_state.held, true);
+                    releaser.release(&parent_state.held)?;
+                    // A press that the parent sent just before its end may still be on its way.
+                    releaser.wait_for_last_event()?;
+                    releaser.release(&parent_state.held)?;
+                }
+                return releaser.release_left_down(true);
             }
         }
     }
@@ -195,7 +195,7 @@ impl Releaser {
     }
 
     /// Releases what killed gelpads have left down.
-    fn release_left_down(&mut self) -> Result<(), OutputError> {
+    fn release_left_down(&mut self, parent_has_ended: bool) -> Result<(), OutputError> {
         let Self::X11 {
             display,
             state: Some(state),
@@ -204,7 +204,7 @@ impl Releaser {
         else {
             return Ok(());
         };
-        for (path, held) in state.left_down() {
+        for (path, held) in state.left_down(parent_has_ended) {
             release_on(display, &held)?;
             state::remove(&path);
         }

@@ -129,21 +129,23 @@ impl StateFile {
         held
     }
 
-    /// What killed gelpads have left down on this display. Their files are removed by the returned list's owner, with
-    /// [`remove`], when the outputs are up.
-    pub(super) fn left_down(&self) -> Vec<(PathBuf, HeldOutputs)> {
+    /// What killed gelpads have left down on this display, each with its file, to be removed when the outputs are up. What
+    /// killed watchers of the own gelpad noted belongs to it once that gelpad has ended, too.
+    pub(super) fn left_down(&self, parent_has_ended: bool) -> Vec<(PathBuf, HeldOutputs)> {
         let others = self.held_by_others();
         let mut left = Vec::new();
         for (path, state, is_alive) in self.others() {
-            // A gelpad that lives has another watcher, or starts one just now.
-            if is_alive || (state.parent != self.state.parent && is_running(state.parent)) {
+            let parent_is_alive = match state.parent == self.state.parent {
+                true => !parent_has_ended,
+                // It has another watcher, or starts one just now.
+                false => is_running(state.parent),
+            };
+            if is_alive || parent_is_alive {
                 continue;
             }
             let mut held = HeldOutputs::default();
-            if state.parent != self.state.parent {
-                state.held.into_iter().for_each(|output| held.press(output));
-                others.iter().for_each(|output| held.release(output));
-            }
+            state.held.into_iter().for_each(|output| held.press(output));
+            others.iter().for_each(|output| held.release(output));
             left.push((path, held));
         }
         left
@@ -181,8 +183,13 @@ pub(super) fn remove(path: &Path) {
     let _ = fs::remove_file(path);
 }
 
+/// Whether a process runs; one that has ended and that nobody has waited for does not.
 fn is_running(process: i32) -> bool {
-    Pid::from_raw(process).is_some_and(|pid| test_kill_process(pid).is_ok())
+    let exists = Pid::from_raw(process).is_some_and(|pid| test_kill_process(pid).is_ok());
+    // The state follows the name in parentheses, which may hold any characters.
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    let state = stat.rsplit_once(") ").map_or("", |(_, rest)| rest);
+    exists && !state.starts_with(['Z', 'X'])
 }
 
 #[cfg(test)]
@@ -216,10 +223,14 @@ mod tests {
         leave(folder, "2.txt", std::process::id() as i32, &["key:a"]);
         let elsewhere = StateFile::create(folder, ":8", NOBODY - 1);
         assert!(elsewhere.is_ok());
-        let found = own.left_down();
+        let found = own.left_down(false);
         assert_eq!(found, [(left.clone(), held(&["key:f", "mouse:left"]))]);
         remove(&left);
-        assert_eq!(own.left_down(), []);
+        assert_eq!(own.left_down(false), []);
+        // A killed watcher of the own gelpad.
+        leave(folder, "3.txt", NOBODY - 1, &["key:b"]);
+        assert_eq!(own.left_down(false), []);
+        assert_eq!(own.left_down(true)[0].1, held(&["key:b"]));
     }
 
     #[test]
@@ -237,7 +248,7 @@ mod tests {
         other.set(&held(&["key:f"]), false);
         leave(folder, "1.txt", NOBODY, &["key:f", "key:d"]);
         assert_eq!(own.held_by_others(), held(&["key:f"]));
-        assert_eq!(own.left_down()[0].1, held(&["key:d"]));
+        assert_eq!(own.left_down(false)[0].1, held(&["key:d"]));
         other.set(&held(&["key:f"]), true);
         assert_eq!(own.held_by_others(), held(&[]));
     }
