@@ -13,6 +13,7 @@ pub mod cli;
 pub mod doctor;
 pub mod eit;
 pub mod engine;
+pub mod files;
 pub mod gesture;
 #[cfg(feature = "gui")]
 pub mod gui;

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 const TABLE: &[(&str, &[&str])] = &[
     ("types", &[]),
     ("stats", &[]),
+    ("files", &[]),
     ("pad", &["types"]),
     ("eit", &["types", "pad"]),
     ("touch", &["types", "pad", "eit"]),
@@ -21,7 +22,7 @@ const TABLE: &[(&str, &[&str])] = &[
         &["types", "pad", "eit", "touch", "profile", "gesture"],
     ),
     ("cache", &["types", "pad", "eit", "touch"]),
-    ("session", &["types"]),
+    ("session", &["types", "files"]),
     (
         "tape",
         &[
@@ -44,7 +45,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "runtime",
         &[
             "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session", "tape",
-            "source", "output",
+            "source", "output", "files",
         ],
     ),
     ("doctor", &["types", "output"]),
@@ -52,6 +53,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "app",
         &[
             "types",
+            "files",
             "pad",
             "eit",
             "touch",
@@ -72,6 +74,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "gui",
         &[
             "types",
+            "files",
             "stats",
             "pad",
             "eit",
@@ -92,6 +95,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "cli",
         &[
             "types",
+            "files",
             "stats",
             "pad",
             "eit",

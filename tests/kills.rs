@@ -13,6 +13,8 @@
 
 #[path = "kills/display.rs"]
 mod display;
+#[path = "kills/endings.rs"]
+mod endings;
 #[path = "kills/gelpad.rs"]
 mod gelpad;
 #[path = "kills/guest.rs"]
@@ -34,7 +36,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::display::Display;
-use crate::gelpad::{Gelpad, Random, one_hold, presses, watchers};
+use crate::gelpad::{Gelpad, Random, one_hold, presses, watcher_processes, watchers};
 use crate::process::Process;
 use crate::server::{PATIENCE, start_server};
 
@@ -50,7 +52,7 @@ const OTHER_KEY: u8 = 50;
 /// A display and a folder.
 pub struct Stage {
     display: Display,
-    _server: Process,
+    server: Process,
     folder: tempfile::TempDir,
 }
 
@@ -81,6 +83,9 @@ fn main() -> ExitCode {
         ),
         trial("end_of_the_source", end_of_the_source),
         trial("profile_switch", profile_switch),
+        trial("endings_of_an_adversary", endings::endings),
+        trial("a_display_that_is_killed", killed_display),
+        trial("another_gelpad_keeps_its_keys", keys_of_another_gelpad),
         trial("keys_of_another_keyboard_stay_down", keys_of_others),
         trial("panic_of_the_source", inside::panic_of_the_source),
         trial("panic_of_the_output", inside::panic_of_the_output),
@@ -128,7 +133,7 @@ fn on_stage(xvfb: &Path, run: fn(&Stage) -> Result<()>) -> Result<()> {
     let (server, name) = start_server(xvfb, folder.path())?;
     let stage = Stage {
         display: Display::open(&name.to_string_lossy())?,
-        _server: server,
+        server,
         folder,
     };
     let keymap = stage.display.keymap()?;
@@ -158,7 +163,7 @@ impl Stage {
     fn no_watcher_is_left(&self) -> Result<()> {
         let start = Instant::now();
         loop {
-            let left = watchers(&self.display.name);
+            let left = watcher_processes(&self.display.name, &["watch", "guard"]);
             if left.is_empty() {
                 return Ok(());
             }
@@ -337,4 +342,70 @@ fn keys_of_others(stage: &Stage) -> Result<()> {
     let down = stage.display.down()?;
     ensure!(down == [OTHER_KEY], "half a second later: {down:?}");
     stage.display.press(OTHER_KEY, false)
+}
+
+/// A display that is gone is noticed without an event, and ends the game with an error.
+fn killed_display(stage: &Stage) -> Result<()> {
+    let folder = stage.folder.path().join("other");
+    std::fs::create_dir(&folder)?;
+    let (mut server, name) = start_server(&xvfb().context("no Xvfb")?, &folder)?;
+    let display = Display::open(&name.to_string_lossy())?;
+    let mut gelpad = Gelpad::play(&folder, &display.name, &one_hold(), "super-mario")?;
+    display.wait(true, PATIENCE)?;
+    server.signal(Signal::KILL)?;
+    let start = Instant::now();
+    let code = gelpad.ended(PATIENCE)?.code();
+    eprintln!(
+        "\nthe display was killed: ended after {:.1?}",
+        start.elapsed()
+    );
+    ensure!(code == Some(1), "exit code {code:?}");
+    ensure!(server.end_within(PATIENCE)?.is_some());
+    Ok(())
+}
+
+/// The end of one gelpad leaves down what another one holds.
+fn keys_of_another_gelpad(stage: &Stage) -> Result<()> {
+    let mut first = stage.play(&one_hold())?;
+    stage.display.wait(true, PATIENCE)?;
+    let held = stage.display.down()?;
+    let folder = stage.folder.path().join("other");
+    std::fs::create_dir(&folder)?;
+    let runtime = stage.folder.path();
+    let mut second = Gelpad::play_in(
+        runtime,
+        "keyboard",
+        &folder,
+        &stage.display.name,
+        &one_hold(),
+        "super-mario",
+    )?;
+    // Both hold the same key when the watchers of the second have noted it.
+    let holders = || {
+        let files = std::fs::read_dir(runtime.join("gelpad/held"))
+            .into_iter()
+            .flatten()
+            .flatten();
+        let texts = files.map(|file| std::fs::read_to_string(file.path()).unwrap_or_default());
+        texts.filter(|text| text.contains("key:")).count()
+    };
+    let start = Instant::now();
+    while holders() < 4 {
+        ensure!(
+            start.elapsed() < PATIENCE,
+            "{} watchers hold keys",
+            holders()
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    second.signal(Signal::KILL)?;
+    second.ended(PATIENCE)?;
+    std::thread::sleep(RELEASED / 2);
+    ensure!(
+        stage.display.down()? == held,
+        "the first gelpad's key came up"
+    );
+    first.signal(Signal::KILL)?;
+    first.ended(PATIENCE)?;
+    stage.display.wait(false, RELEASED).map(drop)
 }

@@ -7,6 +7,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
+#[path = "recording/damage.rs"]
+mod damage;
 #[path = "recording/exports.rs"]
 mod exports;
 #[path = "recording/failures.rs"]
@@ -64,6 +66,8 @@ fn main() -> ExitCode {
         trial("killed_while_recording", failures::killed),
         trial("a_full_disk", failures::full_disk),
         trial("damage_in_the_middle", failures::damaged),
+        trial("flips_and_cuts", damage::flips_and_cuts),
+        trial("a_damaged_table", damage::damaged_table),
         trial("bombs_and_lies", forged::refused),
         trial("csv_and_evemu", exports::texts),
         trial("touches_by_udp", tuio::by_udp),

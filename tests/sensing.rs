@@ -451,7 +451,7 @@ fn a_held_finger_is_placed_by_all_its_frames() {
     let places = [[30.0, 35.0], [62.0, 44.0], [48.0, 71.0], [75.0, 25.0]];
     for round in 0..40 {
         let place = places[round % places.len()];
-        let mut off_mm = |bench: &Bench| {
+        let off_mm = |bench: &Bench| {
             let [x, y] = bench.down()[0].contact.centre_mm;
             (x - place[0]).hypot(y - place[1]) / 40.0
         };

@@ -20,6 +20,8 @@ use rustix::termios::{Winsize, tcsetwinsize};
 
 /// Longest time from the end of the terminal to the end of the game.
 const LONGEST_END: Duration = Duration::from_secs(2);
+/// The same if nobody reads what the game writes: the waits for terminal and output are limited.
+const STALLED_END: Duration = Duration::from_secs(30);
 /// Longest time until the pad is solved and pressed.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// How the live view marks a binding whose key is down.
@@ -148,6 +150,49 @@ fn a_closed_terminal_ends_a_live_view_and_the_recording_holds_the_release() {
     for action in ["press key:f", "release key:f"] {
         assert!(events.contains(action), "{events}");
     }
+}
+
+/// Sends SIGTERM and waits for the end, which a stopped reader must not hold up for long.
+fn terminate(child: Child) {
+    let process = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(process, rustix::process::Signal::TERM).expect("sent");
+    assert_eq!(exit_code(child, STALLED_END), Some(143));
+}
+
+#[test]
+fn the_first_signal_ends_a_game_whose_terminal_is_not_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (emulator, child) = with_live_view(folder.path(), &[]);
+    // Nothing is read from here on: the live view fills the terminal's buffer.
+    std::thread::sleep(Duration::from_secs(2));
+    terminate(child);
+    drop(emulator);
+}
+
+#[test]
+fn the_first_signal_ends_a_game_whose_pipes_are_not_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full_pipe = || {
+        let (reader, writer) = rustix::pipe::pipe().expect("a pipe");
+        let flags = rustix::fs::OFlags::NONBLOCK;
+        rustix::fs::fcntl_setfl(&writer, flags).expect("set");
+        while rustix::io::write(&writer, &[b'\n'; 4096]).is_ok() {}
+        while rustix::io::write(&writer, b"\n").is_ok() {}
+        rustix::fs::fcntl_setfl(&writer, rustix::fs::OFlags::empty()).expect("set");
+        (reader, writer)
+    };
+    let (events, stdout) = full_pipe();
+    let (messages, stderr) = full_pipe();
+    let child = game(folder.path(), &["--headless"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::from(stdout))
+        .stderr(Stdio::from(stderr))
+        .spawn()
+        .expect("started");
+    // Long enough for the press, which cannot be written.
+    std::thread::sleep(Duration::from_secs(3));
+    terminate(child);
+    drop((events, messages));
 }
 
 #[test]

@@ -38,6 +38,7 @@ fn main() -> ExitCode {
     let trials = vec![
         trial("every_key", &["sway", "wev"], every_key),
         trial("killed_and_stopped", &["sway", "wev"], killed_and_stopped),
+        trial("endings_of_an_adversary", &["sway", "wev"], endings),
         trial(
             "a_compositor_without_the_protocol",
             &["weston"],
@@ -357,6 +358,44 @@ fn killed_and_stopped(home: &Home) -> Result<()> {
     eprintln!(
         "\nstopped: up after {took:.1?}, down again {back:.1?} after it went on; killed: up after {killed:.1?}"
     );
+    Ok(())
+}
+
+/// Endings that an adversary would choose; `GELPAD_ENDINGS` sets their number.
+fn endings(home: &Home) -> Result<()> {
+    let count = std::env::var("GELPAD_ENDINGS").ok();
+    let count = count.and_then(|text| text.parse().ok()).unwrap_or(5);
+    let (sway, wev, display) = home.sway()?;
+    let profile = profile("output = \"key:f\"");
+    let script = "t:300 down 1 50 50\nt:600000 end\n";
+    let last = || {
+        let events = key_events(&wev.said());
+        events.last().map(|(_, is_down, _)| *is_down)
+    };
+    let until = |is_down| wait(|| Ok((last() == Some(is_down)).then_some(())));
+    for round in 0..count {
+        let gelpad = home.gelpad(&display, &profile, script)?;
+        until(true).with_context(|| format!("ending {round}: the press"))?;
+        match round % 5 {
+            0 => gelpad.signal(Signal::KILL)?,
+            1 => gelpad.signal(Signal::TERM)?,
+            2 => gelpad.signal(Signal::SEGV)?,
+            3 => {
+                gelpad.signal(Signal::STOP)?;
+                std::thread::sleep(Duration::from_millis(37 * (round % 50)));
+                gelpad.signal(Signal::KILL)?;
+            }
+            _ => {
+                // The compositor stalls while gelpad ends.
+                sway.signal(Signal::STOP)?;
+                gelpad.signal(Signal::TERM)?;
+                std::thread::sleep(Duration::from_millis(50 * (round % 70)));
+                sway.signal(Signal::CONT)?;
+            }
+        }
+        until(false).with_context(|| format!("ending {round}: a key is stuck"))?;
+    }
+    eprintln!("\n{count} endings on Wayland, no key stuck");
     Ok(())
 }
 

@@ -24,6 +24,7 @@ fn beginning() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| {
         let setup = Setup {
+            slim: None,
             pad: "schema = 1".to_owned(),
             profile: ProfileTexts {
                 t_ns: 0,

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::AppError;
 use super::texts::{is_path, read_limited};
-use super::{AppError, files};
 use crate::calibrate::Presses;
+use crate::files::{self, FileError};
 use crate::pad::Pad;
 use crate::touch::{Correction, CorrectionData};
 
@@ -86,11 +87,8 @@ pub(crate) fn save(
         expected_mm,
         correction: correction.data().clone(),
     };
-    let json = serde_json::to_vec(&file).map_err(|error| AppError::Write {
-        path: path.to_owned(),
-        error: error.into(),
-    })?;
-    files::write(path, &json)
+    let json = serde_json::to_vec(&file).map_err(|error| FileError::new(path, error.into()))?;
+    Ok(files::write(path, &json)?)
 }
 
 /// The default file of a pad's calibration: beside the pad's file, or in the current folder for a shipped pad.

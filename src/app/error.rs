@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::calibrate::recommend::RecommendError;
 use crate::calibrate::{CalibrateError, PressesError};
 use crate::eit::SetupError;
+use crate::files::FileError;
 use crate::output::{OutputError, TuioError};
 use crate::runtime::RecordError;
 use crate::source::SourceError;
@@ -22,8 +23,8 @@ pub(crate) enum AppError {
     #[error("{}: {error}", path.display())]
     Read { path: PathBuf, error: io::Error },
     /// A file cannot be written.
-    #[error("{} cannot be written: {error}", path.display())]
-    Write { path: PathBuf, error: io::Error },
+    #[error(transparent)]
+    Write(#[from] FileError),
     /// A file has the wrong content.
     #[error("{}: {reason}", path.display())]
     Content { path: PathBuf, reason: String },

@@ -1,13 +1,13 @@
 //! Listeners of a game: the recorder, and the sender of touches as TUIO.
 
-use std::path::Path;
-
 use super::AppError;
 use super::recording::ActiveRecording;
 use super::request::{PlayRequest, SourceChoice};
+use crate::files;
 use crate::output::Tuio;
 use crate::runtime::{self, StepListener};
 use crate::tape::EngineConfig;
+use crate::types::Method;
 
 /// Listeners of a game, and the recording that one of them makes.
 #[derive(Default)]
@@ -17,7 +17,11 @@ pub(super) struct Listeners {
 }
 
 impl Listeners {
-    pub(super) fn start(request: &PlayRequest, config: &EngineConfig) -> Result<Self, AppError> {
+    pub(super) fn start(
+        request: &PlayRequest,
+        config: &EngineConfig,
+        method: Method,
+    ) -> Result<Self, AppError> {
         let mut started = Self::default();
         if let Some(address) = &request.tuio {
             let tuio = Tuio::connect(address, config.pad.outline.size_mm())?;
@@ -25,16 +29,11 @@ impl Listeners {
             started.listeners.push(listener);
         }
         if let Some(path) = &request.record {
-            if let SourceChoice::Replay(file) = &request.source
-                && is_same(file, path)
-            {
-                return Err(AppError::Content {
-                    path: path.clone(),
-                    reason: "this recording is being played\n  help: record to another file"
-                        .to_owned(),
-                });
-            }
-            let (listener, recorder) = runtime::start_recording(path, &config.to_setup())?;
+            let setup = match request.slim {
+                true => config.to_setup().into_slim(method.name()),
+                false => config.to_setup(),
+            };
+            let (listener, recorder) = runtime::start_recording(path, &setup, request.existing)?;
             started.listeners.push(listener);
             started.recording = Some(ActiveRecording {
                 path: path.clone(),
@@ -45,9 +44,18 @@ impl Listeners {
     }
 }
 
-fn is_same(one: &Path, other: &Path) -> bool {
-    match (one.canonicalize(), other.canonicalize()) {
-        (Ok(one), Ok(other)) => one == other,
-        _ => false,
+/// Checks, before anything is opened, that the recording of a request can be written.
+pub(super) fn check_recording(request: &PlayRequest) -> Result<(), AppError> {
+    let Some(path) = &request.record else {
+        return Ok(());
+    };
+    if let SourceChoice::Replay(file) = &request.source
+        && files::is_same(file, path)
+    {
+        return Err(AppError::Content {
+            path: path.clone(),
+            reason: "this recording is being played\n  help: record to another file".to_owned(),
+        });
     }
+    Ok(runtime::check_recording(path, request.existing)?)
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::calibration;
-use super::folders::{own_folder, own_texts};
+use super::folders::{own_folder, own_texts, recordings_folder};
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
 use super::play::{Game, PreparedGame};
@@ -16,6 +16,7 @@ use super::timeline::RecordingTimeline;
 use super::{AppError, first_fault};
 use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
 use crate::calibrate::{Press, Presses, calibration_file_name, fit_correction};
+use crate::files::FileError;
 use crate::pad::{Pad, SHIPPED_PADS};
 use crate::profile::{Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source};
 use crate::runtime::RunningGame;
@@ -90,6 +91,10 @@ impl AppServices for LocalServices {
     fn own_folder(&self) -> Option<PathBuf> {
         own_folder()
     }
+
+    fn recordings_folder(&self) -> Option<PathBuf> {
+        recordings_folder()
+    }
 }
 
 /// Shipped names, then the user's own files.
@@ -143,10 +148,7 @@ fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> 
         AppError::Unsuitable("there is no folder for your own settings: set HOME".to_owned())
     })?;
     let folder = folder.join("calibrations");
-    std::fs::create_dir_all(&folder).map_err(|error| AppError::Write {
-        path: folder.clone(),
-        error,
-    })?;
+    std::fs::create_dir_all(&folder).map_err(|error| FileError::new(&folder, error))?;
     let name = calibration_file_name(&pad.name, |name| folder.join(name).exists());
     let path = folder.join(name);
     calibration::save(&path, pad, &fitted.correction, fitted.lone.mean_mm)?;

@@ -45,11 +45,26 @@ pub(crate) fn sensing(
     method: Method,
     progress: Progress<'_>,
 ) -> Result<SensingBuilder, AppError> {
+    start_workers()?;
     cache::sensing_builder(pad, method, progress).map_err(|error| no_image(pad, error))
+}
+
+/// Starts the threads that solve pads. Without this, a system that allows no more threads would end the program by a panic.
+fn start_workers() -> Result<(), AppError> {
+    use std::error::Error as _;
+
+    match rayon::ThreadPoolBuilder::new().build_global() {
+        // The other error is that they run already.
+        Err(error) if error.source().is_some() => {
+            Err(AppError::Thread(std::io::Error::other(error.to_string())))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The reconstruction matrix of a pad.
 pub(crate) fn reconstruction(pad: &Pad, method: Method) -> Result<Reconstruction, AppError> {
+    start_workers()?;
     Reconstruction::from_pad(pad, method).map_err(|error| no_image(pad, error))
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::focus_gate::FocusGate;
-use super::listeners::Listeners;
+use super::listeners::{Listeners, check_recording};
 use super::outputs::{self, OutputAbilities};
 use super::pads::{choose_method, engine_config};
 use super::play_config::PlayConfig;
@@ -64,6 +64,7 @@ pub(crate) struct Game {
 impl PreparedGame {
     /// Opens everything that a request names. The first use of a pad solves it, which takes seconds.
     pub(crate) fn prepare(request: &PlayRequest, progress: Progress<'_>) -> Result<Self, AppError> {
+        check_recording(request)?;
         let PlayConfig {
             pad,
             checked,
@@ -92,7 +93,7 @@ impl PreparedGame {
         };
         let method = choose_method(request.method, &profile, &pad.pad);
         let (builder, config) = engine_config(pad, profile, method, correction, progress)?;
-        let listeners = Listeners::start(request, &config)?;
+        let listeners = Listeners::start(request, &config, method)?;
         Ok(Self {
             output: match request.output {
                 OutputChoice::Nothing => "nothing".to_owned(),

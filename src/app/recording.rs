@@ -5,7 +5,10 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use super::AppError;
+use super::pads::{no_image, sensing};
+use crate::pad::Pad;
 use crate::runtime::Recorder;
+use crate::session::{Setup, slim_name};
 use crate::source::{FileKind, file_kind};
 use crate::tape::{EngineConfig, RecordingPlayer};
 
@@ -22,10 +25,51 @@ pub(crate) fn open_recording(
         path: path.to_owned(),
         error,
     })?;
-    RecordingPlayer::open(BufReader::new(file)).map_err(|error| AppError::Recording {
-        path: path.to_owned(),
-        error,
-    })
+    let mut failed = None;
+    let complete = |setup: Setup| match complete_slim(&setup) {
+        Ok(completed) => completed.unwrap_or(setup),
+        Err(error) => {
+            failed = Some(error);
+            setup
+        }
+    };
+    let opened = RecordingPlayer::open_with(BufReader::new(file), complete);
+    match failed {
+        Some(error) => Err(error),
+        None => opened.map_err(|error| AppError::Recording {
+            path: path.to_owned(),
+            error,
+        }),
+    }
+}
+
+/// Solves what a slim recording names; warns if it differs from what was recorded. `None` for a whole recording.
+pub(super) fn complete_slim(setup: &Setup) -> Result<Option<Setup>, AppError> {
+    let Some(slim) = &setup.slim else {
+        return Ok(None);
+    };
+    let pad = Pad::from_toml("pad", &setup.pad)?;
+    let method = slim.method.parse().unwrap_or_default();
+    let builder = sensing(&pad, method, &|_, _| ())?;
+    let initial = builder
+        .build_initial()
+        .map_err(|error| no_image(&pad, error))?;
+    let locating = initial.locator_model.as_ref();
+    let responses = locating.map(|locating| locating.table().to_bytes());
+    let sensing = initial.to_bytes();
+    let is_same = slim_name(&sensing) == slim.sensing
+        && responses.as_deref().map(slim_name) == slim.responses;
+    if !is_same {
+        tracing::warn!(
+            "the matrix or the response table that this machine solves differs from the recorded one: events may \
+             differ by some milliseconds\n  help: compare with --tolerance-ms"
+        );
+    }
+    Ok(Some(Setup {
+        sensing,
+        responses,
+        ..setup.clone()
+    }))
 }
 
 /// A recording that is being made.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::runtime::ExistingFile;
 use crate::source::Disturbance;
 use crate::source::serial::DEFAULT_BAUD;
 use crate::source::wire::FormatChoice;
@@ -111,6 +112,10 @@ pub struct PlayRequest {
     pub calibration: Option<PathBuf>,
     /// Where the recording goes, if one is made.
     pub record: Option<PathBuf>,
+    /// Whether the recording only names matrix and response table, which each machine solves.
+    pub slim: bool,
+    /// What happens to a file that stands there.
+    pub existing: ExistingFile,
     /// Receiver of touches as TUIO, `HOST:PORT`.
     pub tuio: Option<String>,
 }
@@ -133,6 +138,8 @@ impl Default for PlayRequest {
             method: None,
             calibration: None,
             record: None,
+            slim: false,
+            existing: ExistingFile::Refuse,
             tuio: None,
         }
     }

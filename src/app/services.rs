@@ -111,4 +111,9 @@ pub trait AppServices: Send + Sync {
 
     /// The folder of the player's own profiles and users.
     fn own_folder(&self) -> Option<PathBuf>;
+
+    /// The folder of recordings, which are data and no settings.
+    fn recordings_folder(&self) -> Option<PathBuf> {
+        self.own_folder().map(|folder| folder.join("recordings"))
+    }
 }

@@ -5,9 +5,9 @@ use anyhow::{Context as _, bail};
 use super::args::{ExportArgs, ExportFormat};
 use super::exit::Ending;
 use super::message::say;
-use crate::app::files::{self, PartFile};
 use crate::app::recording::{is_recording, open_recording};
 use crate::engine::Input;
+use crate::files::{self, OutputFile};
 use crate::session::export::evemu::EvemuRecording;
 use crate::session::export::fm2::Fm2Movie;
 use crate::session::{ReadError, export::csv};
@@ -15,6 +15,7 @@ use crate::tape::{PlayerError, RecordedItem};
 use crate::types::{Control, Frame};
 
 pub(super) fn export(args: &ExportArgs) -> anyhow::Result<Ending> {
+    files::refuse_input(&args.file, &args.output)?;
     match args.format {
         ExportFormat::Fm2 => export_movie(args),
         ExportFormat::Evemu => export_evemu(args),
@@ -65,7 +66,7 @@ fn export_evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
 }
 
 fn export_frames(args: &ExportArgs) -> anyhow::Result<Ending> {
-    let mut out = PartFile::create(&args.output)?;
+    let mut out = OutputFile::create(&args.output)?;
     let mut frames = 0u64;
     let ending = for_each(args, |played| {
         if let RecordedItem::Input(Input::Frame(frame)) = played {

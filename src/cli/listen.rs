@@ -7,11 +7,13 @@ use std::time::Duration;
 use super::args::ListenArgs;
 use super::exit::Ending;
 use super::message::say;
+use crate::app::pads::load_pad;
 use crate::app::signals::Signals;
-use crate::eit::order::Layout;
-use crate::source::describe_order;
+use crate::pad::{DEFAULT_PAD, SHIPPED_PADS};
 use crate::source::serial::{PortListener, PortReport};
 use crate::source::wire::WireFormat;
+use crate::source::{describe_order, plausible_counts};
+use crate::types::printable;
 
 /// Bytes per row of a hex dump.
 const ROW_BYTES: usize = 16;
@@ -91,18 +93,16 @@ fn report(heard: &PortReport, port: &str) -> String {
         report.line(
             "order",
             match order {
-                Ok(order) => describe_order(order, heard.most_common_count().unwrap_or(0)),
+                Ok(order) => describe_order(order, heard.readings().unwrap_or(0)),
                 Err(error) => error.to_string(),
             },
         );
     }
     report.bad_bytes(heard);
-    if heard.frames > 0 {
-        let layout = order.and_then(|(_, order)| Some(order.ok()?.layout));
-        let command = play_command(heard.kind, layout, port);
-        report.0.push_str(&format!("\nplay it:\n  {command}\n"));
+    if let Some(readings) = heard.readings() {
+        report.0.push_str(&play_advice(heard.kind, readings, port));
     }
-    report.0
+    printable(&report.0).into_owned()
 }
 
 /// A report of lines with a name and a value.
@@ -143,6 +143,14 @@ impl Report {
                 let missing = format!("{} missing by the board's counter", heard.missing);
                 self.line("", missing);
             }
+            if heard.late > 0 {
+                let late = format!("{} again or too late by the board's counter", heard.late);
+                self.line("", late);
+            }
+            if heard.repeated > 0 {
+                let repeated = format!("{} repeat the one before bit for bit", heard.repeated);
+                self.line("", repeated);
+            }
         }
         if heard.garbled > 0 || heard.frames > 0 {
             self.line("garbled", heard.garbled.to_string());
@@ -162,6 +170,17 @@ impl Report {
                 others => format!(" ({others} frames have another number)"),
             };
             self.line("values a frame", format!("{values}{others}"));
+        }
+        match heard.leading() {
+            0 => {}
+            1 => self.line(
+                "",
+                "1 column before the readings: a counter or a time".to_owned(),
+            ),
+            columns => {
+                let columns = format!("{columns} columns before the readings: a counter, a time");
+                self.line("", columns);
+            }
         }
         if let Some((least, most)) = heard.range {
             self.line("", format!("from {least} to {most}"));
@@ -186,14 +205,37 @@ impl Report {
     }
 }
 
-/// The command that plays this board.
-fn play_command(kind: Option<WireFormat>, layout: Option<Layout>, port: &str) -> String {
-    let pad = match layout {
-        Some(Layout::Opposite) => " --pad openeit-lattice",
-        _ => "",
-    };
+/// The command that plays this board: it names a pad that has so many readings.
+fn play_advice(kind: Option<WireFormat>, readings: usize, port: &str) -> String {
+    let pad = |name: &str| load_pad(name).ok().map(|loaded| loaded.pad);
+    let has_so_many = |name: &&str| pad(name).is_some_and(|pad| pad.channels() == readings);
+    let default_takes =
+        |count| pad(DEFAULT_PAD).is_some_and(|pad| plausible_counts(&pad).contains(&count));
+    let mut shipped = SHIPPED_PADS.iter().map(|pad| pad.name);
+    let fitting = shipped
+        .find(has_so_many)
+        .or(default_takes(readings).then_some(DEFAULT_PAD));
     let format = kind.map_or(String::new(), |kind| format!(" --format {}", kind.name()));
-    format!("gelpad play --source serial:{port}{format}{pad}")
+    let command = format!("gelpad play --source serial:{port}");
+    if let Some(name) = fitting {
+        let pad = match name {
+            DEFAULT_PAD => String::new(),
+            name => format!(" --pad {name}"),
+        };
+        return format!("\nplay it:\n  {command}{format}{pad}\n");
+    }
+    let may_be_complex = kind == Some(WireFormat::Lines)
+        && readings.is_multiple_of(2)
+        && default_takes(readings / 2);
+    if may_be_complex {
+        return format!(
+            "\nplay it, if real and imaginary parts alternate:\n  {command} --format lines:complex\n"
+        );
+    }
+    format!(
+        "\nno shipped pad has {readings} readings a frame; describe yours in a file:\n  \
+         gelpad pad show {DEFAULT_PAD} --toml > my-pad.toml\n  {command}{format} --pad ./my-pad.toml\n"
+    )
 }
 
 /// A hex dump with text.
@@ -220,6 +262,23 @@ fn hex_dump(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_command_names_a_pad_that_takes_the_readings() {
+        let advice = |readings| play_advice(Some(WireFormat::Lines), readings, "P");
+        let plays = "\nplay it:\n  gelpad play --source serial:P --format lines";
+        assert_eq!(advice(208), format!("{plays}\n"));
+        assert_eq!(advice(104), format!("{plays}\n"));
+        assert_eq!(advice(192), format!("{plays} --pad openeit-lattice\n"));
+        assert!(advice(416).contains("--format lines:complex"));
+        for readings in [928, 200] {
+            let text = advice(readings);
+            assert!(
+                text.contains("no shipped pad") && !text.contains("play it"),
+                "{text}"
+            );
+        }
+    }
 
     #[test]
     fn a_dump_shows_bytes_and_text_in_columns() {

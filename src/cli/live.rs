@@ -15,7 +15,7 @@ use ratatui::widgets::{Block, Paragraph, Widget};
 
 use super::log;
 use super::map::Map;
-use super::terminal::{KeyCommand, Keyboard, TerminalLost};
+use super::terminal::{KeyCommand, Keyboard, TerminalLost, can_write};
 use crate::pad::Pad;
 use crate::profile::{Profile, Target};
 use crate::runtime::View;
@@ -98,9 +98,12 @@ impl LiveView {
             notice: &self.notice,
             plain: self.plain,
         };
-        self.terminal
-            .draw(|frame| frame.render_widget(screen, frame.area()))
-            .map_err(|_| TerminalLost)?;
+        // A terminal that has stopped reading (Ctrl-S) shows the next view that it takes.
+        if can_write(&std::io::stdout(), Duration::ZERO) {
+            self.terminal
+                .draw(|frame| frame.render_widget(screen, frame.area()))
+                .map_err(|_| TerminalLost)?;
+        }
         self.keyboard.read(wait)
     }
 }
@@ -114,11 +117,13 @@ impl Drop for LiveView {
 /// Restores the terminal; errors are ignored, as the terminal may be closed.
 fn restore() {
     log::mute(false);
-    let _ = execute!(
-        std::io::stdout(),
-        terminal::LeaveAlternateScreen,
-        crossterm::cursor::Show
-    );
+    if can_write(&std::io::stdout(), Duration::ZERO) {
+        let _ = execute!(
+            std::io::stdout(),
+            terminal::LeaveAlternateScreen,
+            crossterm::cursor::Show
+        );
+    }
     let _ = terminal::disable_raw_mode();
 }
 

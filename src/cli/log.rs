@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use tracing_subscriber::EnvFilter;
 
+use super::message::Stderr;
+
 /// Whether log lines are dropped. Global, as there is one terminal.
 static MUTED: AtomicBool = AtomicBool::new(false);
 
@@ -27,7 +29,7 @@ pub(super) fn start(verbose: u8) {
             if MUTED.load(Ordering::Relaxed) {
                 Box::new(std::io::sink())
             } else {
-                Box::new(std::io::stderr())
+                Box::new(Stderr)
             }
         })
         .with_ansi(std::io::stderr().is_terminal())

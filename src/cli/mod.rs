@@ -12,6 +12,7 @@ mod doctor;
 mod drawing;
 mod exit;
 mod export;
+mod input;
 mod listen;
 mod live;
 mod log;
@@ -31,7 +32,9 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
+use crate::types::printable;
 use args::{Arguments, Command};
+use input::copy_pipe;
 
 /// What remains to be done after the command line was run.
 pub enum Next {
@@ -44,14 +47,20 @@ pub enum Next {
 /// Runs the command of the arguments.
 #[must_use]
 pub fn run() -> Next {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| end_with(&error));
     log::start(arguments.verbose);
     let outcome = match arguments.command {
         None => return Next::OpenWindow,
         Some(Command::Play(args)) => play::play(&args),
-        Some(Command::Replay(args)) => replay::replay(&args),
-        Some(Command::Recover(args)) => recover::recover(&args),
-        Some(Command::Export(args)) => export::export(&args),
+        Some(Command::Replay(mut args)) => {
+            copy_pipe(&mut args.file).and_then(|_copy| replay::replay(&args))
+        }
+        Some(Command::Recover(mut args)) => {
+            copy_pipe(&mut args.file).and_then(|_copy| recover::recover(&args))
+        }
+        Some(Command::Export(mut args)) => {
+            copy_pipe(&mut args.file).and_then(|_copy| export::export(&args))
+        }
         Some(Command::Listen(args)) => listen::listen(&args),
         Some(Command::Device(args)) => device::device(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
@@ -67,6 +76,16 @@ pub fn run() -> Next {
         Some(Command::Doctor(_)) => Err(anyhow::anyhow!("`gelpad doctor` needs Linux")),
     };
     Next::Exit(exit::code(outcome))
+}
+
+/// Ends with help, or with a mistake in the arguments, which may hold any characters.
+fn end_with(error: &clap::Error) -> ! {
+    let plain = error.to_string();
+    if error.use_stderr() && printable(&plain) != plain {
+        message::say(plain.trim_end());
+        std::process::exit(2);
+    }
+    error.exit()
 }
 
 /// Plays the level in the terminal.

@@ -5,11 +5,12 @@ use std::io::Write as _;
 use super::args::PadCommand;
 use super::exit::Ending;
 use super::map::Map;
+use super::message::for_stdout;
 use crate::app::pads::{load_pad, reconstruction};
 use crate::app::texts::pad_text;
 use crate::eit::Linearised;
 use crate::pad::{Conductor, Outline, Pad, SHIPPED_PADS, TouchSign};
-use crate::types::Method;
+use crate::types::{Method, printable};
 
 pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
@@ -25,14 +26,15 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
             let matrix = reconstruction(&pad, Method::default())?;
             writeln!(
                 stdout,
-                "{argument}: sound: {} electrodes, {} voltages per frame, {} pixels",
+                "{}: sound: {} electrodes, {} voltages per frame, {} pixels",
+                printable(argument),
                 pad.electrodes.len(),
                 pad.channels(),
                 matrix.unknowns()
             )?;
         }
         PadCommand::Show { pad, toml: true } => {
-            write!(stdout, "{}", pad_text(pad)?.toml)?;
+            write!(stdout, "{}", for_stdout(&pad_text(pad)?.toml))?;
         }
         PadCommand::Show { pad, toml: false } => {
             let pad = load_pad(pad)?.pad;
@@ -42,7 +44,7 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
                 "{}",
                 Map::new(pad.outline.size_mm(), 60).pad(&pad).framed()
             )?;
-            writeln!(stdout, "{}", facts(&pad, &linearised))?;
+            writeln!(stdout, "{}", printable(&facts(&pad, &linearised)))?;
         }
     }
     Ok(Ending::Done)

@@ -7,6 +7,7 @@ use signal_hook::consts::{SIGHUP, SIGINT};
 
 use super::args::PlayArgs;
 use super::exit::{self, Ending};
+use super::input::copy_pipe;
 use super::live::{LiveView, Title};
 use super::message::say;
 use super::progress::SolveBar;
@@ -20,6 +21,8 @@ use crate::runtime::{PlayCommand, SessionSummary};
 
 /// Period of the live view and of the checks for signals.
 const PERIOD: Duration = Duration::from_millis(33);
+/// Longest wait for the output at the end.
+const END_LIMIT: Duration = Duration::from_secs(5);
 
 /// The level on the simulated pad; no keys are sent.
 pub(super) fn play_level() -> anyhow::Result<Ending> {
@@ -36,7 +39,12 @@ pub(super) fn play_level() -> anyhow::Result<Ending> {
 /// `gelpad play`.
 pub(super) fn play(args: &PlayArgs) -> anyhow::Result<Ending> {
     let shows_view = !args.headless && can_show_view();
-    run(&args.to_request(!shows_view), shows_view)
+    let mut request = args.to_request(!shows_view);
+    let _copy = match &mut request.source {
+        SourceChoice::Replay(file) => copy_pipe(file)?,
+        _ => None,
+    };
+    run(&request, shows_view)
 }
 
 /// Whether stdout is a terminal that can be drawn on.
@@ -68,13 +76,17 @@ fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     let signals = Signals::listen()?;
     let mut game = prepared.start()?;
     let mut ended_by = follow(&mut game, &signals, &terminal, view.as_mut());
-    game.running.stop();
-    let summary = game.running.join();
+    let summary = game.running.end_within(END_LIMIT);
     drop(view);
     // A game whose output was the closed terminal has ended before the loop noticed.
     if terminal.is_lost() {
         ended_by = Some(SIGHUP);
     }
+    let Some(summary) = summary else {
+        // A recording is complete up to here, though not compressed.
+        say("the output does not take its events: gelpad ends without it");
+        return Ok(ended_by.map_or(Ending::LostData, Ending::Signal));
+    };
     let ending = conclude(summary, ended_by);
     let Some((summary, is_whole)) = game.recording.map(|recording| recording.finish()) else {
         return ending;

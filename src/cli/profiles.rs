@@ -6,12 +6,13 @@ use super::args::{ProfileCommand, ShowArgs};
 use super::drawing;
 use super::exit::{self, Ending};
 use super::map::Map;
-use crate::app::files;
+use super::message::for_stdout;
 use crate::app::pads::load_pad;
 use crate::app::profiles::load_profile;
 use crate::app::texts::profile_text;
+use crate::files;
 use crate::profile::{Checked, Profile, SHIPPED_PROFILES, SHIPPED_USERS, schema};
-use crate::types::ms_from_nanos;
+use crate::types::{ms_from_nanos, printable};
 
 pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
@@ -37,7 +38,8 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
                 .sum();
             writeln!(
                 stdout,
-                "{argument}: sound: {} regions, {} bindings{}",
+                "{}: sound: {} regions, {} bindings{}",
+                printable(argument),
                 checked.profile.regions.len(),
                 checked.profile.bindings.len(),
                 match warnings {
@@ -49,7 +51,7 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
         }
         ProfileCommand::Schema => write!(stdout, "{}", schema())?,
         ProfileCommand::Show(args) if args.toml => {
-            write!(stdout, "{}", profile_text(&args.profile)?.toml)?;
+            write!(stdout, "{}", for_stdout(&profile_text(&args.profile)?.toml))?;
         }
         ProfileCommand::Show(args) => {
             let checked = load_profile(&args.profile, args.user.as_deref())?;
@@ -57,7 +59,8 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
             let pad_mm = checked.profile.settings.size_as_player_sees_mm(pad_mm);
             if !draw(args, &checked.profile, pad_mm)? {
                 let map = Map::new(pad_mm, 60).regions(&checked.profile).framed();
-                writeln!(stdout, "{map}\n{}", facts(&checked))?;
+                let facts = facts(&checked);
+                writeln!(stdout, "{}\n{}", printable(&map), printable(&facts))?;
             }
         }
     }

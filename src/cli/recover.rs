@@ -1,15 +1,27 @@
 //! `gelpad recover`: saves the readable part of a damaged recording.
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 
 use super::args::RecoverArgs;
 use super::exit::Ending;
 use super::message::say;
+use super::progress::SolveBar;
+use crate::app::restore::Restorer;
+use crate::eit::REFERENCE_FRAMES;
+use crate::files;
 use crate::session;
 
 pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
-    let salvage = session::recover(&args.file, &args.output)
+    files::refuse_input(&args.file, &args.output)?;
+    let bar = SolveBar::default();
+    let progress = |done, rows| bar.update(done, rows);
+    let mut restorer = Restorer::new(&progress);
+    let salvage = session::recover(&args.file, &args.output, &mut restorer)
         .with_context(|| args.file.display().to_string())?;
+    bar.finish();
+    for replaced in &restorer.replaced {
+        say(&format!("warning: {replaced}"));
+    }
     let suffix = if salvage.was_whole {
         ""
     } else {
@@ -19,7 +31,7 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
         "{}: {} frames, {} other inputs and {} events saved{suffix}",
         args.output.display(),
         salvage.frames,
-        salvage.inputs,
+        salvage.inputs + salvage.controls,
         salvage.events
     ));
     for note in &salvage.notes {
@@ -35,7 +47,13 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
             salvage.dropped_inputs
         ));
     }
-    if !salvage.is_incomplete() {
+    if salvage.controls == 0 && salvage.frames < REFERENCE_FRAMES as u64 {
+        bail!(
+            "{}: too few frames to replay: the first {REFERENCE_FRAMES} are the reference",
+            args.output.display()
+        );
+    }
+    if !salvage.is_incomplete() && restorer.replaced.is_empty() {
         say("nothing was lost");
         return Ok(Ending::Done);
     }

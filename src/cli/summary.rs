@@ -21,6 +21,12 @@ pub(super) fn summary_text(summary: &SessionSummary) -> String {
             summary.skipped
         ));
     }
+    if summary.repeated > 0 {
+        text.push_str(&format!(
+            ", {} repeat the one before bit for bit",
+            counted(summary.repeated, "frame")
+        ));
+    }
     if summary.frames_per_s > 0.0 {
         text.push_str(&format!(
             ", {:.0} frames/s\nShortest press detected: {:.0} ms",

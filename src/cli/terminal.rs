@@ -20,7 +20,7 @@ pub(super) enum KeyCommand {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TerminalLost;
 
-pub(super) use system::{Keyboard, Terminal};
+pub(super) use system::{Keyboard, Terminal, can_write};
 
 /// The commands in what one read of a raw terminal returned. Escape sequences, as of arrow keys, are no commands.
 #[cfg(unix)]
@@ -112,6 +112,12 @@ mod system {
         }
     }
 
+    /// Waits until a stream takes bytes, at most `wait`; returns whether it does. One that is closed does: writing to it
+    /// fails at once.
+    pub(in crate::cli) fn can_write(stream: &impl AsFd, wait: Duration) -> bool {
+        wait_for(stream.as_fd(), PollFlags::OUT, wait).unwrap_or(true)
+    }
+
     /// Waits for a terminal, at most `wait`; returns whether `wanted` is possible.
     fn wait_for(
         file: BorrowedFd<'_>,
@@ -140,6 +146,11 @@ mod system {
     use crossterm::event::{Event, KeyCode, KeyModifiers, poll, read};
 
     use super::{KeyCommand, TerminalLost};
+
+    /// Streams of a console are always read.
+    pub(in crate::cli) fn can_write<T>(_: &T, _: Duration) -> bool {
+        true
+    }
 
     /// A console, which ends its programs itself.
     pub(in crate::cli) struct Terminal;

@@ -15,6 +15,7 @@ mod machine;
 mod module;
 mod node;
 mod pad;
+mod priority;
 pub mod rule;
 mod serial;
 mod session;
@@ -36,7 +37,7 @@ pub struct ReportSection {
 /// Results of all checks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DoctorReport {
-    /// Kernel devices, desktop, board.
+    /// Kernel devices, desktop, board, timing.
     pub sections: Vec<ReportSection>,
     /// Outputs that work, best first.
     pub outputs: Vec<&'static str>,
@@ -105,6 +106,7 @@ pub fn run_checks(machine: &Machine) -> DoctorReport {
             section("Kernel devices", device),
             section("Desktop", desktop),
             section("Board", board),
+            section("Timing", vec![priority::check()]),
         ],
         outputs,
         boards: serial::boards(&ports),

@@ -10,9 +10,9 @@ use x11rb::connection::{Connection as _, RequestConnection as _};
 use x11rb::errors::ReplyOrIdError;
 use x11rb::protocol::Event as ServerEvent;
 use x11rb::protocol::xproto::{
-    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ChangeWindowAttributesAux, ConnectionExt as _,
-    CreateWindowAux, EventMask, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window,
-    WindowClass,
+    AtomEnum, BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ChangeWindowAttributesAux,
+    ClientMessageEvent, ConnectionExt as _, CreateWindowAux, EventMask, KEY_PRESS_EVENT,
+    KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window, WindowClass,
 };
 use x11rb::protocol::xtest::{self, ConnectionExt as _};
 use x11rb::rust_connection::RustConnection;
@@ -41,6 +41,11 @@ pub struct X11 {
     name: String,
     /// Lowest and highest keycode that the server has.
     keycodes: (u8, u8),
+    /// Number of the last confirmation that was requested, and of the last that has arrived.
+    requested: u32,
+    confirmed: u32,
+    /// Whether the server was given its time to read everything.
+    is_finished: bool,
 }
 
 impl X11 {
@@ -91,7 +96,39 @@ impl X11 {
             window,
             name: format!("keyboard and mouse of the X11 display {display}"),
             keycodes,
+            requested: 0,
+            confirmed: 0,
+            is_finished: false,
         })
+    }
+
+    /// Name of the display.
+    pub(super) fn display(&self) -> &str {
+        &self.display
+    }
+
+    /// Takes what the server has sent, without waiting: confirmations, a new keymap, errors.
+    fn take_events(&mut self) -> Result<(), OutputError> {
+        while let Some(event) = self
+            .connection
+            .poll_for_event()
+            .map_err(|error| refused(&error))?
+        {
+            self.take_event(&event);
+        }
+        Ok(())
+    }
+
+    fn take_event(&mut self, event: &ServerEvent) {
+        match event {
+            ServerEvent::ClientMessage(message) if message.window == self.window => {
+                self.confirmed = message.data.as_data32()[0];
+            }
+            ServerEvent::Error(error) => {
+                tracing::warn!("the X11 server refused an event: {error:?}");
+            }
+            _ => {}
+        }
     }
 
     /// Waits until the server has processed everything.
@@ -118,6 +155,7 @@ impl X11 {
     }
 
     /// Waits until a followed window is destroyed, after all requests of its connection; at most for `timeout`.
+    /// Returns whether it was.
     ///
     /// # Errors
     /// The server is gone.
@@ -125,16 +163,18 @@ impl X11 {
         &mut self,
         window: Window,
         timeout: Duration,
-    ) -> Result<(), OutputError> {
+    ) -> Result<bool, OutputError> {
         let mut waited = Duration::ZERO;
         while waited < timeout {
             match self.connection.poll_for_event() {
                 Ok(Some(ServerEvent::DestroyNotify(ended))) if ended.window == window => {
-                    return Ok(());
+                    return Ok(true);
                 }
                 // It was destroyed before it was followed.
-                Ok(Some(ServerEvent::Error(error))) if error.bad_value == window => return Ok(()),
-                Ok(Some(_)) => {}
+                Ok(Some(ServerEvent::Error(error))) if error.bad_value == window => {
+                    return Ok(true);
+                }
+                Ok(Some(event)) => self.take_event(&event),
                 Ok(None) => {
                     std::thread::sleep(POLL_PERIOD);
                     waited += POLL_PERIOD;
@@ -142,7 +182,7 @@ impl X11 {
                 Err(error) => return Err(refused(&error)),
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     fn fake(&self, kind: u8, detail: u8, (dx, dy): (i16, i16)) -> Result<(), OutputError> {
@@ -206,36 +246,18 @@ impl OutputDevice for X11 {
 
     fn flush(&mut self) -> Result<(), OutputError> {
         self.connection.flush().map_err(|error| refused(&error))?;
-        // Events and errors of the server (a new keymap, for example) must not pile up.
-        while let Some(event) = self
-            .connection
-            .poll_for_event()
-            .map_err(|error| refused(&error))?
-        {
-            if let ServerEvent::Error(error) = event {
-                tracing::warn!("the X11 server refused an event: {error:?}");
-            }
-        }
-        Ok(())
+        self.take_events()
+    }
+
+    /// Notices at once that the server is gone.
+    fn idle(&mut self) -> Result<(), OutputError> {
+        self.take_events()
     }
 }
 
 impl Drop for X11 {
-    /// Waits until the server has read everything: when a client disconnects, the server drops what it has
-    /// not read yet, which may be the release of a key.
     fn drop(&mut self) {
-        let wanted = ChangeWindowAttributesAux::new().event_mask(EventMask::STRUCTURE_NOTIFY);
-        let own = self.window;
-        let requested = self
-            .connection
-            .change_window_attributes(own, &wanted)
-            .is_ok()
-            && self.connection.destroy_window(own).is_ok()
-            && self.connection.flush().is_ok();
-        if requested {
-            // A display that is gone holds no key.
-            let _ = self.wait_for_end_of(own, END_WAIT);
-        }
+        self.finish();
     }
 }
 
@@ -249,6 +271,40 @@ impl Watchable for X11 {
 
     fn reconnect(&mut self) -> Result<(), OutputError> {
         Ok(())
+    }
+
+    /// A message to the own window: the server sends it back after everything before it.
+    fn request_confirmation(&mut self) -> Result<Option<u32>, OutputError> {
+        self.requested = self.requested.wrapping_add(1);
+        let data = [self.requested, 0, 0, 0, 0];
+        let message = ClientMessageEvent::new(32, self.window, AtomEnum::INTEGER, data);
+        // Without a mask it goes to the client that made the window.
+        self.connection
+            .send_event(false, self.window, EventMask::NO_EVENT, message)
+            .map_err(|error| refused(&error))?;
+        Ok(Some(self.requested))
+    }
+
+    fn confirmed(&self) -> u32 {
+        self.confirmed
+    }
+
+    /// Waits until the server has read everything: when a client disconnects, the server drops what it has
+    /// not read yet, which may be the release of a key.
+    fn finish(&mut self) -> bool {
+        if std::mem::replace(&mut self.is_finished, true) {
+            return false;
+        }
+        let wanted = ChangeWindowAttributesAux::new().event_mask(EventMask::STRUCTURE_NOTIFY);
+        let own = self.window;
+        let requested = self
+            .connection
+            .change_window_attributes(own, &wanted)
+            .is_ok()
+            && self.connection.destroy_window(own).is_ok()
+            && self.connection.flush().is_ok();
+        // A display that is gone holds no key.
+        !requested || self.wait_for_end_of(own, END_WAIT).unwrap_or(true)
     }
 }
 

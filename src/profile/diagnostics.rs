@@ -4,6 +4,9 @@ use super::entries::Place;
 use super::sources::Source;
 use crate::types::{Diagnostic, SourceErrors};
 
+/// More diagnostics of one text are dropped: nobody reads them, and comparing them takes time.
+const MOST_DIAGNOSTICS: usize = 500;
+
 /// Diagnostics of each text of a profile.
 #[derive(Debug)]
 pub(super) struct Diagnostics(Vec<Vec<Diagnostic>>);
@@ -31,9 +34,10 @@ impl Diagnostics {
     }
 
     fn add(&mut self, place: &Place, diagnostic: Diagnostic) {
+        let known = &mut self.0[place.layer];
         // A value that two places use is reported once.
-        if !self.0[place.layer].contains(&diagnostic) {
-            self.0[place.layer].push(diagnostic);
+        if known.len() < MOST_DIAGNOSTICS && !known.contains(&diagnostic) {
+            known.push(diagnostic);
         }
     }
 

@@ -3,7 +3,7 @@
 //! A higher text overrides lower ones: top keys and variables by name, regions by name and key by key, bindings by
 //! region, gesture, direction and layer, and key by key. Every value keeps the place where it was written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::entries::{Data, Entries, Text, Value};
 use super::keys::Table;
@@ -116,17 +116,13 @@ fn merge_texts(mut base: Text, upper: Text) -> Text {
 
 /// Tables with the same key override each other, the first the first, the second the second; others are added.
 fn merge_tables(base: &mut Vec<Entries>, upper: Vec<Entries>, key: fn(&Entries) -> String) {
-    let below = base.len();
-    let mut met: BTreeMap<String, usize> = BTreeMap::new();
+    let mut below: BTreeMap<String, VecDeque<usize>> = BTreeMap::new();
+    for (index, entries) in base.iter().enumerate() {
+        below.entry(key(entries)).or_default().push_back(index);
+    }
     for entries in upper {
-        let own = key(&entries);
-        let nth = met.entry(own.clone()).or_insert(0);
-        let same = base[..below]
-            .iter_mut()
-            .filter(|entries| key(entries) == own)
-            .nth(*nth);
-        *nth += 1;
-        match same {
+        let same = below.get_mut(&key(&entries)).and_then(VecDeque::pop_front);
+        match same.and_then(|index| base.get_mut(index)) {
             Some(same) => {
                 same.place = entries.place;
                 same.values.extend(entries.values);

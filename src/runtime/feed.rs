@@ -8,10 +8,12 @@ use rtrb::{Producer, PushError};
 
 use super::{Arrival, NAP, SourceInput, SourceReport, SourceStatus, now};
 use crate::source::{Source, SourcePace, SourceReading};
-use crate::types::Nanos;
+use crate::types::{Frame, Nanos};
 
 /// The first skipped inputs are logged one by one, then every hundredth.
 const LOGGED_SKIPS: u64 = 3;
+/// So many repeated frames are logged first: a coarse converter may repeat a few.
+const LOGGED_REPEATS: u64 = 10;
 
 pub(super) fn source_thread(
     source: Box<dyn Source>,
@@ -27,6 +29,7 @@ pub(super) fn source_thread(
         stop,
         status,
         first: None,
+        last_volts: Vec::new(),
         report: SourceReport::default(),
     };
     while !feeder.is_over() {
@@ -52,6 +55,8 @@ struct Feeder<'a> {
     status: &'a SourceStatus,
     /// When the first reading was played, and its time stamp.
     first: Option<(Instant, Nanos)>,
+    /// The voltages of the last frame.
+    last_volts: Vec<f32>,
     report: SourceReport,
 }
 
@@ -62,7 +67,10 @@ impl Feeder<'_> {
 
     fn take_reading(&mut self, reading: SourceReading) {
         match reading {
-            SourceReading::Frame(frame) => self.feed(SourceInput::Frame(frame)),
+            SourceReading::Frame(frame) => {
+                self.count_repeat(&frame);
+                self.feed(SourceInput::Frame(frame));
+            }
             SourceReading::Control(control) => self.feed(SourceInput::Control(control)),
             SourceReading::Skipped { reason, frames } => {
                 self.report.skipped += 1;
@@ -82,6 +90,26 @@ impl Feeder<'_> {
             }
             SourceReading::Idle | SourceReading::End => {}
         }
+    }
+
+    /// Counts frames that repeat the one before bit for bit: noise makes every measurement different, so the board sent
+    /// the same one twice.
+    fn count_repeat(&mut self, frame: &Frame) {
+        let (volts, last) = (frame.volts.iter(), self.last_volts.iter());
+        if volts
+            .map(|volt| volt.to_bits())
+            .eq(last.map(|volt| volt.to_bits()))
+        {
+            self.report.repeated += 1;
+            let repeated = self.report.repeated;
+            if repeated == LOGGED_REPEATS || repeated.is_multiple_of(1000) {
+                tracing::warn!(
+                    "{repeated} frames so far repeat the one before bit for bit: the board sends measurements twice, or is \
+                     stuck; touches are as late as its new measurements"
+                );
+            }
+        }
+        self.last_volts.clone_from(&frame.volts);
     }
 
     /// Queues an input when it is due.

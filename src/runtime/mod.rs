@@ -15,6 +15,7 @@ mod emit;
 mod feed;
 mod latency;
 mod listen;
+mod priority;
 mod rebuild;
 mod record;
 mod schedule;
@@ -46,7 +47,9 @@ use steps::{EngineQueues, EngineThread};
 use wake::ViewWaker;
 
 pub use listen::{EngineStep, StepListener};
-pub use record::{RecordError, RecordReport, Recorder, start_recording};
+pub use record::{
+    ExistingFile, RecordError, RecordReport, Recorder, check_recording, start_recording,
+};
 pub use touches::send_touches;
 pub use view::{Signals, View};
 
@@ -83,6 +86,8 @@ pub struct SessionSummary {
     pub lost_frames: u64,
     /// Garbled frames and other input that the source skipped.
     pub skipped: u64,
+    /// Frames that repeat the one before bit for bit.
+    pub repeated: u64,
     /// Presses sent.
     pub presses: u64,
     /// Events sent.
@@ -152,6 +157,7 @@ struct SourceStatus {
 #[derive(Default)]
 struct SourceReport {
     skipped: u64,
+    repeated: u64,
     error: Option<SourceError>,
 }
 
@@ -220,6 +226,7 @@ pub fn start_with_listeners(
     let (views, views_out) = triple_buffer::triple_buffer(&blank);
     let (emitted_in, emitted) = triple_buffer::triple_buffer(&OutputStatistics::default());
     let output = spawn("output", move || {
+        priority::raise();
         output_thread(device, events_out, emitted_in)
     })?;
     let queues = EngineQueues {
@@ -234,11 +241,13 @@ pub fn start_with_listeners(
     };
     let pace = source.pace();
     let engine = spawn("engine", move || {
+        priority::raise();
         EngineThread::new(engine, builder, pace, queues, blank, listeners).run()
     })?;
     let to_engine = engine.thread().clone();
     let stopping = Arc::clone(&stop);
     let source = spawn("source", move || {
+        priority::raise();
         source_thread(source, frames_in, &to_engine, &stopping, &status)
     })?;
     Ok(RunningGame {
@@ -297,6 +306,22 @@ impl RunningGame {
         self.views.read()
     }
 
+    /// Stops the game and waits until all threads have ended, for a limited time: a display or a pipe that is not read may
+    /// hold up the output. `None`: it still does; what is down must be released by others (kernel, watcher).
+    #[must_use]
+    pub fn end_within(mut self, limit: Duration) -> Option<SessionSummary> {
+        self.stop();
+        let start = now();
+        while !self.is_finished() {
+            if start.elapsed() >= limit {
+                self.threads = None;
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Some(self.join())
+    }
+
     /// Waits until all threads have ended.
     #[must_use]
     pub fn join(mut self) -> SessionSummary {
@@ -329,6 +354,7 @@ impl RunningGame {
             frames_per_s: engine.frames_per_s,
             lost_frames: engine.lost_frames,
             skipped: source.skipped,
+            repeated: source.repeated,
             presses: output.presses,
             events: output.events,
             late_events: output.late,

@@ -5,7 +5,7 @@
 //! last complete step, an error is logged, and play continues.
 
 use std::fs::File;
-use std::io::{BufWriter, Seek as _};
+use std::io::{BufWriter, ErrorKind, Seek as _};
 use std::path::{Path, PathBuf};
 use std::thread::{JoinHandle, Thread};
 
@@ -14,12 +14,14 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use super::listen::{EngineStep, StepListener};
 use super::{NAP, spawn};
 use crate::engine::Input;
+use crate::files;
 use crate::session::{self, Setup, WriteError};
 use crate::tape::SessionWriter;
 use crate::types::{Event, Touch};
 
 /// Steps that may wait for the disk: one second at 1000 frames/s.
 const STEP_QUEUE: usize = 1024;
+const EXISTS: &str = "the file exists\n  help: name another file, or replace it with --force";
 
 /// The recording cannot be started.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +29,16 @@ const STEP_QUEUE: usize = 1024;
 pub struct RecordError {
     path: PathBuf,
     why: String,
+}
+
+/// What to do with a file that stands where a recording goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExistingFile {
+    /// Refuse to record.
+    #[default]
+    Refuse,
+    /// Replace it, unless another gelpad is writing it.
+    Replace,
 }
 
 /// The result of a recording.
@@ -59,16 +71,17 @@ impl Recorder {
 /// Starts a recording: writes the setup of the engine and returns the listener for its steps.
 ///
 /// # Errors
-/// The file cannot be written, or no thread be started.
+/// The file exists or cannot be written, or no thread be started.
 pub fn start_recording(
     path: &Path,
     setup: &Setup,
+    existing: ExistingFile,
 ) -> Result<(Box<dyn StepListener>, Recorder), RecordError> {
     let failed = |why: String| RecordError {
         path: path.to_owned(),
         why,
     };
-    let file = File::create(path).map_err(|error| failed(error.to_string()))?;
+    let file = create(path, existing)?;
     let recording =
         RecordingFile::create(file, path, setup).map_err(|error| failed(error.reason()))?;
     let (steps_in, steps) = RingBuffer::new(STEP_QUEUE);
@@ -80,6 +93,55 @@ pub fn start_recording(
         omitted: 0,
     };
     Ok((Box::new(tap), Recorder { thread }))
+}
+
+/// Checks, before a game is prepared, that a recording can be written there.
+///
+/// # Errors
+/// What stands there must not be replaced.
+pub fn check_recording(path: &Path, existing: ExistingFile) -> Result<(), RecordError> {
+    let refused = |why: &str| RecordError {
+        path: path.to_owned(),
+        why: why.to_owned(),
+    };
+    let Ok(found) = path.symlink_metadata() else {
+        return Ok(());
+    };
+    if existing == ExistingFile::Refuse {
+        return Err(refused(EXISTS));
+    }
+    // A link is replaced through its target, which may be missing.
+    match path.metadata() {
+        Ok(target) if target.is_file() => Ok(()),
+        _ if found.is_file() => Ok(()),
+        _ => Err(refused(
+            "it is no regular file\n  help: a recording needs a file, since it is compressed when it ends",
+        )),
+    }
+}
+
+/// Creates the file, or empties an existing one, and locks it.
+fn create(path: &Path, existing: ExistingFile) -> Result<File, RecordError> {
+    check_recording(path, existing)?;
+    let failed = |why: String| RecordError {
+        path: path.to_owned(),
+        why,
+    };
+    let mut options = File::options();
+    options.write(true);
+    match existing {
+        ExistingFile::Refuse => options.create_new(true),
+        ExistingFile::Replace => options.create(true).truncate(false),
+    };
+    let file = options.open(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => failed(EXISTS.to_owned()),
+        _ => failed(error.to_string()),
+    })?;
+    // Emptied only once no other gelpad writes it.
+    files::lock(&file)
+        .and_then(|()| file.set_len(0))
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(file)
 }
 
 /// An entry of the queue.

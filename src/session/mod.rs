@@ -24,6 +24,6 @@ pub use message::{
     TOPICS, TimeOnly, Touches, touches_sum,
 };
 pub use read::{ReadError, Reader};
-pub use recover::{CopyError, RecoveryReport, pack, recover};
-pub use setup::{Setup, VERSION};
+pub use recover::{CopyError, RecoveryReport, Restore, pack, recover};
+pub use setup::{Setup, SetupParts, SlimNames, VERSION, slim_name};
 pub use write::{WriteError, Writer};

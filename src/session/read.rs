@@ -5,9 +5,11 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{Read, Seek};
 
-use super::message::{Message, ProfileTexts};
+use super::message::{Message, TOPICS};
 use super::records::{self, RecordError, Records, op};
-use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::setup::{
+    CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, SLIM, Setup, SetupParts, VERSION,
+};
 use super::volts::VoltsDecoder;
 
 /// Losses that are described; more are only counted.
@@ -70,7 +72,8 @@ pub struct Reader<R> {
     chunk: VecDeque<(u8, Vec<u8>)>,
     /// The record that ended the setup.
     waiting: Option<u8>,
-    setup: Parts,
+    version: Option<String>,
+    setup: SetupParts,
     attachment: Option<(String, Vec<u8>)>,
     notes: Vec<String>,
     losses: u64,
@@ -79,35 +82,30 @@ pub struct Reader<R> {
     ended: bool,
 }
 
-#[derive(Default)]
-struct Parts {
-    version: Option<String>,
-    pad: Option<String>,
-    profile: Option<ProfileTexts>,
-    calibration: Option<Vec<u8>>,
-    sensing: Option<Vec<u8>>,
-    responses: Option<Vec<u8>>,
-}
-
 impl<R: Read + Seek> Reader<R> {
     /// Opens a recording and reads its setup.
     ///
     /// # Errors
     /// Another kind of file, a later version, or a file that ends before its first message.
     pub fn open(file: R) -> Result<(Self, Setup), ReadError> {
-        Self::start(file, false)
+        let (reader, parts) = Self::start(file, false)?;
+        let setup = parts.complete();
+        Ok((
+            reader,
+            setup.map_err(|missing| ReadError::NoSetup { missing })?,
+        ))
     }
 
-    /// Opens a recording and skips damage: see [`Self::losses`].
+    /// Opens a recording and skips damage, also in its setup: see [`Self::losses`].
     ///
     /// # Errors
-    /// As [`Self::open`].
-    pub fn salvage(file: R) -> Result<(Self, Setup), ReadError> {
+    /// Another kind of file, or a later version.
+    pub fn salvage(file: R) -> Result<(Self, SetupParts), ReadError> {
         Self::start(file, true)
     }
 
-    fn start(file: R, salvaging: bool) -> Result<(Self, Setup), ReadError> {
-        let records = Records::new(file).map_err(|error| match error {
+    fn start(file: R, salvaging: bool) -> Result<(Self, SetupParts), ReadError> {
+        let records = Records::new(file, salvaging).map_err(|error| match error {
             RecordError::Io(error) => ReadError::Io(error),
             _ => ReadError::NotMcap,
         })?;
@@ -118,7 +116,8 @@ impl<R: Read + Seek> Reader<R> {
             decoder: VoltsDecoder::default(),
             chunk: VecDeque::new(),
             waiting: None,
-            setup: Parts::default(),
+            version: None,
+            setup: SetupParts::default(),
             attachment: None,
             notes: Vec::new(),
             losses: 0,
@@ -159,7 +158,7 @@ impl<R: Read + Seek> Reader<R> {
         (self.losses, &self.notes)
     }
 
-    fn read_setup(&mut self) -> Result<Setup, ReadError> {
+    fn read_setup(&mut self) -> Result<SetupParts, ReadError> {
         while let Some(code) = self.next_record()? {
             match code {
                 op::MESSAGE | op::CHUNK | op::DATA_END | op::FOOTER => {
@@ -170,7 +169,9 @@ impl<R: Read + Seek> Reader<R> {
             }
         }
         let parts = std::mem::take(&mut self.setup);
-        match &parts.version {
+        match &self.version {
+            // The record of the version may be what is damaged.
+            None if self.salvaging && self.losses > 0 && parts != SetupParts::default() => {}
             None => return Err(ReadError::NotOurs),
             Some(version)
                 if version
@@ -181,25 +182,18 @@ impl<R: Read + Seek> Reader<R> {
                 return Err(ReadError::Newer { version });
             }
         }
-        let missing = |missing| ReadError::NoSetup { missing };
-        Ok(Setup {
-            pad: parts.pad.ok_or(missing("pad"))?,
-            profile: parts.profile.ok_or(missing("profile"))?,
-            calibration: parts.calibration,
-            sensing: parts.sensing.ok_or(missing("matrix"))?,
-            responses: parts.responses,
-        })
+        Ok(parts)
     }
 
     /// Takes a record that is neither a message nor a chunk.
     fn take_other(&mut self, code: u8) -> Result<(), ReadError> {
         match code {
-            op::METADATA if self.setup.version.is_none() => {
+            op::METADATA if self.version.is_none() => {
                 if let Some((name, Some(version))) =
                     records::parse_metadata(&self.records.body, "version")
                     && name == FORMAT
                 {
-                    self.setup.version = Some(version.to_owned());
+                    self.version = Some(version.to_owned());
                 }
                 Ok(())
             }
@@ -214,6 +208,7 @@ impl<R: Read + Seek> Reader<R> {
                     CALIBRATION => parts.calibration = Some(bytes.to_vec()),
                     SENSING => parts.sensing = Some(bytes.to_vec()),
                     RESPONSES => parts.responses = Some(bytes.to_vec()),
+                    SLIM => parts.slim = serde_json::from_slice(bytes).ok(),
                     _ => self.attachment = Some((name, bytes.to_vec())),
                 }
                 Ok(())
@@ -305,16 +300,42 @@ impl<R: Read + Seek> Reader<R> {
         let body = body.unwrap_or(&self.records.body);
         let read = match records::parse_message(body) {
             None => Err("the head of a message is damaged".to_owned()),
-            Some((id, payload)) => match self.topics.get(&id) {
+            Some((id, log_ns, payload)) => match self.topic_of(id) {
                 None => Err(format!("a message of unknown channel {id}")),
-                Some(topic) => Message::from_json(topic, payload, &mut self.decoder)
-                    .map_err(|error| error.to_string()),
+                Some(topic) => Message::from_json(&topic, payload, &mut self.decoder)
+                    .map_err(|error| error.to_string())
+                    .and_then(|message| self.check_time(message, log_ns)),
             },
         };
         match read {
             Ok(message) => Ok(message),
             Err(why) => self.report_damage(why).map(|()| None),
         }
+    }
+
+    /// The topic of a channel. Where the channels were in a damaged part, they are numbered as gelpad does.
+    fn topic_of(&self, id: u16) -> Option<String> {
+        let known = self.topics.get(&id).cloned();
+        known.or_else(|| {
+            let index = usize::from(id).checked_sub(1)?;
+            let topic = TOPICS.get(index).filter(|_| self.salvaging)?;
+            Some((*topic).to_owned())
+        })
+    }
+
+    /// Refuses a message whose own time is later than that of its record: one of them is damaged.
+    fn check_time(&self, message: Option<Message>, log_ns: u64) -> Result<Option<Message>, String> {
+        let t_ns = message.as_ref().and_then(Message::t_ns);
+        if self.salvaging && t_ns.is_some_and(|t_ns| t_ns > log_ns) {
+            return Err("a time that differs from that of its record".to_owned());
+        }
+        Ok(message)
+    }
+
+    /// Counts a message as lost, although it could be read.
+    pub(super) fn reject(&mut self, why: &str) {
+        self.losses += 1;
+        self.note(format!("at byte {}: {why}", self.records.offset));
     }
 
     /// Reports damage: an error, or a note if salvaging.

@@ -54,13 +54,20 @@ pub(super) struct Records<R> {
 }
 
 impl<R: Read + Seek> Records<R> {
-    /// Checks the magic bytes of a file.
-    pub(super) fn new(mut file: R) -> Result<Self, RecordError> {
+    /// Checks the magic bytes of a file, unless its damage is to be skipped.
+    pub(super) fn new(mut file: R, salvaging: bool) -> Result<Self, RecordError> {
         let length = file.seek(SeekFrom::End(0)).map_err(RecordError::Io)?;
         file.seek(SeekFrom::Start(0)).map_err(RecordError::Io)?;
         let mut magic = [0; 8];
         let short = length < magic.len() as u64;
-        if short || file.read_exact(&mut magic).is_err() || magic != *mcap::MAGIC {
+        let is_unlike = |magic: [u8; 8]| {
+            let same = magic
+                .iter()
+                .zip(mcap::MAGIC)
+                .filter(|(own, wanted)| own == wanted);
+            same.count() < if salvaging { 4 } else { 8 }
+        };
+        if short || file.read_exact(&mut magic).is_err() || is_unlike(magic) {
             return Err(RecordError::NotMcap);
         }
         Ok(Self {
@@ -240,12 +247,12 @@ pub(super) fn parse_channel(body: &[u8]) -> Option<(u16, String)> {
     Some((id, body.text()?.to_owned()))
 }
 
-/// Parses a message: channel id and payload.
-pub(super) fn parse_message(body: &[u8]) -> Option<(u16, &[u8])> {
+/// Parses a message: channel id, time and payload.
+pub(super) fn parse_message(body: &[u8]) -> Option<(u16, u64, &[u8])> {
     let mut body = ByteReader::new(body);
     let id = body.u16()?;
-    let (_sequence, _log_time, _publish_time) = (body.u32()?, body.u64()?, body.u64()?);
-    Some((id, body.rest()))
+    let (_sequence, log_time, _publish_time) = (body.u32()?, body.u64()?, body.u64()?);
+    Some((id, log_time, body.rest()))
 }
 
 /// Parses an attachment: name and bytes, if the check sum is right.

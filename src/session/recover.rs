@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::message::{Gap, Message};
 use super::read::{ReadError, Reader};
-use super::setup::Setup;
+use super::setup::{Setup, SetupParts};
 use super::write::{WriteError, Writer};
+use crate::files::{self, FileError};
 
 /// Why a copy could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -15,12 +16,43 @@ pub enum CopyError {
     /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// The setup cannot be completed.
+    #[error("nothing can be replayed: {0}")]
+    Setup(String),
     /// The copy cannot be written.
     #[error("the copy cannot be written: {}", .0.reason())]
     Write(#[from] WriteError),
     /// A file cannot be created or renamed.
-    #[error("the copy cannot be written: {0}")]
-    File(#[from] std::io::Error),
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Makes a damaged recording one that replays.
+pub trait Restore {
+    /// Completes a setup of which parts cannot be read.
+    ///
+    /// # Errors
+    /// No engine can be built.
+    fn setup(&mut self, parts: SetupParts) -> Result<Setup, String>;
+
+    /// Checks a message; `matrix` are the bytes that a matrix message names. A refused message counts as lost.
+    ///
+    /// # Errors
+    /// Replay would end there.
+    fn check(&mut self, message: &Message, matrix: Option<&[u8]>) -> Result<(), String>;
+}
+
+/// Takes everything as it is.
+struct Unchanged;
+
+impl Restore for Unchanged {
+    fn setup(&mut self, parts: SetupParts) -> Result<Setup, String> {
+        parts.complete().map_err(str::to_owned)
+    }
+
+    fn check(&mut self, _: &Message, _: Option<&[u8]>) -> Result<(), String> {
+        Ok(())
+    }
 }
 
 /// What was saved of a recording.
@@ -28,6 +60,8 @@ pub enum CopyError {
 pub struct RecoveryReport {
     /// Frames saved.
     pub frames: u64,
+    /// States of gamepads saved.
+    pub controls: u64,
     /// Other engine inputs saved.
     pub inputs: u64,
     /// Events saved.
@@ -50,13 +84,18 @@ impl RecoveryReport {
     }
 }
 
-/// Saves what can be read of a recording, packed: writes a temporary file next to `to`, then renames it.
+/// Saves what can be read of a recording, packed: completely or not at all (see [`files`]).
 ///
 /// # Errors
-/// A file of which nothing can be read; a copy that cannot be written.
-pub fn recover(from: &Path, to: &Path) -> Result<RecoveryReport, CopyError> {
-    let (reader, setup) = Reader::salvage(open(from)?)?;
-    copy(reader, &setup, to)
+/// A file of which nothing can be read or replayed; a copy that cannot be written.
+pub fn recover(
+    from: &Path,
+    to: &Path,
+    restore: &mut dyn Restore,
+) -> Result<RecoveryReport, CopyError> {
+    let (reader, parts) = Reader::salvage(open(from)?)?;
+    let setup = restore.setup(parts).map_err(CopyError::Setup)?;
+    copy(reader, &setup, to, restore)
 }
 
 /// Packs a recording in place. The original stays until the packed file is complete.
@@ -65,7 +104,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoveryReport, CopyError> {
 /// As [`recover`]; any damage of the recording.
 pub fn pack(path: &Path) -> Result<(), CopyError> {
     let (reader, setup) = Reader::open(open(path)?)?;
-    copy(reader, &setup, path).map(|_| ())
+    copy(reader, &setup, path, &mut Unchanged).map(|_| ())
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, ReadError> {
@@ -76,34 +115,36 @@ fn copy<R: Read + Seek>(
     mut reader: Reader<R>,
     setup: &Setup,
     to: &Path,
+    restore: &mut dyn Restore,
 ) -> Result<RecoveryReport, CopyError> {
-    let mut part = to.as_os_str().to_owned();
-    part.push(".part");
-    let part = Path::new(&part);
-    let finished = copy_into(&mut reader, setup, part).and_then(|report| {
-        std::fs::rename(part, to)?;
-        Ok(report)
-    });
-    if finished.is_err() {
-        // The original is still there.
-        let _ = std::fs::remove_file(part);
-    }
-    finished
+    files::write_seekable(to, |file| copy_into(&mut reader, setup, file, restore))
 }
 
 fn copy_into<R: Read + Seek>(
     reader: &mut Reader<R>,
     setup: &Setup,
-    to: &Path,
+    to: File,
+    restore: &mut dyn Restore,
 ) -> Result<RecoveryReport, CopyError> {
     let mut report = RecoveryReport::default();
-    let mut writer = Writer::packed(BufWriter::new(File::create(to)?), setup)?;
+    let mut writer = Writer::packed(BufWriter::new(to), setup)?;
     let mut known_losses = 0;
     while let Some(message) = reader.next()? {
+        let matrix = match &message {
+            Message::Matrix(name) => reader.attachment(&name.attachment),
+            _ => None,
+        };
+        let refused = restore.check(&message, matrix).err();
+        if let Some(why) = &refused {
+            reader.reject(why);
+        }
         let (losses, _) = reader.losses();
         if losses > known_losses {
             known_losses = losses;
             writer.write(&Message::Gap(Gap { inputs: 0 }))?;
+        }
+        if refused.is_some() {
+            continue;
         }
         match &message {
             Message::Matrix(name) => match reader.attachment(&name.attachment) {
@@ -119,14 +160,14 @@ fn copy_into<R: Read + Seek>(
             Message::Frames(frames) => report.frames += frames.len() as u64,
             Message::Gap(gap) => report.dropped_inputs += gap.inputs.max(1),
             Message::Event(_) => report.events += 1,
+            Message::Control(_) => report.controls += 1,
             Message::Touches(_) | Message::Matrix(_) => {}
             _ => report.inputs += 1,
         }
     }
     let file = writer.finish()?;
     file.into_inner()
-        .map_err(std::io::IntoInnerError::into_error)?
-        .sync_all()?;
+        .map_err(|error| WriteError::from(mcap::McapError::from(error.into_error())))?;
     let (losses, notes) = reader.losses();
     report.losses = losses;
     report.notes = notes.to_vec();

@@ -9,7 +9,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::message::{MatrixName, Message, TOPICS};
 use super::schema::SCHEMAS;
-use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, Setup, VERSION};
+use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, SLIM, Setup, VERSION};
 use super::volts::VoltsEncoder;
 use crate::types::{Frame, Nanos};
 
@@ -110,7 +110,10 @@ impl<W: Write + Seek> Writer<W> {
         if let Some(calibration) = &setup.calibration {
             self.attach(CALIBRATION, calibration)?;
         }
-        self.attach(SENSING, &setup.sensing)?;
+        match &setup.slim {
+            Some(slim) => self.attach(SLIM, &serde_json::to_vec(slim).unwrap_or_default())?,
+            None => self.attach(SENSING, &setup.sensing)?,
+        }
         if let Some(responses) = &setup.responses {
             self.attach(RESPONSES, responses)?;
         }
@@ -289,6 +292,7 @@ mod tests {
             calibration: None,
             sensing: vec![1, 2, 3],
             responses: Some(vec![4; 5000]),
+            slim: None,
         }
     }
 

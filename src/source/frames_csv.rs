@@ -5,7 +5,12 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::{Source, SourceError, SourcePace, SourceReading};
-use crate::types::{Frame, Nanos, nanos_from_ms};
+use crate::types::{Frame, Nanos, ms_from_nanos, nanos_from_ms};
+
+/// After so many frames their rate shows whether the times are seconds.
+const UNIT_FRAMES: usize = 20;
+/// No board measures faster: times in seconds look a thousand times shorter, for 1 to 5,000 frames per second.
+const SHORTEST_STEP_MS: f64 = 0.2;
 
 /// A file that is read while it plays.
 pub struct FramesCsv {
@@ -13,8 +18,9 @@ pub struct FramesCsv {
     rows: csv::Reader<Box<dyn Read + Send>>,
     row: csv::StringRecord,
     channels: usize,
+    first_ns: Nanos,
     last_ns: Nanos,
-    has_frames: bool,
+    frames: usize,
 }
 
 impl FramesCsv {
@@ -36,8 +42,9 @@ impl FramesCsv {
                 .from_reader(input),
             row: csv::StringRecord::new(),
             channels,
+            first_ns: 0,
             last_ns: 0,
-            has_frames: false,
+            frames: 0,
         };
         let header = csv.rows.headers().map_err(|e| csv_error(&csv.path, &e))?;
         let named = header.get(0) == Some("t_ms");
@@ -60,6 +67,24 @@ impl FramesCsv {
         Ok(csv)
     }
 
+    /// Warns, once, of times that are probably seconds.
+    fn check_unit(&mut self, t_ns: Nanos) {
+        if self.frames == 1 {
+            self.first_ns = t_ns;
+        }
+        let played_ns = t_ns - self.first_ns;
+        if self.frames == UNIT_FRAMES && played_ns > 0 {
+            let step_ms = ms_from_nanos(played_ns) / (UNIT_FRAMES - 1) as f64;
+            if step_ms < SHORTEST_STEP_MS {
+                tracing::warn!(
+                    "{}: {:.0} frames per second by the column t_ms: are its times seconds?\n  help: multiply them by 1000",
+                    self.path.display(),
+                    1e3 / step_ms
+                );
+            }
+        }
+    }
+
     fn problem(&self, line: u64, problem: impl Into<String>) -> SourceError {
         SourceError::line(&self.path, line, problem.into())
     }
@@ -80,7 +105,7 @@ impl FramesCsv {
                 return Err(self.problem(line, format!("column 1 (t_ms): {word} is not a time")));
             }
         };
-        if self.has_frames && t_ns < self.last_ns {
+        if self.frames > 0 && t_ns < self.last_ns {
             return Err(self.problem(line, "column 1 (t_ms): the time runs backwards"));
         }
         let mut volts = Vec::with_capacity(self.channels);
@@ -114,7 +139,7 @@ impl Source for FramesCsv {
             .read_record(&mut self.row)
             .map_err(|error| csv_error(&self.path, &error))?;
         if !more {
-            return if self.has_frames {
+            return if self.frames > 0 {
                 Ok(SourceReading::End)
             } else {
                 Err(self.problem(2, "the file holds no frame, only a header"))
@@ -122,7 +147,8 @@ impl Source for FramesCsv {
         }
         let frame = self.frame()?;
         self.last_ns = frame.t_ns;
-        self.has_frames = true;
+        self.frames += 1;
+        self.check_unit(frame.t_ns);
         Ok(SourceReading::Frame(frame))
     }
 }

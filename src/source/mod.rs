@@ -14,6 +14,7 @@ mod files;
 mod frames_csv;
 #[cfg(feature = "gilrs")]
 mod gamepad;
+mod leading;
 mod live;
 mod noise;
 mod recorded;

@@ -49,6 +49,7 @@ impl EngineConfig {
             calibration: self.correction.as_ref().and_then(json),
             sensing: self.sensing.to_bytes(),
             responses: self.table.as_ref().map(|table| table.to_bytes()),
+            slim: None,
         }
     }
 
@@ -62,6 +63,10 @@ impl EngineConfig {
             Some(fault) => fault.message.clone(),
             None => "the text is missing".to_owned(),
         };
+        if setup.slim.is_some() && setup.sensing.is_empty() {
+            let why = "named, but not contained: a slim recording".to_owned();
+            return Err(wrong("matrix", why));
+        }
         let pad =
             Pad::from_toml("pad", &setup.pad).map_err(|faulty| wrong("pad", first(&faulty)))?;
         let table = setup

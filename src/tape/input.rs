@@ -51,7 +51,8 @@ pub fn profile_texts(profile: &Profile, t_ns: Nanos) -> ProfileTexts {
 }
 
 /// The texts of a recorded profile.
-pub(super) fn texts_from_message(texts: &ProfileTexts) -> Texts {
+#[must_use]
+pub fn texts_from_message(texts: &ProfileTexts) -> Texts {
     let source = |text: &NamedText| Source {
         name: text.name.clone(),
         toml: text.toml.clone(),

@@ -13,6 +13,7 @@ mod image;
 mod keys;
 mod method;
 mod names;
+mod printable;
 mod touch;
 
 pub use bytes::ByteReader;
@@ -26,6 +27,7 @@ pub use keys::Key;
 pub use method::Method;
 pub(crate) use names::nearest;
 pub use names::{Axis, Button, MouseButton, UnknownName};
+pub use printable::{printable, printable_in_place};
 pub use touch::{Contact, Phase, Touch, TouchId};
 
 /// A point on the pad, mm: origin at the bottom-left, x to the right, y up.

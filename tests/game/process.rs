@@ -13,6 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
+use rustix::process::{Pid, Signal, kill_process};
 
 /// How often a condition is checked.
 const POLL: Duration = Duration::from_millis(20);
@@ -101,6 +102,12 @@ impl Process {
         }
     }
 
+    /// Sends a signal to the program.
+    #[allow(dead_code, reason = "the game's test sends none")]
+    pub fn signal(&self, signal: Signal) -> Result<()> {
+        Ok(kill_process(Pid::from_child(&self.child), signal)?)
+    }
+
     /// Waits until the program ends, and fails unless it was successful.
     pub fn succeed(mut self, patience: Duration) -> Result<()> {
         match self.end_within(patience)? {
@@ -110,7 +117,7 @@ impl Process {
         }
     }
 
-    fn end_within(&mut self, patience: Duration) -> Result<Option<ExitStatus>> {
+    pub fn end_within(&mut self, patience: Duration) -> Result<Option<ExitStatus>> {
         let deadline = Instant::now() + patience;
         loop {
             let status = self.child.try_wait().context("cannot wait for a program")?;

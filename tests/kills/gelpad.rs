@@ -31,6 +31,18 @@ impl Gelpad {
         script: &str,
         profile: &str,
     ) -> Result<Self> {
+        Self::play_in(folder, output, folder, display, script, profile)
+    }
+
+    /// The same with another runtime folder, which several share.
+    pub fn play_in(
+        runtime: &Path,
+        output: &str,
+        folder: &Path,
+        display: &str,
+        script: &str,
+        profile: &str,
+    ) -> Result<Self> {
         let file = folder.join("touches.txt");
         fs::write(&file, script).context("the script")?;
         let child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
@@ -40,6 +52,7 @@ impl Gelpad {
             .env("DISPLAY", display)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XAUTHORITY")
+            .env("XDG_RUNTIME_DIR", runtime)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(fs::File::create(folder.join("gelpad.said"))?)
@@ -112,8 +125,13 @@ impl Random {
     }
 }
 
-/// Process ids of the watchers on a display.
+/// Process ids of the first watcher of each gelpad on a display.
 pub fn watchers(display: &str) -> Vec<i32> {
+    watcher_processes(display, &["watch"])
+}
+
+/// Process ids of the watchers with certain names on a display.
+pub fn watcher_processes(display: &str, names: &[&str]) -> Vec<i32> {
     let wanted = format!("DISPLAY={display}");
     let entries = fs::read_dir("/proc").into_iter().flatten().flatten();
     let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
@@ -126,8 +144,11 @@ pub fn watchers(display: &str) -> Vec<i32> {
                 .map(|word| String::from_utf8_lossy(word).into_owned())
                 .collect::<Vec<_>>()
         };
-        words("cmdline").get(1).is_some_and(|word| word == "watch")
-            && words("environ").contains(&wanted)
+        let command = words("cmdline");
+        let is_watcher = command
+            .get(1)
+            .is_some_and(|word| names.contains(&word.as_str()));
+        is_watcher && words("environ").contains(&wanted)
     })
     .collect()
 }

@@ -15,7 +15,7 @@ use gelpad::engine::{Engine, Input};
 use gelpad::output::Trace;
 use gelpad::pad::{DEFAULT_PAD, Pad, Pair, shipped_pad};
 use gelpad::profile::{Profile, shipped_profile};
-use gelpad::runtime::{self, EngineStep, PlayCommand, StepListener};
+use gelpad::runtime::{self, EngineStep, ExistingFile, PlayCommand, StepListener};
 use gelpad::source::{Noise, SimulatedPad, Source, SourceError, SourcePace, SourceReading};
 use gelpad::tape::{EngineConfig, SessionWriter};
 use gelpad::touch::SensingBuilder;
@@ -172,7 +172,8 @@ impl StepListener for Stall {
 /// Records a session through the runtime: a stall, a lost electrode, another profile, a rezero and a pause.
 pub fn eventful(path: &Path) -> Result<()> {
     let config = config();
-    let (recording, recorder) = runtime::start_recording(path, &config.to_setup())?;
+    let (recording, recorder) =
+        runtime::start_recording(path, &config.to_setup(), ExistingFile::Replace)?;
     let sent = Arc::new(AtomicU64::new(0));
     let loose = |pair: &Pair| pair.0 == LOOSE || pair.1 == LOOSE;
     let channels = config.pad.protocol.channels.iter();

@@ -71,7 +71,7 @@ pub(super) enum Command {
     Accuracy(AccuracyArgs),
     /// Release the keys of the gelpad that started this process, when it is killed or stopped
     #[cfg(target_os = "linux")]
-    #[command(hide = true)]
+    #[command(hide = true, alias = "guard")]
     Watch {
         /// How keys are released
         #[arg(value_enum)]

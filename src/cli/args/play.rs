@@ -7,6 +7,7 @@ use clap::Args;
 use super::board::BoardArgs;
 use super::values::{OutputArg, snr, source};
 use crate::app::services::{NoiseLevel, OutputChoice, PlayRequest, SourceChoice};
+use crate::runtime::ExistingFile;
 use crate::source::Disturbance;
 use crate::types::Method;
 
@@ -55,6 +56,12 @@ pub(in crate::cli) struct PlayArgs {
     /// Record the session, to replay and export it: every input, touch and event
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Record without matrix and response table (6 MB): they are named, and solved again to replay
+    #[arg(long, requires = "record")]
+    pub slim: bool,
+    /// Replace the file of --record if it exists
+    #[arg(long, requires = "record")]
+    pub force: bool,
     /// Send touches as TUIO 1.1 (2Dcur) over UDP
     #[arg(long, value_name = "HOST:PORT")]
     pub tuio: Option<String>,
@@ -100,6 +107,11 @@ impl PlayArgs {
             method: self.method,
             calibration: self.calibration.clone(),
             record: self.record.clone(),
+            slim: self.slim,
+            existing: match self.force {
+                true => ExistingFile::Replace,
+                false => ExistingFile::Refuse,
+            },
             tuio: self.tuio.clone(),
         }
     }

@@ -16,13 +16,13 @@ use super::exit::Ending;
 use super::message::say;
 use super::progress::{Spinner, solve_pad};
 use crate::app::calibration::{default_path, load_presses, save};
-use crate::app::files;
 use crate::app::pads::load_pad;
 use crate::app::places::calibration_places;
 use crate::app::services::SourceChoice;
 use crate::calibrate::{
     FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction, learning_curve,
 };
+use crate::files;
 use crate::pad::Pad;
 use crate::touch::Detector;
 use record::Presser;

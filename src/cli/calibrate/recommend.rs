@@ -7,7 +7,6 @@ use std::sync::Arc;
 use anyhow::bail;
 
 use super::source::open;
-use crate::app::files;
 use crate::app::pads::load_pad;
 use crate::app::profiles::check_text;
 use crate::app::services::SourceChoice;
@@ -20,6 +19,7 @@ use crate::cli::exit::{self, Ending};
 use crate::cli::map::Map;
 use crate::cli::message::say;
 use crate::cli::progress::{Spinner, solve_pad};
+use crate::files;
 use crate::pad::Pad;
 use crate::profile::{Profile, Source, find_shipped};
 use crate::source::{self, SourceReading};

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 
-use crate::app::files;
 use crate::app::recording::{is_recording, open_recording};
 use crate::cli::args::ReplayArgs;
 use crate::cli::exit::Ending;
+use crate::files;
 use crate::tape::RecordedItem;
 
 /// Equal lines shown before the first difference.

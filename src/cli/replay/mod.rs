@@ -22,6 +22,7 @@ use crate::app::ReadAhead;
 use crate::app::pads::{choose_method, load_pad};
 use crate::app::recording::{is_recording, open_recording};
 use crate::engine::{Engine, Input};
+use crate::files;
 use crate::pad::DEFAULT_PAD;
 use crate::profile::DEFAULT_PROFILE;
 use crate::session::ReadError;
@@ -33,6 +34,9 @@ use sink::Sink;
 use verify::Verify;
 
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
+    for output in args.update.iter().chain(&args.junit) {
+        files::refuse_input(&args.file, output)?;
+    }
     let mut sink = Sink::new(args)?;
     let mut played = if is_recording(&args.file)? {
         replay_recording(args, &mut sink)

@@ -74,7 +74,7 @@ impl Comfort {
             if let Some(file) = &self.file
                 && let Err(error) = write_atomically(file, &self.saved.to_toml())
             {
-                tracing::warn!("{}: {error}", file.display());
+                tracing::warn!("{error}");
             }
         }
     }

@@ -8,6 +8,7 @@ use super::document::Document;
 use super::{EditView, GameContext};
 use crate::app::file_watch::{FileWatcher, WatchedFile};
 use crate::app::services::PlayRequest;
+use crate::files::{self, FileError};
 use crate::gui::play::{UiAction, file_name};
 use crate::profile::{Checked, Source};
 use crate::types::SourceErrors;
@@ -134,7 +135,7 @@ impl EditView {
             PathBuf::from(&opened.argument)
         };
         if let Err(error) = write_atomically(&path, &text) {
-            self.notice = Some(format!("{}: {error}", path.display()));
+            self.notice = Some(error.to_string());
             return None;
         }
         opened.saved.clone_from(&text);
@@ -159,21 +160,13 @@ fn is_file(argument: &str) -> bool {
     argument.contains('/') || argument.ends_with(".toml")
 }
 
-/// Writes a file by renaming a temporary one: no program reads half of it.
-pub(in crate::gui) fn write_atomically(path: &Path, text: &str) -> std::io::Result<()> {
-    use std::io::Write as _;
-
+/// Writes a file, and the folder that it is in, so that no program reads half of it.
+pub(in crate::gui) fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.as_file().sync_all()?;
-    if let Ok(old) = std::fs::metadata(path) {
-        file.as_file().set_permissions(old.permissions())?;
+    if let Some(folder) = folder {
+        std::fs::create_dir_all(folder).map_err(|error| FileError::new(folder, error))?;
     }
-    file.persist(path)?;
-    Ok(())
+    files::write(path, text.as_bytes())
 }

@@ -177,11 +177,9 @@ impl RecordView {
         }
     }
 
-    /// The file of the next recording, in the `recordings` folder of the player.
+    /// The file of the next recording, in the folder of recordings.
     pub fn next_file(services: &dyn AppServices) -> PathBuf {
-        let folder = services
-            .own_folder()
-            .map_or_else(PathBuf::new, |folder| folder.join("recordings"));
+        let folder = services.recordings_folder().unwrap_or_default();
         // Creating the recording reports a missing folder.
         let _ = std::fs::create_dir_all(&folder);
         (1..10_000)

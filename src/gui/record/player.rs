@@ -184,7 +184,7 @@ impl Player {
         let file = self.file.with_file_name(name);
         match write_atomically(&file, &self.timeline.csv(from..=to)) {
             Ok(()) => format!("Exported to {}", file.display()),
-            Err(error) => format!("{}: {error}", file.display()),
+            Err(error) => error.to_string(),
         }
     }
 }

@@ -156,8 +156,7 @@ impl OrientationStep {
                     .ok_or("no folder for your own settings: set HOME")?;
                 let name = format!("{}.toml", file_name(&playing.request.pad));
                 let path = folder.join("pads").join(name);
-                write_atomically(&path, &text)
-                    .map_err(|error| format!("{}: {error}", path.display()))?;
+                write_atomically(&path, &text).map_err(|error| error.to_string())?;
                 Ok(path)
             });
         match saved {

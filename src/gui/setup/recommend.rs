@@ -181,7 +181,7 @@ impl RecommendStep {
         };
         let path = folder.join("users").join(format!("{name}.toml"));
         if let Err(error) = write_atomically(&path, &text) {
-            self.notice = Some(format!("{}: {error}", path.display()));
+            self.notice = Some(error.to_string());
             return None;
         }
         self.notice = Some(format!("saved: {}", path.display()));

@@ -1,12 +1,13 @@
-//! A watcher process that releases keys when gelpad is killed, stopped or hangs.
+//! Watcher processes that release keys when gelpad is killed, stopped or hangs.
 //!
 //! Displays keep a key down when the client that pressed it is killed (X11) or stopped (X11 and Wayland). Therefore
-//! gelpad starts `gelpad watch`, a small process that keeps a list of the outputs that are down. (Devices of the
-//! kernel are released by the kernel, they need no watcher.)
+//! gelpad starts two small processes, `gelpad watch` and `gelpad guard`, each of which keeps a list of the outputs that are
+//! down. Each is in a session and process group of its own, so that whoever kills gelpad and one of them leaves the other;
+//! one that ends or stops answering is replaced. (Devices of the kernel are released by the kernel, they need no watcher.)
 //!
 //! ```text
 //! gelpad ──"press key:f", "beat", "release key:f"──▶ watcher
-//!        ◀───────"ready", "released"────────────────
+//!        ◀──────"ready", "beat", "released"─────────
 //! ```
 //! The two share a socket, which is the watcher's standard input. A message is one line of text:
 //!
@@ -14,36 +15,46 @@
 //! | --- | --- | --- |
 //! | `ready` | watcher | it watches from now on |
 //! | `press OUTPUT` | gelpad | the output is about to go down: sent before the press itself |
-//! | `release OUTPUT` | gelpad | the output is up: sent after the release itself |
+//! | `release OUTPUT` | gelpad | the output is up: sent when the display has confirmed the release |
 //! | `beat` | gelpad | alive: at least every 200 ms, from the thread that sends events, so that a hanging thread shows |
+//! | `beat` | watcher | the answer to a beat: a watcher that is stopped does not send it |
 //! | `released` | watcher | gelpad was silent for 2 s, so everything was released |
 //!
 //! If the socket closes, gelpad has ended: the watcher releases what is down and ends too. If gelpad continues after
 //! `released`, it reconnects if necessary and presses again what is still held.
 //!
-//! Invariants: the watcher's list contains every output that may be down. The watcher ends only after gelpad has
-//! (`process.rs`). It releases only what gelpad's virtual device holds, never a key of a real keyboard.
+//! If gelpad and both watchers are killed at the same time, the next gelpad releases what they left (`state.rs`).
+//!
+//! Invariants: a watcher's list contains every output that may be down; an output leaves it only when the display has
+//! confirmed its release. A watcher ends only after gelpad has (`process.rs`). It releases only what gelpad's virtual device
+//! holds, never a key of a real keyboard.
 
 mod link;
 mod process;
+mod slot;
+mod state;
 
+use std::collections::VecDeque;
 use std::os::fd::OwnedFd;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::{HeldOutputs, OutputDevice, OutputError, now};
 use crate::types::{Action, Event, Output};
-use link::WatcherLink;
 pub use process::run_watcher;
+use slot::Slot;
 
+/// Names of the watchers among gelpad's commands: different, so that neither is killed by the name of the other.
+const COMMANDS: [&str; 2] = ["watch", "guard"];
+const READY: &str = "ready";
+const RELEASED: &str = "released";
+const BEAT_LINE: &str = "beat";
 /// A parent that is silent for longer counts as stopped, and what it holds is released.
 const STOPPED: Duration = Duration::from_secs(2);
 /// Time between two beats: a tenth of [`STOPPED`], so that a busy computer is not taken for a stopped process.
 const BEAT: Duration = Duration::from_millis(200);
 /// After a stop the engine gets this much time to catch up before what is still held is pressed again.
 const CATCH_UP: Duration = Duration::from_millis(100);
-/// Time until a watcher that could not be started, or has ended, is started again.
-const RESTART: Duration = Duration::from_secs(5);
 
 /// How a watcher releases what is down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,108 +95,139 @@ pub trait Watchable: OutputDevice {
     /// # Errors
     /// The display is gone.
     fn reconnect(&mut self) -> Result<(), OutputError>;
+
+    /// Requests, with the next flush, a confirmation that the display has read everything up to here; returns its number.
+    /// `None`: none is needed, because the display releases what a connection held when that ends.
+    ///
+    /// # Errors
+    /// The display is gone.
+    fn request_confirmation(&mut self) -> Result<Option<u32>, OutputError> {
+        Ok(None)
+    }
+
+    /// Number of the last confirmation that has arrived.
+    fn confirmed(&self) -> u32 {
+        0
+    }
+
+    /// Waits, for a limited time, until the display has read everything; whether it has.
+    fn finish(&mut self) -> bool {
+        true
+    }
 }
 
-/// A device with its watcher.
+/// A device with its watchers.
 pub struct WatchedDevice<D: Watchable> {
     device: D,
     program: PathBuf,
-    link: Option<WatcherLink>,
+    slots: [Slot; COMMANDS.len()],
     held: HeldOutputs,
-    /// Releases that go out with the next flush; the watcher learns of them after it.
+    /// Releases that go out with the next flush.
     releasing: HeldOutputs,
+    /// Releases that the display has not confirmed, with the number of the confirmation; the watchers learn of them then.
+    unconfirmed: VecDeque<(u32, Output)>,
     last_message: Instant,
-    /// When to start a watcher again.
-    restart_at: Option<Instant>,
-    /// Whether the missing watcher was logged.
-    logged_loss: bool,
-    /// When to press again what the watcher has released.
+    /// When to press again what a watcher has released.
     repress_at: Option<Instant>,
     repress: HeldOutputs,
 }
 
 impl<D: Watchable> WatchedDevice<D> {
-    /// Starts a watcher; `program` is gelpad's own binary.
+    /// Starts the watchers; `program` is gelpad's own binary.
     ///
     /// If that fails, a warning is logged and the start is tried again later.
     pub fn new(device: D, program: PathBuf) -> Self {
         let mut watched = Self {
             device,
             program,
-            link: None,
+            slots: COMMANDS.map(Slot::new),
             held: HeldOutputs::default(),
             releasing: HeldOutputs::default(),
+            unconfirmed: VecDeque::new(),
             last_message: now(),
-            restart_at: None,
-            logged_loss: false,
             repress_at: None,
             repress: HeldOutputs::default(),
         };
-        watched.start();
-        let ready = watched.link.as_mut().map_or(Ok(()), WatcherLink::wait);
-        if let Err(error) = ready {
-            watched.drop_watcher(&error);
+        watched.start_all();
+        let failed = watched
+            .slots
+            .iter_mut()
+            .filter_map(|slot| slot.wait().err());
+        let failed: Vec<_> = failed.collect();
+        if let Some(error) = failed.first() {
+            let loss = match failed.len() {
+                1 => "one of two watchers is missing",
+                _ => "there is no watcher",
+            };
+            tracing::warn!(
+                "{loss} ({error}): a key may stay down if gelpad is killed\n  help: close a program if the display has \
+                 too many clients, or use --output gamepad, whose devices the kernel releases"
+            );
         }
         watched
     }
 
-    /// Starts a watcher and sends it what is down, without waiting until it is ready.
-    fn start(&mut self) {
-        self.restart_at = None;
+    fn start_all(&mut self) {
+        for index in 0..self.slots.len() {
+            self.start(index);
+        }
+    }
+
+    /// Starts a watcher and sends it what may be down, without waiting until it is ready.
+    fn start(&mut self, index: usize) {
         let handle = self.device.release_handle();
-        match handle.and_then(|handle| WatcherLink::start(&self.program, handle)) {
-            Ok(link) => {
-                self.link = Some(link);
-                for output in self.held.clone().iter() {
-                    self.say("press", Some(output));
-                }
-            }
-            Err(error) => self.drop_watcher(&error),
+        let slot = &mut self.slots[index];
+        slot.start(&self.program, handle);
+        let unconfirmed = self.unconfirmed.iter().map(|(_, output)| *output);
+        for output in self
+            .held
+            .iter()
+            .chain(self.releasing.iter())
+            .chain(unconfirmed)
+        {
+            slot.send(&format!("press {output}\n"));
         }
     }
 
-    fn drop_watcher(&mut self, error: &std::io::Error) {
-        if !std::mem::replace(&mut self.logged_loss, true) {
-            tracing::warn!("no watcher ({error}): a key may stay down if gelpad is killed");
-        }
-        if let Some(link) = self.link.take() {
-            link.kill();
-        }
-        self.restart_at = Some(now() + RESTART);
-    }
-
-    /// Sends a line to the watcher.
+    /// Sends a line to the watchers.
     fn say(&mut self, word: &str, output: Option<Output>) {
-        let Some(link) = &mut self.link else {
-            return;
-        };
         let line = match output {
             Some(output) => format!("{word} {output}\n"),
             None => format!("{word}\n"),
         };
-        match link.say(&line) {
-            Ok(()) => self.last_message = now(),
-            Err(error) => self.drop_watcher(&error),
-        }
+        self.slots.iter_mut().for_each(|slot| slot.send(&line));
+        self.last_message = now();
     }
 
-    /// If the watcher has released everything, prepares to press again what is still held.
-    fn check_released(&mut self) -> Result<(), OutputError> {
-        if !self.link.as_mut().is_some_and(WatcherLink::has_released) {
+    /// Reads what the watchers sent. If one has released everything, prepares to press again what is still held.
+    fn poll_watchers(&mut self) -> Result<(), OutputError> {
+        let released = self.slots.each_mut().map(Slot::poll);
+        if !released.contains(&true) {
             return Ok(());
         }
         tracing::warn!(
             "gelpad was stopped for over {} s: its keys were released",
             STOPPED.as_secs()
         );
-        if self.link.as_ref().is_some_and(WatcherLink::cuts_connection) {
+        if self.slots.iter().any(Slot::cuts_connection) {
             self.device.reconnect()?;
-            self.link = None;
-            self.start();
+            self.slots.iter_mut().for_each(Slot::discard);
+            self.start_all();
         }
         self.repress.clone_from(&self.held);
         self.repress_at = Some(now() + CATCH_UP);
         Ok(())
+    }
+
+    /// Tells the watchers which releases the display has confirmed.
+    fn report_confirmed(&mut self) {
+        let confirmed = self.device.confirmed();
+        while let Some((number, output)) = self.unconfirmed.front().copied()
+            && number <= confirmed
+        {
+            self.unconfirmed.pop_front();
+            self.say("release", Some(output));
+        }
     }
 
     /// Presses again what is still held of what the watcher has released.
@@ -210,7 +252,7 @@ impl<D: Watchable> WatchedDevice<D> {
         let Err(error) = result else {
             return Ok(());
         };
-        self.check_released()?;
+        self.poll_watchers()?;
         if self.repress_at.is_none() {
             return Err(error);
         }
@@ -228,12 +270,13 @@ impl<D: Watchable> OutputDevice for WatchedDevice<D> {
     }
 
     fn send(&mut self, event: &Event) -> Result<(), OutputError> {
-        self.check_released()?;
+        self.poll_watchers()?;
         self.held.record(&event.action);
         match event.action {
             Action::Press(output) => {
                 self.repress.release(output);
                 self.releasing.release(output);
+                self.unconfirmed.retain(|(_, one)| *one != output);
                 self.say("press", Some(output));
             }
             Action::Release(output) => {
@@ -247,26 +290,50 @@ impl<D: Watchable> OutputDevice for WatchedDevice<D> {
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
+        let number = match self.releasing.is_empty() {
+            true => None,
+            false => self.device.request_confirmation()?,
+        };
         let result = self.device.flush();
         self.or_retry(result, OutputDevice::flush)?;
         for output in self.releasing.take() {
-            self.say("release", Some(output));
+            match number {
+                Some(number) => self.unconfirmed.push_back((number, output)),
+                None => self.say("release", Some(output)),
+            }
         }
+        self.report_confirmed();
         Ok(())
     }
 
     fn idle(&mut self) -> Result<(), OutputError> {
-        self.check_released()?;
+        self.poll_watchers()?;
         let now = now();
         if self.repress_at.is_some_and(|at| at <= now) {
             self.press_again()?;
         }
-        if self.restart_at.is_some_and(|at| at <= now) {
-            self.start();
+        for index in 0..self.slots.len() {
+            if self.slots[index].is_due() {
+                self.start(index);
+            }
         }
         if now.saturating_duration_since(self.last_message) >= BEAT {
-            self.say("beat", None);
+            self.say(BEAT_LINE, None);
         }
-        self.device.idle()
+        self.device.idle()?;
+        self.report_confirmed();
+        Ok(())
+    }
+}
+
+impl<D: Watchable> Drop for WatchedDevice<D> {
+    /// What the display has not confirmed in time stays on the watchers' lists: they release it.
+    fn drop(&mut self) {
+        if self.device.finish() {
+            for (_, output) in std::mem::take(&mut self.unconfirmed) {
+                self.say("release", Some(output));
+            }
+        }
+        self.slots.iter().for_each(Slot::close);
     }
 }

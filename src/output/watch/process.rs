@@ -1,8 +1,8 @@
-//! The watcher process: `gelpad watch`, started by gelpad only. The protocol is described in `mod.rs`.
+//! A watcher process: `gelpad watch` or `gelpad guard`, started by gelpad only. The protocol is described in `mod.rs`.
 //!
 //! It reads lines from its standard input until that closes, which means that the parent has ended. It runs
 //! in a session of its own and ignores the signals that end its parent, so that one Ctrl-C does not end both.
-//! Every wait after the parent's end is limited.
+//! A display that does not answer may still hold keys, so the watcher outlives its parent by up to an hour until it does.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::Shutdown;
@@ -13,19 +13,25 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use signal_hook::consts::{SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2};
+use signal_hook::consts::{
+    SIGALRM, SIGHUP, SIGINT, SIGPROF, SIGQUIT, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR1,
+    SIGUSR2, SIGVTALRM, SIGXCPU,
+};
 
-use super::link::{READY, RELEASED};
-use super::{ReleaseMethod, STOPPED};
+use super::state::{self, StateFile};
+use super::{BEAT_LINE, READY, RELEASED, ReleaseMethod, STOPPED};
 use crate::output::{HeldOutputs, OutputDevice as _, OutputError, X11, now};
 use crate::types::{Action, Event, Output};
 
 /// Signals that are meant for the parent and ignored here.
-const IGNORED_SIGNALS: [i32; 8] = [
-    SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGALRM, SIGUSR1, SIGUSR2,
+const IGNORED_SIGNALS: [i32; 13] = [
+    SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGALRM, SIGVTALRM, SIGPROF,
+    SIGXCPU, SIGUSR1, SIGUSR2,
 ];
 /// Longest life after the parent's end, in case the display does not answer.
-const LAST_WAIT: Duration = Duration::from_secs(10);
+const LAST_WAIT: Duration = Duration::from_secs(3600);
+/// After the parent's end, a press that was on its way arrives within this time of a display that answers.
+const LAST_PRESS_WAIT: Duration = Duration::from_secs(10);
 
 /// Watches until standard input closes.
 ///
@@ -38,32 +44,38 @@ pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
     for signal in IGNORED_SIGNALS {
         signal_hook::flag::register(signal, Arc::clone(&received)).map_err(socket_error)?;
     }
-    let mut releaser = Releaser::connect(way)?;
+    let parent = rustix::process::getppid().map_or(0, |pid| pid.as_raw_nonzero().get());
+    let mut releaser = Releaser::connect(way, parent)?;
+    releaser.release_left_down(false)?;
     let line = io::stdin()
         .as_fd()
         .try_clone_to_owned()
         .map_err(socket_error)?;
     let mut line = UnixStream::from(line);
-    line.write_all(READY).map_err(socket_error)?;
+    line.write_all(format!("{READY}\n").as_bytes())
+        .map_err(socket_error)?;
     let mut parent_state = ParentState::default();
     loop {
         match parent_state.read_lines(&mut line).map_err(socket_error)? {
-            Received::Lines => {}
+            Received::Lines { beats } => {
+                releaser.record(&parent_state.held, false);
+                // If the parent has ended, the next read shows it.
+                let _ = line.write_all(format!("{BEAT_LINE}\n").repeat(beats).as_bytes());
+            }
             Received::Silence => {
                 releaser.release(&parent_state.held)?;
-                parent_state.held.take();
-                // If the parent has ended, the next read shows it.
-                let _ = line.write_all(RELEASED);
+                let _ = line.write_all(format!("{RELEASED}\n").as_bytes());
             }
             Received::ParentEnded => {
-                if parent_state.held.is_empty() {
-                    return Ok(());
-                }
                 exit_after_last_wait();
-                releaser.release(&parent_state.held)?;
-                // A press that the parent sent just before its end may still be on its way.
-                releaser.wait_for_last_event()?;
-                return releaser.release(&parent_state.held);
+                if !parent_state.held.is_empty() {
+                    releaser.record(&parent_state.held, true);
+                    releaser.release(&parent_state.held)?;
+                    // A press that the parent sent just before its end may still be on its way.
+                    releaser.wait_for_last_event()?;
+                    releaser.release(&parent_state.held)?;
+                }
+                return releaser.release_left_down(true);
             }
         }
     }
@@ -72,14 +84,20 @@ pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
 /// What the parent has reported.
 #[derive(Default)]
 struct ParentState {
+    /// What may be down. A release because of silence removes nothing: a press may have been on its way.
     held: HeldOutputs,
     /// The beginning of an incomplete line.
     partial: Vec<u8>,
     last_read: Option<Instant>,
+    /// Whether the parent is silent and everything was released.
+    is_silent: bool,
 }
 
 enum Received {
-    Lines,
+    Lines {
+        /// Beats to be answered.
+        beats: usize,
+    },
     Silence,
     ParentEnded,
 }
@@ -89,37 +107,43 @@ impl ParentState {
     fn read_lines(&mut self, line: &mut UnixStream) -> io::Result<Received> {
         let since = now().saturating_duration_since(*self.last_read.get_or_insert_with(now));
         // While nothing is down, silence does not matter.
-        let left = (!self.held.is_empty()).then(|| STOPPED.saturating_sub(since));
+        let matters = !self.held.is_empty() && !self.is_silent;
+        let left = matters.then(|| STOPPED.saturating_sub(since));
         let timeout = left.and_then(|left| Timespec::try_from(left).ok());
         let mut waited = [PollFd::new(line, PollFlags::IN)];
         match poll(&mut waited, timeout.as_ref()) {
             Ok(0) => {
-                self.last_read = None;
+                self.is_silent = true;
                 return Ok(Received::Silence);
             }
             Ok(_) => {}
-            Err(rustix::io::Errno::INTR) => return Ok(Received::Lines),
+            Err(rustix::io::Errno::INTR) => return Ok(Received::Lines { beats: 0 }),
             Err(error) => return Err(error.into()),
         }
         let mut bytes = [0; 4096];
         let count = match line.read(&mut bytes) {
             Ok(0) => return Ok(Received::ParentEnded),
             Ok(count) => count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(Received::Lines),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {
+                return Ok(Received::Lines { beats: 0 });
+            }
             // If the parent was killed with lines unread, the socket may be reset.
             Err(_) => return Ok(Received::ParentEnded),
         };
         self.last_read = Some(now());
+        self.is_silent = false;
+        let mut beats = 0;
         for byte in &bytes[..count] {
             if *byte == b'\n' {
                 let text = String::from_utf8_lossy(&self.partial).into_owned();
                 self.partial.clear();
+                beats += usize::from(text == BEAT_LINE);
                 self.take_line(&text);
             } else {
                 self.partial.push(*byte);
             }
         }
-        Ok(Received::Lines)
+        Ok(Received::Lines { beats })
     }
 
     fn take_line(&mut self, line: &str) {
@@ -138,17 +162,27 @@ impl ParentState {
 
 /// Releases what is down.
 enum Releaser {
-    X11 { display: Box<X11>, window: u32 },
+    X11 {
+        display: Box<X11>,
+        window: u32,
+        state: Option<StateFile>,
+    },
     Cut(UnixStream),
 }
 
 impl Releaser {
-    fn connect(way: ReleaseMethod) -> Result<Self, OutputError> {
+    fn connect(way: ReleaseMethod, parent: i32) -> Result<Self, OutputError> {
         match way {
             ReleaseMethod::X11 { window } => {
                 let mut display = Box::new(X11::connect()?);
                 display.follow(window)?;
-                Ok(Self::X11 { display, window })
+                let state = state::folder()
+                    .and_then(|folder| StateFile::create(&folder, display.display(), parent).ok());
+                Ok(Self::X11 {
+                    display,
+                    window,
+                    state,
+                })
             }
             ReleaseMethod::CutConnection => {
                 let shared = io::stdout()
@@ -160,23 +194,51 @@ impl Releaser {
         }
     }
 
+    /// Releases what killed gelpads have left down.
+    fn release_left_down(&mut self, parent_has_ended: bool) -> Result<(), OutputError> {
+        let Self::X11 {
+            display,
+            state: Some(state),
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        for (path, held) in state.left_down(parent_has_ended) {
+            release_on(display, &held)?;
+            state::remove(&path);
+        }
+        Ok(())
+    }
+
+    /// Records what is down on disk.
+    fn record(&mut self, held: &HeldOutputs, has_ended: bool) {
+        if let Self::X11 {
+            state: Some(state), ..
+        } = self
+        {
+            state.set(held, has_ended);
+        }
+    }
+
     fn wait_for_last_event(&mut self) -> Result<(), OutputError> {
         match self {
-            Self::X11 { display, window } => display.wait_for_end_of(*window, LAST_WAIT),
+            Self::X11 {
+                display, window, ..
+            } => display.wait_for_end_of(*window, LAST_PRESS_WAIT).map(drop),
             Self::Cut(_) => Ok(()),
         }
     }
 
     fn release(&mut self, held: &HeldOutputs) -> Result<(), OutputError> {
         match self {
-            Self::X11 { display, .. } => {
-                for output in held.iter() {
-                    display.send(&Event {
-                        t_ns: 0,
-                        action: Action::Release(output),
-                    })?;
+            Self::X11 { display, state, .. } => {
+                let mut held = held.clone();
+                if let Some(state) = state {
+                    let others = state.held_by_others();
+                    others.iter().for_each(|output| held.release(output));
                 }
-                display.sync()
+                release_on(display, &held)
             }
             // If the compositor has closed the connection already, nothing is left to do.
             Self::Cut(shared) => {
@@ -185,6 +247,16 @@ impl Releaser {
             }
         }
     }
+}
+
+fn release_on(display: &mut X11, held: &HeldOutputs) -> Result<(), OutputError> {
+    for output in held.iter() {
+        display.send(&Event {
+            t_ns: 0,
+            action: Action::Release(output),
+        })?;
+    }
+    display.sync()
 }
 
 /// Ends this process after [`LAST_WAIT`], even if the display does not answer.
@@ -219,7 +291,7 @@ mod tests {
             parent.write_all(text.as_bytes()).expect("sent");
             assert!(matches!(
                 parent_state.read_lines(&mut line),
-                Ok(Received::Lines)
+                Ok(Received::Lines { .. })
             ));
             parent_state
                 .held

@@ -1,5 +1,7 @@
 //! Bindings: where they are played, and what they drive.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::modes;
 use crate::profile::entries::{Entries, Place, Text};
 use crate::profile::gestures::{self, BindingReader, Listed};
@@ -65,12 +67,19 @@ pub(in crate::profile) fn shared_keys() -> Vec<(Key, Vec<&'static str>)> {
     shared
 }
 
-/// Regions that bindings may name although they are not there.
-struct Absent {
+/// Most bindings of a profile.
+const MOST_BINDINGS: usize = 10_000;
+/// With more regions, the nearest name of an unknown one is not searched.
+const MOST_COMPARED: usize = 500;
+
+/// What bindings may name as a region.
+struct RegionNames<'a> {
+    /// Index of each region.
+    regions: BTreeMap<&'a str, usize>,
     /// Taken out by `off`.
-    off: Vec<String>,
+    off: BTreeSet<String>,
     /// Grids, of which only the cells have names.
-    grids: Vec<String>,
+    grids: BTreeSet<String>,
 }
 
 impl Reader {
@@ -80,23 +89,34 @@ impl Reader {
         text: &Text,
         regions: &[Region],
     ) -> (Vec<Binding>, Vec<Place>) {
+        let mut layers = BTreeSet::new();
         for entries in &text.bindings {
             if let Some((name, _)) = self.text(entries, "layer")
-                && !self.layers.contains(&name)
+                && layers.insert(name.clone())
             {
                 self.layers.push(name);
             }
         }
-        let absent = self.absent_regions(&text.regions);
+        if let Some(extra) = text.bindings.get(MOST_BINDINGS) {
+            self.errors.help(
+                &extra.place,
+                format!("more than {MOST_BINDINGS} bindings"),
+                "one too many",
+                "remove some",
+            );
+            return (Vec::new(), Vec::new());
+        }
+        let known = self.region_names(&text.regions, regions);
+        let keys = shared_keys();
         let (mut bindings, mut places) = (Vec::new(), Vec::new());
         for entries in &text.bindings {
             let names = self.texts(entries, "region");
-            let is_off = names.iter().any(|(name, _)| absent.off.contains(name));
+            let is_off = names.iter().any(|(name, _)| known.off.contains(name));
             if is_off || self.flag(entries, &OFF) {
                 continue;
             }
-            let own = self.named_regions(&names, &absent.grids, regions);
-            if let Some(binding) = self.binding(&text.top, entries, own) {
+            let own = self.named_regions(&names, &known);
+            if let Some(binding) = self.binding(&text.top, entries, own, &keys) {
                 bindings.push(binding);
                 places.push(entries.place.clone());
             }
@@ -104,36 +124,38 @@ impl Reader {
         (bindings, places)
     }
 
-    fn absent_regions(&mut self, tables: &[Entries]) -> Absent {
-        let (mut off, mut grids) = (Vec::new(), Vec::new());
+    fn region_names<'a>(&mut self, tables: &[Entries], regions: &'a [Region]) -> RegionNames<'a> {
+        let (mut off, mut grids) = (BTreeSet::new(), BTreeSet::new());
         for entries in tables {
             let Some((name, _)) = self.text(entries, "name") else {
                 continue;
             };
             if self.flag(entries, &super::region::OFF) {
-                off.push(name);
+                off.insert(name);
             } else if entries.has("columns") {
-                grids.push(name);
+                grids.insert(name);
             }
         }
-        Absent { off, grids }
+        let places = regions.iter().enumerate();
+        RegionNames {
+            regions: places
+                .map(|(index, region)| (region.name.as_str(), index))
+                .collect(),
+            off,
+            grids,
+        }
     }
 
-    fn named_regions(
-        &mut self,
-        names: &[(String, Place)],
-        grids: &[String],
-        regions: &[Region],
-    ) -> Vec<usize> {
+    fn named_regions(&mut self, names: &[(String, Place)], known: &RegionNames<'_>) -> Vec<usize> {
         let mut found = Vec::new();
         for (name, place) in names {
-            if let Some(index) = regions.iter().position(|region| region.name == *name) {
-                found.push(index);
+            if let Some(index) = known.regions.get(name.as_str()) {
+                found.push(*index);
                 continue;
             }
-            let known = regions.iter().map(|region| region.name.as_str());
-            let help = match nearest(name, known) {
-                _ if grids.contains(name) => {
+            let compared = known.regions.keys().copied().take(MOST_COMPARED);
+            let help = match nearest(name, compared) {
+                _ if known.grids.contains(name) => {
                     format!("the cells of the grid are named `{name}-1`, `{name}-2`, ...")
                 }
                 Some(name) => format!("did you mean `{name}`?"),
@@ -150,10 +172,10 @@ impl Reader {
         top: &Entries,
         entries: &Entries,
         regions: Vec<usize>,
+        keys: &[(Key, Vec<&'static str>)],
     ) -> Option<Binding> {
         let gesture = self.choice_or_default(entries, &GESTURE);
         let mode = self.choice_or_default(entries, &MODE);
-        let keys = shared_keys();
         self.refuse_foreign(
             entries,
             keys.iter().map(|(key, only)| (key, only.as_slice())),

@@ -62,6 +62,9 @@ pub(in crate::profile) const KEYS: &[Key] = &[
     OFF.key,
 ];
 
+/// Most regions of a profile.
+const MOST_REGIONS: usize = 10_000;
+
 impl Reader {
     /// All regions, topmost first.
     pub(super) fn regions(&mut self, tables: &[Entries]) -> Vec<Region> {
@@ -81,6 +84,15 @@ impl Reader {
                     self.errors.push(&place, message, "the second one");
                 }
                 ordered.push((order, region));
+            }
+            if ordered.len() > MOST_REGIONS {
+                self.errors.help(
+                    &place,
+                    format!("more than {MOST_REGIONS} regions, the cells of grids included"),
+                    "one too many",
+                    "the pad cannot separate so many: use larger ones",
+                );
+                break;
             }
         }
         // Stable: equal ones stay in the order of the text.

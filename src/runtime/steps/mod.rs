@@ -60,8 +60,9 @@ pub(in crate::runtime) struct EngineThread {
     logged_retakes: u64,
     /// Times the board had hung that were logged.
     logged_hangs: u64,
-    /// Time of the first frame.
-    first_ns: Option<Nanos>,
+    /// Steps from one frame to the next, and their time, without the time in which the board was away.
+    steps: u64,
+    played_ns: Nanos,
     /// Time and arrival of the last frame: they tie the source's time to the clock.
     last_frame: Option<(Nanos, Instant)>,
     /// When the current second of the frame rate began, and the frames until then.
@@ -91,7 +92,8 @@ impl EngineThread {
             is_silent: false,
             logged_retakes: 0,
             logged_hangs: 0,
-            first_ns: None,
+            steps: 0,
+            played_ns: 0,
             last_frame: None,
             second: None,
         }
@@ -155,7 +157,6 @@ impl EngineThread {
     /// A gamepad's state: it has no image and does not count as a frame.
     fn take_control(&mut self, control: &Control, at: Instant) {
         self.is_silent = false;
-        self.first_ns.get_or_insert(control.t_ns);
         self.last_frame = Some((control.t_ns, at));
         self.view.t_ns = control.t_ns;
         let taken = now();
@@ -171,7 +172,7 @@ impl EngineThread {
             self.is_silent = false;
             tracing::warn!("the board sends frames again");
         }
-        self.first_ns.get_or_insert(frame.t_ns);
+        self.count_time(frame.t_ns);
         self.last_frame = Some((frame.t_ns, at));
         self.view.t_ns = frame.t_ns;
         self.view.frames += 1;

@@ -4,18 +4,30 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::EngineThread;
+use crate::types::{NANOS_PER_MS, Nanos};
 
 /// The reference and the noise of a view are updated once in this many frames.
 const SLOW_SIGNALS: u64 = 50;
+/// A longer time between two frames is a board that was away.
+const LONGEST_STEP_NS: Nanos = 2000 * NANOS_PER_MS;
 
 impl EngineThread {
-    /// From the first frame to the last, by the source's time.
+    /// Frames a second by the source's time, without the time in which the board was away.
     pub(super) fn frames_per_s(&self) -> f64 {
-        match (self.first_ns, self.last_frame) {
-            (Some(first), Some((last, _))) if last > first => {
-                self.view.frames.saturating_sub(1) as f64 / ((last - first) as f64 * 1e-9)
-            }
-            _ => 0.0,
+        match self.played_ns {
+            0 => 0.0,
+            played_ns => self.steps as f64 / (played_ns as f64 * 1e-9),
+        }
+    }
+
+    /// Counts the time from the last frame to one at `t_ns`; a longer silence is no part of the frame rate.
+    pub(super) fn count_time(&mut self, t_ns: Nanos) {
+        if let Some((last_ns, _)) = self.last_frame
+            && let Some(step_ns) = t_ns.checked_sub(last_ns)
+            && step_ns <= LONGEST_STEP_NS
+        {
+            self.steps += 1;
+            self.played_ns += step_ns;
         }
     }
 

@@ -7,17 +7,17 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::sequence::{Place, Sequence};
 use crate::pad::{Channel, Pad};
 use crate::source::arrangement::{Arrangement, plausible_counts};
 use crate::source::clock::DeviceClock;
+use crate::source::leading::leading_columns;
 use crate::source::wire::{Decoded, Dialect, FormatChoice, WireFrame, Wiring};
 use crate::source::{SourceError, SourceReading};
 use crate::types::{Frame, Nanos};
 
 /// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
-/// Largest gap in the board's count that means lost frames; a larger one means that the board restarted.
-const LARGEST_GAP: u32 = 100_000;
 
 /// Converts what a board sends into frames of a pad.
 pub(super) struct FrameIntake {
@@ -31,7 +31,9 @@ pub(super) struct FrameIntake {
     /// Frames with a number of values that is not sure yet, and their arrival.
     unsure: Vec<(WireFrame, Nanos)>,
     clock: DeviceClock,
-    sequence: Option<u32>,
+    sequence: Sequence,
+    /// Columns before the readings, which are ignored.
+    leading: usize,
     /// Whether a frame has arrived since the port was opened: what is garbled before was cut by the opening.
     begun: bool,
     decoded: Vec<Decoded>,
@@ -48,7 +50,8 @@ impl FrameIntake {
             listing: None,
             unsure: Vec::new(),
             clock: DeviceClock::default(),
-            sequence: None,
+            sequence: Sequence::default(),
+            leading: 0,
             begun: false,
             decoded: Vec::new(),
         }
@@ -74,7 +77,7 @@ impl FrameIntake {
                 Decoded::Frame(frame) => self.frame(frame, now_ns, readings)?,
                 Decoded::Garbled { reason, .. } if self.begun => {
                     // If the board counts frames, the next number tells how many were lost.
-                    let frames = u64::from(self.sequence.is_none());
+                    let frames = u64::from(!self.sequence.is_counted());
                     readings.push_back(SourceReading::Skipped { reason, frames });
                 }
                 Decoded::Garbled { reason, .. } => {
@@ -101,16 +104,19 @@ impl FrameIntake {
         self.dialect.reopened();
         self.clock.reset();
         self.unsure.clear();
-        self.sequence = None;
+        self.sequence = Sequence::default();
         self.begun = false;
     }
 
     fn frame(
         &mut self,
-        frame: WireFrame,
+        mut frame: WireFrame,
         now_ns: Nanos,
         readings: &mut VecDeque<SourceReading>,
     ) -> Result<(), SourceError> {
+        if self.leading > 0 && frame.values.len() > self.leading {
+            frame.values.drain(..self.leading);
+        }
         let count = frame.values.len();
         if let Some(arrangement) = &self.arrangement
             && arrangement.values() == count
@@ -121,7 +127,7 @@ impl FrameIntake {
             self.deliver(&frame, now_ns, volts, readings);
             return Ok(());
         }
-        if !self.counts.contains(&count) {
+        if !self.counts.contains(&count) && !self.may_have_leading(count) {
             self.report_count(count, readings);
             return Ok(());
         }
@@ -139,7 +145,36 @@ impl FrameIntake {
         if self.unsure.len() < SURE_FRAMES {
             return Ok(());
         }
+        if !self.counts.contains(&count) && !self.drop_leading(readings) {
+            return Ok(());
+        }
         self.find_arrangement(readings)
+    }
+
+    /// Whether frames with this number of values may have columns before the readings.
+    fn may_have_leading(&self, count: usize) -> bool {
+        let plausible = |columns| self.counts.contains(&(count.saturating_sub(columns)));
+        self.arrangement.is_none() && self.leading == 0 && (1..=3).any(plausible)
+    }
+
+    /// Removes the columns before the readings from the frames that are not sure yet; returns whether there are any.
+    fn drop_leading(&mut self, readings: &mut VecDeque<SourceReading>) -> bool {
+        let frames = self.unsure.iter().map(|(frame, _)| frame.values.as_slice());
+        let Some(columns) = leading_columns(frames, |count| self.counts.contains(&count)) else {
+            let (first, _) = self.unsure.remove(0);
+            self.report_count(first.values.len(), readings);
+            return false;
+        };
+        let noun = if columns == 1 { "column" } else { "columns" };
+        tracing::info!(
+            target: "gelpad::told",
+            "{columns} {noun} before the readings ignored: a counter or a time"
+        );
+        self.leading = columns;
+        for (frame, _) in &mut self.unsure {
+            frame.values.drain(..columns);
+        }
+        true
     }
 
     /// Finds the arrangement from the frames that are not sure yet, and delivers them.
@@ -185,17 +220,28 @@ impl FrameIntake {
         readings: &mut VecDeque<SourceReading>,
     ) {
         self.begun = true;
-        if let (Some(before), Some(sequence)) = (self.sequence, frame.sequence) {
-            let gap = sequence.wrapping_sub(before).wrapping_sub(1);
-            if (1..=LARGEST_GAP).contains(&gap) {
-                let are = if gap == 1 { "frame is" } else { "frames are" };
+        match self.sequence.take_number(frame.sequence) {
+            Place::New { missing: 0 } => {}
+            Place::New { missing } => {
+                let are = if missing == 1 {
+                    "frame is"
+                } else {
+                    "frames are"
+                };
                 readings.push_back(SourceReading::Skipped {
-                    reason: format!("{gap} {are} missing according to the board's count"),
-                    frames: u64::from(gap),
+                    reason: format!("{missing} {are} missing according to the board's count"),
+                    frames: u64::from(missing),
                 });
             }
+            Place::Older => {
+                let number = frame.sequence.unwrap_or(0);
+                readings.push_back(SourceReading::Skipped {
+                    reason: format!("frame number {number} again, or too late"),
+                    frames: 0,
+                });
+                return;
+            }
         }
-        self.sequence = frame.sequence;
         let t_ns = self.clock.frame_time(frame.stamp, arrived_ns);
         readings.push_back(SourceReading::Frame(Frame { t_ns, volts }));
     }
@@ -287,6 +333,55 @@ mod tests {
         // A board that was reset restarts its count: no frame counts as lost.
         let readings = readings_of(&mut intake, &packet(0));
         assert_eq!((frames(&readings), lost(&readings)), (1, 0));
+    }
+
+    #[test]
+    fn late_and_repeated_packets_are_dropped_and_counted() {
+        let pad = pad("edinburgh-lattice");
+        let volts = rest(&pad);
+        let mut intake = FrameIntake::new(&pad, WireFormat::Gelpad.into());
+        let packet = |n: u32| encode(Values::F32, n, n.wrapping_mul(1000), &volts);
+        let numbers = [70, 71, 72, 73, 72, 73, 73, 74];
+        let bytes: Vec<u8> = numbers.into_iter().flat_map(packet).collect();
+        let readings = readings_of(&mut intake, &bytes);
+        assert_eq!((frames(&readings), lost(&readings)), (5, 0));
+        let is_skip = |one: &&SourceReading| matches!(one, SourceReading::Skipped { .. });
+        assert_eq!(readings.iter().filter(is_skip).count(), 3);
+    }
+
+    #[test]
+    fn columns_before_the_readings_are_ignored() {
+        let pad = pad("edinburgh-lattice");
+        let volts = rest(&pad);
+        let words: Vec<String> = volts.iter().map(|volt| format!("{volt:.5}")).collect();
+        let decimal_commas = words.join("\t").replace('.', ",");
+        for (line, case) in [
+            (format!("@,{}", words.join(",")), "a counter"),
+            (
+                format!("@;{:.3};{}", 0.5, words.join(";")),
+                "a counter and a time",
+            ),
+            (format!("[{}]", words.join(", ")), "brackets"),
+            (
+                format!("@ [{}]", words.join(" ")),
+                "a counter before brackets",
+            ),
+            (format!("@\t{decimal_commas}"), "decimal commas"),
+        ] {
+            for format in ["auto", "lines"] {
+                let format = format.parse().expect("a format");
+                let mut intake = FrameIntake::new(&pad, format);
+                let text: String = (7..17)
+                    .map(|number| format!("{}\r\n", line.replace('@', &number.to_string())))
+                    .collect();
+                let readings = readings_of(&mut intake, text.as_bytes());
+                assert_eq!((frames(&readings), lost(&readings)), (10, 0), "{case}");
+                let SourceReading::Frame(frame) = &readings[9] else {
+                    panic!("{case}: {readings:?}");
+                };
+                assert!((frame.volts[3] - volts[3]).abs() < 1e-4, "{case}");
+            }
+        }
     }
 
     #[test]

@@ -7,9 +7,11 @@ use std::time::Instant;
 use serialport::SerialPort;
 
 use super::port;
+use super::sequence::{Place, Sequence};
 use crate::eit::order::{Layout, Order, OrderError, recognise_order};
 use crate::source::SourceError;
 use crate::source::clock::now;
+use crate::source::leading::leading_columns;
 use crate::source::wire::{
     Decoded, Dialect, FormatChoice, SHOWN_BYTES, WireFormat, WireFrame, Wiring,
 };
@@ -55,7 +57,12 @@ pub struct PortReport {
     pub range: Option<(f32, f32)>,
     /// The first frames, from which the order is recognised.
     first: Vec<WireFrame>,
-    sequence: Option<u32>,
+    /// Late and repeated frames according to the board's count.
+    pub late: u64,
+    /// Frames that repeat the one before bit for bit.
+    pub repeated: u64,
+    sequence: Sequence,
+    last_values: Vec<f32>,
     ticks: Option<u32>,
 }
 
@@ -75,21 +82,44 @@ impl PortReport {
         most.map(|(values, _)| *values)
     }
 
+    /// Number of columns before the readings: a counter, a time.
+    #[must_use]
+    pub fn leading(&self) -> usize {
+        let Some(count) = self.most_common_count() else {
+            return 0;
+        };
+        let first = self.first.iter().map(|frame| frame.values.as_slice());
+        let frames = first.filter(|values| values.len() == count);
+        let is_layout = |count| {
+            let mut electrodes = ELECTRODES.into_iter();
+            electrodes.any(|electrodes| Layout::from_count(count, electrodes).is_some())
+        };
+        leading_columns(frames, is_layout).unwrap_or(0)
+    }
+
+    /// Number of readings of most frames.
+    #[must_use]
+    pub fn readings(&self) -> Option<usize> {
+        self.most_common_count()?.checked_sub(self.leading())
+    }
+
     /// Number of electrodes and order of the readings, recognised from the first frames.
     #[must_use]
     pub fn order(&self) -> Option<(usize, Result<Order, OrderError>)> {
-        let count = self.most_common_count()?;
+        let leading = self.leading();
+        let count = self.most_common_count()?.checked_sub(leading)?;
         let electrodes = ELECTRODES
             .into_iter()
             .find(|electrodes| Layout::from_count(count, *electrodes).is_some())?;
         let frames: Vec<&WireFrame> = self
             .first
             .iter()
-            .filter(|frame| frame.values.len() == count)
+            .filter(|frame| frame.values.len() == leading + count)
             .collect();
         let median: Vec<f64> = (0..count)
             .map(|index| {
-                let mut values: Vec<f32> = frames.iter().map(|frame| frame.values[index]).collect();
+                let values = frames.iter().map(|frame| frame.values[leading + index]);
+                let mut values: Vec<f32> = values.collect();
                 values.sort_unstable_by(f32::total_cmp);
                 values
                     .get(values.len() / 2)
@@ -124,16 +154,15 @@ impl PortReport {
         if self.values.len() < MOST_COUNTS || self.values.contains_key(&count) {
             *self.values.entry(count).or_default() += 1;
         }
-        if let (Some(before), Some(sequence)) = (self.sequence, frame.sequence) {
-            let gap = sequence.wrapping_sub(before).wrapping_sub(1);
-            // If the count went back, the board restarted.
-            self.missing += if gap < u32::MAX / 2 {
-                u64::from(gap)
-            } else {
-                0
-            };
+        match self.sequence.take_number(frame.sequence) {
+            Place::New { missing } => self.missing += u64::from(missing),
+            Place::Older => {
+                self.late += 1;
+                return;
+            }
         }
-        self.sequence = frame.sequence;
+        self.repeated += u64::from(self.last_values == frame.values);
+        self.last_values.clone_from(&frame.values);
         if let Some(stamp) = frame.stamp {
             let step = self
                 .ticks

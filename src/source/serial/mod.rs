@@ -10,6 +10,7 @@
 mod intake;
 mod listen;
 mod port;
+mod sequence;
 
 pub use listen::{PortListener, PortReport};
 

@@ -1,6 +1,7 @@
 //! One line of numbers for each frame: what most boards built in a lab send.
 //!
-//! Numbers are separated by commas, semicolons, bars, tabs or blanks; text before the last `:` is a label.
+//! Numbers are separated by commas, semicolons, bars, tabs or blanks, and may stand in brackets; text before the last `:` is
+//! a label. Where something else separates the numbers, a comma within one is its decimal point.
 //! With `lines:complex` real and imaginary parts alternate, and a value is their magnitude with the sign of
 //! the real part, so that the order can be recognised. A line with a word among many numbers is garbled; a
 //! line with few numbers is a message.
@@ -9,8 +10,8 @@ use super::text::{LineBuffer, numbers};
 use super::{Decoded, Dialect, FEWEST_VALUES, WireFormat};
 use crate::types::Nanos;
 
-/// Separators of numbers.
-const SEPARATORS: [char; 5] = [',', ';', '|', '\t', ' '];
+/// Separators of numbers; brackets around them have no meaning.
+const SEPARATORS: [char; 11] = [',', ';', '|', '\t', ' ', '[', ']', '(', ')', '{', '}'];
 
 /// Decoder of the format.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +53,14 @@ impl Dialect for Lines {
 
 fn parse_line(text: &str, complex: bool) -> Option<Result<Vec<f32>, String>> {
     let text = text.rsplit(':').next().unwrap_or(text);
+    let with_points;
+    let text = match has_decimal_commas(text) {
+        true => {
+            with_points = text.replace(',', ".");
+            &with_points
+        }
+        false => text,
+    };
     let words = || text.split(SEPARATORS).filter(|word| !word.is_empty());
     let looks_like_numbers = words()
         .filter(|word| {
@@ -80,6 +89,29 @@ fn parse_line(text: &str, complex: bool) -> Option<Result<Vec<f32>, String>> {
         .chunks_exact(2)
         .map(|part| signed_magnitude(part[0], part[1]))
         .collect()))
+}
+
+/// Whether most numbers are written as `1,5`, with something else between them. A counter has no comma.
+fn has_decimal_commas(text: &str) -> bool {
+    if text.contains('.') || !text.contains(',') {
+        return false;
+    }
+    let is_separator = |one: char| one != ',' && SEPARATORS.contains(&one);
+    let (mut with_comma, mut others) = (0, 0);
+    for word in text.split(is_separator).filter(|word| !word.is_empty()) {
+        let digits = |part: &str| part.bytes().next().is_some_and(|one| one.is_ascii_digit());
+        match word.split_once(',') {
+            Some((whole, decimals)) => {
+                let whole = whole.trim_start_matches(['+', '-']);
+                if !digits(whole) || !digits(decimals) || decimals.contains(',') {
+                    return false;
+                }
+                with_comma += 1;
+            }
+            None => others += 1,
+        }
+    }
+    with_comma >= FEWEST_VALUES && with_comma > others
 }
 
 fn signed_magnitude(real: f32, imaginary: f32) -> f32 {
@@ -124,6 +156,11 @@ mod tests {
             " 1  2 3 4   -5.5 \n",
             "1 | 2 | 3 | 4 | -5.5\n",
             "frame 7: 1, 2, 3, 4, -5.5,\n",
+            "[1, 2, 3, 4, -5.5]\n",
+            "[[1.0, 2.0], [3, 4], [-5.5]]\n",
+            "1,0;2,0;3,0;4,0;-5,5\n",
+            "1,0\t2,0\t3,0\t4,0\t-5,5\r\n",
+            "1,0 2,0 3,0 4,0 -5,5\n",
         ] {
             assert_eq!(
                 frames(&decode_all(false, text.as_bytes())),

@@ -1,0 +1,114 @@
+//! Completes the setup of a damaged recording: what cannot be read is solved again or replaced, with a warning.
+
+use std::sync::Arc;
+
+use super::pads::{PadText, choose_method, engine_config, load_pad};
+use super::profiles::load_profile;
+use super::recording::complete_slim;
+use super::{AppError, Progress};
+use crate::pad::{DEFAULT_PAD, Pad};
+use crate::profile::DEFAULT_PROFILE;
+use crate::session::{Message, Restore, Setup, SetupParts};
+use crate::tape::{EngineConfig, ReplayCheck, profile_texts, texts_from_message};
+use crate::touch::{Correction, CorrectionData};
+
+/// Restores a recording.
+pub(crate) struct Restorer<'a> {
+    progress: Progress<'a>,
+    check: Option<ReplayCheck>,
+    /// What was solved again or replaced, for people.
+    pub(crate) replaced: Vec<String>,
+}
+
+impl<'a> Restorer<'a> {
+    pub(crate) fn new(progress: Progress<'a>) -> Self {
+        Self {
+            progress,
+            check: None,
+            replaced: Vec::new(),
+        }
+    }
+
+    fn complete(&mut self, parts: SetupParts) -> Result<Setup, AppError> {
+        let pad = match parts.pad.as_deref().map(|toml| Pad::from_toml("pad", toml)) {
+            Some(Ok(pad)) => PadText {
+                pad,
+                toml: parts.pad.clone().unwrap_or_default(),
+            },
+            _ => {
+                let note = format!("the pad cannot be read: {DEFAULT_PAD} is assumed");
+                self.replaced.push(note);
+                load_pad(DEFAULT_PAD)?
+            }
+        };
+        let profile = match &parts.profile {
+            Some(texts) if texts_from_message(texts).read().is_ok() => texts.clone(),
+            _ => {
+                let note = format!(
+                    "the profile cannot be read: {DEFAULT_PROFILE} is assumed (`gelpad replay --profile` plays another)"
+                );
+                self.replaced.push(note);
+                profile_texts(&load_profile(DEFAULT_PROFILE, None)?.profile, 0)
+            }
+        };
+        if parts.slim.is_some() && parts.sensing.is_none() {
+            return Ok(Setup {
+                pad: pad.toml,
+                profile,
+                calibration: parts.calibration,
+                sensing: Vec::new(),
+                responses: None,
+                slim: parts.slim,
+            });
+        }
+        if let Some(sensing) = parts.sensing {
+            let setup = Setup {
+                pad: pad.toml.clone(),
+                profile: profile.clone(),
+                calibration: parts.calibration.clone(),
+                sensing,
+                responses: parts.responses,
+                slim: None,
+            };
+            if EngineConfig::from_setup(&setup).is_ok() {
+                return Ok(setup);
+            }
+        }
+        self.replaced.push(
+            "the matrix or the response table cannot be read: solved again from the pad; the last bits of touches, and with \
+             them events, may differ from what was played"
+                .to_owned(),
+        );
+        let checked = load_profile(DEFAULT_PROFILE, None)?.profile;
+        let method = choose_method(None, &checked, &pad.pad);
+        let correction = parts.calibration.as_deref().and_then(|json| {
+            let data: CorrectionData = serde_json::from_slice(json).ok()?;
+            Correction::new(data).ok()
+        });
+        let (_, config) = engine_config(pad, Arc::new(checked), method, correction, self.progress)?;
+        Ok(Setup {
+            profile,
+            ..config.to_setup()
+        })
+    }
+}
+
+impl Restore for Restorer<'_> {
+    fn setup(&mut self, parts: SetupParts) -> Result<Setup, String> {
+        let setup = self.complete(parts).map_err(|error| error.to_string())?;
+        let completed = complete_slim(&setup).map_err(|error| error.to_string())?;
+        let check = ReplayCheck::new(completed.as_ref().unwrap_or(&setup));
+        let check = check.map_err(|error| error.to_string())?;
+        self.check = Some(check);
+        Ok(setup)
+    }
+
+    fn check(&mut self, message: &Message, matrix: Option<&[u8]>) -> Result<(), String> {
+        match &mut self.check {
+            Some(check) => check
+                .accept(message, matrix)
+                .map_err(|error| error.to_string()),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Flipped bits and cuts: what is outside of the damaged chunk comes back, and what is saved replays.
+//!
+//! `GELPAD_FLIPS` and `GELPAD_CUTS` set the numbers (default: a small sample).
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::sessions::straight;
+use crate::{gelpad, said};
+
+const FLIPS: u64 = 10;
+const CUTS: u64 = 4;
+/// Fewer frames cannot be replayed.
+const REFERENCE_FRAMES: u64 = 10;
+/// Op codes of chunks and attachments.
+const CHUNK: u8 = 6;
+const ATTACHMENT: u8 = 9;
+
+/// Kind, beginning and end of every record.
+fn records(bytes: &[u8]) -> Result<Vec<(u8, usize, usize)>> {
+    let (mut at, mut records) = (8, Vec::new());
+    while let Some(head) = bytes.get(at..at + 9) {
+        let length = u64::from_le_bytes(head[1..].try_into()?) as usize;
+        let end = at + 9 + length;
+        if end > bytes.len() {
+            break;
+        }
+        records.push((head[0], at, end));
+        at = end;
+    }
+    Ok(records)
+}
+
+/// Saves a damaged recording and replays what was saved; returns the number of frames.
+fn saved(folder: &Path, bytes: &[u8]) -> Result<u64> {
+    fs::write(folder.join("damaged.mcap"), bytes)?;
+    let _ = fs::remove_file(folder.join("saved.mcap"));
+    let output = gelpad(folder, &["recover", "damaged.mcap", "-o", "saved.mcap"]);
+    let text = said(&output);
+    ensure!(
+        matches!(output.status.code(), Some(0 | 3)),
+        "recover: {:?}\n{text}",
+        output.status
+    );
+    let replayed = gelpad(folder, &["replay", "saved.mcap", "--print", "events"]);
+    ensure!(
+        matches!(replayed.status.code(), Some(0 | 3)),
+        "replay: {:?}\n{}",
+        replayed.status,
+        said(&replayed)
+    );
+    let frames = text.split("saved.mcap: ").nth(1);
+    let frames = frames.and_then(|rest| rest.split(' ').next());
+    Ok(frames.context("how many")?.parse()?)
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    let text = std::env::var(name).ok();
+    text.and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+pub fn flips_and_cuts() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let folder = folder.path();
+    let packed = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/recordings/version-1.mcap"
+    );
+    straight(&folder.join("live.mcap"), 60, false)?;
+    straight(&folder.join("packed.mcap"), 900, true)?;
+    for file in [
+        fs::read(packed)?,
+        fs::read(folder.join("packed.mcap"))?,
+        fs::read(folder.join("live.mcap"))?,
+    ] {
+        one_file(folder, &file)?;
+    }
+    Ok(())
+}
+
+fn one_file(folder: &Path, whole: &[u8]) -> Result<()> {
+    let all = saved(folder, whole)?;
+    let records = records(whole)?;
+    let data_end = records.last().map_or(0, |(_, _, end)| *end);
+    // What is left when a whole chunk is gone.
+    let mut without = Vec::new();
+    for (code, start, end) in &records {
+        if *code == CHUNK {
+            let mut bytes = whole.to_vec();
+            bytes[start + 60..*end].fill(0);
+            without.push((*start, *end, saved(folder, &bytes).unwrap_or(0)));
+        }
+    }
+    let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut below = |end: usize| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) as usize % end
+    };
+    for flip in 0..number("GELPAD_FLIPS", FLIPS) {
+        // Every second one hits the messages, which are the smaller part.
+        let first_message = records
+            .iter()
+            .rfind(|(code, ..)| *code == ATTACHMENT)
+            .map_or(0, |(_, _, end)| *end);
+        let at = match flip % 2 {
+            0 => first_message + below(data_end - first_message),
+            _ => below(whole.len()),
+        };
+        let mut bytes = whole.to_vec();
+        bytes[at] ^= 1 << below(8);
+        let hit = without
+            .iter()
+            .find(|(start, end, _)| (*start..*end).contains(&at));
+        // In a file without chunks, a message is hit.
+        let least = hit.map_or(all - 1, |(_, _, frames)| *frames);
+        if least < REFERENCE_FRAMES {
+            // The only chunk is hit.
+            continue;
+        }
+        let frames = saved(folder, &bytes).with_context(|| format!("a flip at byte {at}"))?;
+        ensure!(
+            frames >= least,
+            "a flip at byte {at} cost {} of {all} frames",
+            all - frames
+        );
+    }
+    for _ in 0..number("GELPAD_CUTS", CUTS) {
+        let set_up = records
+            .iter()
+            .rfind(|(code, ..)| *code == ATTACHMENT)
+            .map_or(0, |(_, _, end)| *end);
+        let length = set_up + (whole.len() - set_up) / 2 + below((whole.len() - set_up) / 2);
+        // A packed file that is cut within its first chunk holds no frame.
+        if without.is_empty() || without.iter().any(|(_, end, _)| *end <= length) {
+            saved(folder, &whole[..length]).with_context(|| format!("a cut at byte {length}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// A table that cannot be read is solved again from the pad, which is said.
+pub fn damaged_table() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let folder = folder.path();
+    straight(&folder.join("s.mcap"), 60, true)?;
+    let whole = fs::read(folder.join("s.mcap"))?;
+    let all = saved(folder, &whole)?;
+    for (code, start, end) in records(&whole)? {
+        if code != ATTACHMENT {
+            continue;
+        }
+        let mut bytes = whole.clone();
+        bytes[(start + end) / 2] ^= 1;
+        let frames = saved(folder, &bytes)?;
+        ensure!(frames == all, "{frames} of {all} frames");
+        fs::write(folder.join("damaged.mcap"), &bytes)?;
+        let output = gelpad(folder, &["recover", "damaged.mcap", "-o", "saved.mcap"]);
+        ensure!(output.status.code() == Some(3), "{:?}", output.status);
+        ensure!(said(&output).contains("warning: "), "{}", said(&output));
+    }
+    Ok(())
+}
