@@ -8,8 +8,9 @@
 //! A touch in one corner does not change channels far away. These are still measured, and their common drift corrects the
 //! others. The noise of each channel is estimated along the way.
 
+mod start;
+
 use super::kalman::Covariance;
-use super::noise::NoiseModel;
 use super::shared_noise::{SharedNoise, SharedNoiseEstimator};
 
 /// The first reference is the mean of this many frames.
@@ -21,14 +22,10 @@ const FIRST_RATE_PER_S: f64 = 5e-4;
 const FIRST_COMMON_RATE_PER_S: f64 = 2e-3;
 /// Lower bound of the noise, as a share: 100 dB.
 const LEAST_NOISE: f64 = 1e-5;
-/// Least share of the noise of the first frames that is the channel's own, whatever channels share.
-const LEAST_OWN_SHARE: f64 = 0.01;
 /// Longest step of time: a source that paused must not carry the reference far along its rate.
 const LONGEST_STEP_S: f64 = 0.2;
 /// Frames after a touch in which the gel springs back and the reference is not updated.
 const SETTLE_FRAMES: u32 = 3;
-/// A channel is loose if its first readings spread this many times as widely as expected.
-const LOOSE_SPREAD: f64 = 20.0;
 /// Weight of a frame in the running estimate of a channel's noise: a time constant of some seconds.
 const NOISE_WEIGHT: f64 = 0.004;
 /// Time constant, s, with which the rate of a channel under a touch decays: it may have been measured only briefly.
@@ -168,39 +165,6 @@ impl Reference {
                 }
             })
             .collect()
-    }
-
-    /// Adds one of the first frames to the mean.
-    pub fn add_first_frame(&mut self, t_ns: u64, volts: &[f32]) {
-        self.frames += 1;
-        let share = 1.0 / self.frames as f64;
-        for ((level, square), volt) in self.volts.iter_mut().zip(&mut self.squares).zip(volts) {
-            let volt = f64::from(*volt);
-            *level += share * (volt - *level);
-            *square += volt * volt;
-        }
-        self.last_ns = t_ns;
-        if self.is_ready() {
-            self.measure_first_frames();
-            for (covariance, noise) in self.covariances.iter_mut().zip(&self.noise) {
-                covariance.level = noise / self.frames as f64;
-            }
-        }
-    }
-
-    /// Estimates from the first frames the noise that channels share, and removes it from their own.
-    pub fn learn_first_shared_noise(&mut self, frames: &[(u64, Vec<f32>)]) {
-        let untouched = vec![0.0; self.volts.len()];
-        for (_, volts) in frames {
-            self.learn_shared_noise(volts, &untouched);
-        }
-        let shared = self.shared_noise();
-        for noise in &mut self.noise {
-            let own = *noise - shared.gain - shared.drive;
-            *noise = own
-                .max(LEAST_OWN_SHARE * *noise)
-                .max(LEAST_NOISE * LEAST_NOISE);
-        }
     }
 
     /// Multiplies all levels: the gain of the board has changed.
@@ -377,37 +341,6 @@ impl Reference {
                 0.0
             } else {
                 ((f64::from(volts[channel]) - reference) / reference) as f32
-            };
-        }
-    }
-
-    /// Estimates the noise from the spread of the first frames and mutes dead and loose channels.
-    fn measure_first_frames(&mut self) {
-        let rounding = self.step * self.step / 12.0;
-        let count = self.frames as f64;
-        let variances: Vec<f64> = self
-            .volts
-            .iter()
-            .zip(&self.squares)
-            .map(|(mean, square)| (square - count * mean * mean).max(0.0) / (count - 1.0))
-            .collect();
-        let noise = NoiseModel::from_variances(&self.volts, &variances);
-        for (channel, variance) in variances.iter().enumerate() {
-            let square = self.volts[channel] * self.volts[channel];
-            let expected = noise
-                .variance(square)
-                .max(LEAST_NOISE * LEAST_NOISE * square);
-            self.rounding[channel] = if square == 0.0 {
-                0.0
-            } else {
-                rounding / square
-            };
-            self.muted[channel] =
-                square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * (expected + rounding);
-            self.noise[channel] = if square == 0.0 {
-                1.0
-            } else {
-                expected / square
             };
         }
     }
