@@ -16,23 +16,42 @@ const SOUND_OUTSIDE: f64 = 2.0;
 const SETTLED_REST: f64 = 3.0;
 /// It explains, beyond noise, this many times what a finger explains.
 const BETTER: f64 = 1.2;
+/// Steps of the fit of that finger.
+const FIT_STEPS: usize = 15;
 /// It changes readings by less than this share from one frame to the next (root mean square); a palm changes them by more.
 const MOST_CHANGE: f64 = 4e-3;
 /// Under touches it changes them by less than this: more is what the model does not know of the touches.
 const MOST_CHANGE_UNDER_TOUCHES: f64 = 1.2e-3;
 
 impl Locator {
-    /// Whether a deformation of the pad explains a residual better than a finger does; `noise` is the variance of the
-    /// residual's readings.
-    pub(super) fn is_deformed(&self, residual: &[f32], noise: f64) -> bool {
+    /// Whether a deformation of the pad may explain a residual better than a finger does; `noise` is the variance of the
+    /// residual's readings. [`Self::take_deformation`] then decides.
+    pub(super) fn may_be_deformed(&self, residual: &[f32], noise: f64) -> bool {
+        let gain = self.model.deformations.gain(residual);
+        gain >= LEAST_GAIN * noise + ERROR_SHARE * self.model_error()
+            && self
+                .peak(residual)
+                .is_none_or(|peak| BETTER * peak.gain < self.beyond_noise(gain, noise))
+    }
+
+    /// What the patterns explain beyond what they explain of noise.
+    fn beyond_noise(&self, gain: f64, noise: f64) -> f64 {
         let patterns = &self.model.deformations;
-        let gain = patterns.gain(residual);
-        if gain < LEAST_GAIN * noise + ERROR_SHARE * self.model_error() {
+        gain - noise * (patterns.whitened.len() / patterns.rank) as f64
+    }
+
+    /// Whether one finger, of any size, explains a residual about as well as the patterns do.
+    fn is_finger(&mut self, residual: &[f32], noise: f64) -> bool {
+        let Some(peak) = self.peak(residual) else {
             return false;
-        }
-        let by_noise = noise * (patterns.whitened.len() / patterns.rank) as f64;
-        self.peak(residual)
-            .is_none_or(|peak| BETTER * peak.gain < gain - by_noise)
+        };
+        let frame = std::mem::replace(&mut self.frame.coordinates, residual.to_vec());
+        let touch = self.bounds.typical(peak.place_mm);
+        self.try_fit(&[touch], FIT_STEPS);
+        self.frame.coordinates = frame;
+        let by_finger = energy(residual) - energy(&self.trial.residual);
+        let gain = self.model.deformations.gain(residual);
+        BETTER * by_finger >= self.beyond_noise(gain, noise)
     }
 
     /// Whether the touches of the fit explain the frame well enough to look for a deformation in what they leave: no electrode is
@@ -52,15 +71,18 @@ impl Locator {
             return;
         }
         let outside = self.take_frame(changes, noise).outside;
-        if outside < SOUND_OUTSIDE && self.is_deformed(&self.frame.coordinates, noise) {
+        if outside < SOUND_OUTSIDE && self.may_be_deformed(&self.frame.coordinates, noise) {
             let residual = self.frame.coordinates.clone();
-            self.take_deformation(&residual);
+            self.take_deformation(&residual, noise);
         }
     }
 
     /// Takes what the patterns explain of a residual out of the frame, and fits the touches again. Returns whether it did: not
-    /// if it is more than a pad deforms by.
-    pub(super) fn take_deformation(&mut self, residual: &[f32]) -> bool {
+    /// if a finger explains it as well, or if it is more than a pad deforms by.
+    pub(super) fn take_deformation(&mut self, residual: &[f32], noise: f64) -> bool {
+        if self.is_finger(residual, noise) {
+            return false;
+        }
         let model = &self.model;
         let rank = model.deformations.rank;
         let mut change = vec![0.0f32; rank];

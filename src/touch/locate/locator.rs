@@ -159,9 +159,9 @@ impl Locator {
             // A fast finger is far from where the fit looked for it.
             self.escape_minimum(noise);
         }
-        if self.is_settled(noise) && self.is_deformed(&self.fit.residual, noise) {
+        if self.is_settled(noise) && self.may_be_deformed(&self.fit.residual, noise) {
             let residual = self.fit.residual.clone();
-            self.take_deformation(&residual);
+            self.take_deformation(&residual, noise);
         }
         let touches = self.fit.touches.len();
         self.add_touches(noise);

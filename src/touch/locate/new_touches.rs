@@ -103,9 +103,9 @@ impl Locator {
             return;
         }
         let noise = steady + (noise - steady) * self.recent.noise_share();
-        if self.is_settled(noise) && self.is_deformed(self.recent.mean(), noise) {
+        if self.is_settled(noise) && self.may_be_deformed(self.recent.mean(), noise) {
             let mean = self.recent.mean().to_vec();
-            if self.take_deformation(&mean) {
+            if self.take_deformation(&mean, noise) {
                 self.recent.clear();
                 return;
             }
