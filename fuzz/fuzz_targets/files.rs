@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use gelpad::pad::{Pad, shipped_pad};
-use gelpad::source::{Reading, open_file};
+use gelpad::source::{SourceReading, open_file};
 use libfuzzer_sys::fuzz_target;
 
 /// A valid `.eit` header.
@@ -65,13 +65,13 @@ fuzz_target!(|bytes: &[u8]| {
     // A frame takes at least one byte of the file.
     for _ in 0..=header.len() + bytes.len() {
         match source.read() {
-            Ok(Reading::Frame(frame)) => {
+            Ok(SourceReading::Frame(frame)) => {
                 assert_eq!(frame.volts.len(), pad().channels());
                 assert!(frame.volts.iter().all(|volt| volt.is_finite()));
                 assert!(frame.t_ns >= last_ns);
                 last_ns = frame.t_ns;
             }
-            Ok(Reading::End) | Err(_) => return,
+            Ok(SourceReading::End) | Err(_) => return,
             Ok(_) => {}
         }
     }

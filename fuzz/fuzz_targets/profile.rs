@@ -23,18 +23,24 @@ fuzz_target!(|bytes: &[u8]| {
         toml: text.to_owned(),
     };
     match read(source, None, &find_shipped) {
-        Err(faulty) => {
-            assert!(!faulty.faults.is_empty());
-            for fault in &faulty.faults {
+        Err(errors) => {
+            assert!(!errors.diagnostics.is_empty());
+            for diagnostic in &errors.diagnostics {
                 // A place in a base is a place in the base's text, which is in the report.
-                assert!(faulty.text.get(fault.span.clone()).is_some(), "{fault:?}");
-                let _ = faulty.line_column(fault.span.start);
+                assert!(
+                    errors.text.get(diagnostic.span.clone()).is_some(),
+                    "{diagnostic:?}"
+                );
+                let _ = errors.line_column(diagnostic.span.start);
             }
         }
         Ok(checked) => {
             let mut gestures = Gestures::new(Arc::new(checked.profile), [100.0, 100.0]);
             let mut events = Vec::new();
-            for (step, phase) in [Phase::Down, Phase::Move, Phase::Up].into_iter().enumerate() {
+            for (step, phase) in [Phase::Down, Phase::Move, Phase::Up]
+                .into_iter()
+                .enumerate()
+            {
                 for (finger, centre_mm) in PLACES.into_iter().enumerate() {
                     let touch = Touch {
                         id: TouchId(finger as u64),

@@ -10,9 +10,9 @@ use std::sync::OnceLock;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use gelpad::engine::Input;
-use gelpad::session::volts::Unpacker;
+use gelpad::session::volts::VoltsDecoder;
 use gelpad::session::{Message, ProfileTexts, Reader, Setup, TOPICS, Writer};
-use gelpad::tape::Player;
+use gelpad::tape::RecordingPlayer;
 use gelpad::types::Frame;
 use libfuzzer_sys::fuzz_target;
 
@@ -95,7 +95,7 @@ fn play_changed(edits: &[u8]) {
     let mut writer = Writer::live(&mut bytes, &setup).expect("memory");
     writer.flush().expect("memory");
     std::mem::forget(writer);
-    let Ok((_, config)) = Player::open(Cursor::new(bytes.into_inner())) else {
+    let Ok((_, config)) = RecordingPlayer::open(Cursor::new(bytes.into_inner())) else {
         return;
     };
     let (mut engine, mut events) = (config.engine(), Vec::new());
@@ -146,11 +146,11 @@ fuzz_target!(|bytes: &[u8]| {
                 return;
             };
             let topic = TOPICS[usize::from(*topic) % TOPICS.len()];
-            let mut unpacker = Unpacker::default();
-            if let Ok(Some(message)) = Message::from_json(topic, payload, &mut unpacker) {
+            let mut decoder = VoltsDecoder::default();
+            if let Ok(Some(message)) = Message::from_json(topic, payload, &mut decoder) {
                 // A message survives a round trip.
                 let again = message.to_json(None);
-                let back = Message::from_json(topic, &again, &mut Unpacker::default());
+                let back = Message::from_json(topic, &again, &mut VoltsDecoder::default());
                 assert_eq!(
                     back.map(|back| back.map(|back| back.to_json(None))),
                     Ok(Some(again))
@@ -161,7 +161,7 @@ fuzz_target!(|bytes: &[u8]| {
             let Some((count, block)) = bytes.split_first() else {
                 return;
             };
-            let _ = Unpacker::default().unpack(usize::from(*count), block);
+            let _ = VoltsDecoder::default().decode(usize::from(*count), block);
         }
         _ => {
             let channel = [bytes.first().copied().unwrap_or(0) % 12 + 1, 0];

@@ -10,18 +10,18 @@
 use std::sync::OnceLock;
 
 use gelpad::source::wire::{
-    Auto, Decoded, Dialect, FormatKind, MOST_HELD_BYTES, MOST_VALUES, SHOWN_BYTES, Wiring,
+    Auto, Decoded, Dialect, MOST_HELD_BYTES, MOST_VALUES, SHOWN_BYTES, WireFormat, Wiring,
 };
 use libfuzzer_sys::fuzz_target;
 
 const STEP_NS: u64 = 300_000_000;
 
 /// The format of all inputs: the outer option is none if each input chooses, the inner for `auto`.
-fn chosen() -> Option<Option<FormatKind>> {
-    static CHOSEN: OnceLock<Option<Option<FormatKind>>> = OnceLock::new();
+fn chosen() -> Option<Option<WireFormat>> {
+    static CHOSEN: OnceLock<Option<Option<WireFormat>>> = OnceLock::new();
     *CHOSEN.get_or_init(|| {
         let name = std::env::var("GELPAD_FUZZ_FORMAT").ok()?;
-        let kind = FormatKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind = WireFormat::ALL.into_iter().find(|kind| kind.name() == name);
         assert!(kind.is_some() || name == "auto", "no format {name:?}");
         Some(kind)
     })
@@ -32,7 +32,7 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     let wiring = Wiring::adjacent(if choice & 8 == 0 { 16 } else { 32 });
-    let kind = chosen().unwrap_or_else(|| FormatKind::ALL.get(usize::from(choice & 7)).copied());
+    let kind = chosen().unwrap_or_else(|| WireFormat::ALL.get(usize::from(choice & 7)).copied());
     let mut dialect: Box<dyn Dialect> = match kind {
         Some(kind) => kind.dialect(&wiring, choice & 16 != 0),
         None => Box::new(Auto::new(wiring)),
