@@ -22,6 +22,9 @@ const OUTERMOST_SHARE: f64 = 0.97;
 /// A touch whose centre lies outside the pad or within [`LEAST_DEPTH_MM`] of its edge leaves less than this many times noise
 /// and model error: the contact of an electrode that comes loose resembles such a touch, but less well.
 const EDGE_REST: f64 = 3.0;
+/// While channels are excluded, it must explain this many times as much as another new touch: near a lost electrode the edge is
+/// hardly seen.
+const BLIND_EDGE_GAINS: f64 = 4.0;
 /// Two touches must explain more than one odd finger by this many times what a new touch must explain.
 const ODD_GAINS: f64 = 0.1;
 /// Two touches closer than this, mm, may be one odd finger.
@@ -235,7 +238,7 @@ impl Locator {
         }
         let is_better = self.justifies_touch(least_gain)
             && !self.is_odd_finger(noise)
-            && !self.is_loose_contact(noise);
+            && !self.is_loose_contact(least_gain, noise);
         if is_better {
             std::mem::swap(&mut self.fit, &mut self.best);
         }
@@ -243,14 +246,18 @@ impl Locator {
     }
 
     /// Whether a touch at the edge is rather an electrode whose contact changes.
-    fn is_loose_contact(&self, noise: f64) -> bool {
+    fn is_loose_contact(&self, least_gain: f64, noise: f64) -> bool {
         let at_edge = self
             .best
             .touches
             .iter()
             .any(|touch| self.depth_mm(touch.centre_mm) < LEAST_DEPTH_MM);
         let fair = self.inside() * noise + self.model_error();
-        at_edge && energy(&self.best.residual) > EDGE_REST * fair
+        let is_blind = self.model.metric.counted() < self.model.table.channels();
+        let gain = self.fit.cost - self.best.cost;
+        at_edge
+            && (energy(&self.best.residual) > EDGE_REST * fair
+                || is_blind && gain < BLIND_EDGE_GAINS * least_gain)
     }
 
     /// Whether the two nearest touches of the best trial are rather one finger of odd shape.
