@@ -70,7 +70,7 @@ impl Orbits {
         }
     }
 
-    /// Every place by itself: tables of the first version.
+    /// No place follows from another: tables of the first version.
     pub(super) fn none(places: &Places, channels: usize) -> Self {
         Self {
             symmetries: vec![Symmetry {
