@@ -45,6 +45,20 @@ fn export<'a>(to: &'a str, format: &'a str) -> [&'a str; 6] {
     ["export", "version-1.mcap", "--format", format, "-o", to]
 }
 
+/// Plays `touches.txt` of the folder; the recording's name follows.
+const PLAY_AND_RECORD: [&str; 10] = [
+    "play",
+    "./strip.toml",
+    "--pad",
+    "./strip-pad.toml",
+    "--source",
+    "simulated:touches.txt",
+    "--output",
+    "trace",
+    "--headless",
+    "--record",
+];
+
 #[test]
 fn the_input_is_never_overwritten() {
     let folder = folder();
@@ -161,19 +175,8 @@ fn a_recording_replaces_no_file_without_force() {
         "t:100 down 1 10 10\nt:200 up 1\n",
     )
     .expect("written");
-    let play = [
-        "play",
-        "./strip.toml",
-        "--pad",
-        "./strip-pad.toml",
-        "--source",
-        "simulated:touches.txt",
-        "--output",
-        "trace",
-        "--headless",
-        "--record",
-    ];
-    let record = |to: &[&'static str], code| ends(folder, &[&play[..], to].concat(), code);
+    let record =
+        |to: &[&'static str], code| ends(folder, &[&PLAY_AND_RECORD[..], to].concat(), code);
     fs::write(folder.join("s.mcap"), "precious").expect("written");
     let output = record(&["s.mcap"], 1);
     assert!(said(&output).contains("--force"), "{}", said(&output));
@@ -190,7 +193,7 @@ fn a_recording_replaces_no_file_without_force() {
     ends(folder, &itself, 0);
     // While another gelpad records, even --force is refused.
     fs::write(folder.join("long.txt"), "t:100 down 1 10 10\nt:60000 end\n").expect("written");
-    let long = play.map(|word| match word {
+    let long = PLAY_AND_RECORD.map(|word| match word {
         "simulated:touches.txt" => "simulated:long.txt",
         word => word,
     });
@@ -227,20 +230,12 @@ fn a_slim_recording_names_matrix_and_table_and_replays_exactly_here() {
         "t:300 down 1 80 6\nt:450 up 1\n",
     )
     .expect("written");
-    let play = [
-        "play",
-        "./strip.toml",
-        "--pad",
-        "./strip-pad.toml",
-        "--source",
-        "simulated:touches.txt",
-        "--output",
-        "trace",
-        "--headless",
-        "--record",
-    ];
-    ends(folder, &[&play[..], &["whole.mcap"]].concat(), 0);
-    ends(folder, &[&play[..], &["slim.mcap", "--slim"]].concat(), 0);
+    ends(folder, &[&PLAY_AND_RECORD[..], &["whole.mcap"]].concat(), 0);
+    ends(
+        folder,
+        &[&PLAY_AND_RECORD[..], &["slim.mcap", "--slim"]].concat(),
+        0,
+    );
     let length = |name| fs::metadata(folder.join(name)).expect("there").len();
     let (whole, slim) = (length("whole.mcap"), length("slim.mcap"));
     assert!(slim * 4 < whole, "{slim} of {whole} bytes");

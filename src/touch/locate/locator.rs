@@ -277,7 +277,7 @@ impl Locator {
                     let place_mm = fit.touches[index].centre_mm;
                     if is_fused
                         && nearest(motions, place_mm)
-                            .is_some_and(|which| motions[which].outlives_weak_frame())
+                            .is_some_and(|which| motions[which].survives_weak_frame())
                     {
                         break;
                     }

@@ -101,8 +101,9 @@ impl Motion {
         self.was_weak = stay_ratio < 1.0;
     }
 
-    /// Whether the touch outlives one frame that explains too little: noise alone hides a faint touch now and then.
-    pub(super) fn outlives_weak_frame(&self) -> bool {
+    /// Whether the touch is kept although it explains too little of this frame: it is faint, noise hides a faint touch in some
+    /// frames, and the last frame showed it.
+    pub(super) fn survives_weak_frame(&self) -> bool {
         self.evidence < FAINT && !self.was_weak
     }
 

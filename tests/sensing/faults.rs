@@ -1,0 +1,137 @@
+//! Electrodes that fail and a board that hangs.
+
+use gelpad::types::{Frame, Phase};
+
+use crate::bench::{Bench, FRAME_NS, finger, wild};
+
+#[test]
+fn an_electrode_that_is_off_at_the_start_is_excluded_and_reported() {
+    let mut bench = Bench::located(60.0, 1);
+    bench.board(
+        7,
+        |uses, channel, volt, frame| if uses { wild(channel, frame) } else { volt },
+    );
+    assert_eq!(bench.play(&[], 50), (0, 0));
+    assert_eq!(bench.detector.lost_electrodes(), [7]);
+    assert_eq!(bench.play(&[finger([60.0, 60.0], 7.0, 1.0)], 20), (1, 0));
+    let [x, y] = bench.down()[0].contact.centre_mm;
+    assert!((x - 60.0).hypot(y - 60.0) < 1.5, "({x:.1}, {y:.1})");
+}
+
+#[test]
+fn a_loose_electrode_is_excluded_during_a_touch_and_recovers() {
+    for electrode in [0, 5, 10, 15] {
+        let mut bench = Bench::located(60.0, 2);
+        assert_eq!(bench.play(&[], 100), (0, 0));
+        let held = finger([35.0, 45.0], 7.0, 1.0);
+        assert_eq!(bench.play(&[held], 50), (1, 0));
+        bench.board(
+            electrode,
+            |uses, channel, volt, frame| {
+                if uses { wild(channel, frame) } else { volt }
+            },
+        );
+        assert_eq!(
+            bench.play(&[held], 100),
+            (0, 0),
+            "electrode {electrode}: play goes on"
+        );
+        assert_eq!(bench.detector.lost_electrodes(), [electrode]);
+        bench.board = Box::new(|_, volt, _| volt);
+        assert_eq!(bench.play(&[held], 100), (0, 0));
+        assert!(
+            bench.detector.lost_electrodes().is_empty(),
+            "electrode {electrode} recovered"
+        );
+        assert_eq!(bench.play(&[], 100), (0, 1));
+    }
+}
+
+#[test]
+fn a_pad_without_a_table_excludes_a_lost_electrode_and_takes_it_back() {
+    let mut bench = Bench::without_table(60.0, 2);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    let held = finger([35.0, 45.0], 7.0, 1.0);
+    assert_eq!(bench.play(&[held], 50), (1, 0));
+    bench.board(
+        5,
+        |uses, channel, volt, frame| if uses { wild(channel, frame) } else { volt },
+    );
+    assert_eq!(bench.play(&[held], 100), (0, 0), "play goes on");
+    assert_eq!(bench.detector.lost_electrodes(), [5]);
+    assert_eq!(bench.play(&[], 50), (0, 1));
+    bench.board = Box::new(|_, volt, _| volt);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    assert!(bench.detector.lost_electrodes().is_empty(), "recovered");
+    assert_eq!(bench.play(&[held], 50), (1, 0));
+}
+
+#[test]
+fn a_noisy_electrode_makes_no_touch() {
+    let mut bench = Bench::located(60.0, 2);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    // Thirty times the noise of the others.
+    bench.board(4, |uses, channel, volt, frame| {
+        volt * if uses {
+            1.0 + 0.05 * wild(channel, frame)
+        } else {
+            1.0
+        }
+    });
+    assert_eq!(bench.play(&[], 1000), (0, 0));
+    assert_eq!(bench.play(&[finger([60.0, 30.0], 7.0, 1.0)], 50), (1, 0));
+    assert_eq!(bench.play(&[], 50), (0, 1));
+}
+
+#[test]
+fn a_short_between_neighbours_makes_no_touch_and_play_goes_on() {
+    let mut bench = Bench::located(60.0, 2);
+    assert_eq!(bench.play(&[], 100), (0, 0));
+    let protocol = bench.pad.protocol.clone();
+    // Drives and measurements between 8 and 9 read almost zero.
+    bench.board = Box::new(move |channel, volt, _| {
+        let pairs = [
+            protocol.channels[channel].drive,
+            protocol.channels[channel].measure,
+        ];
+        if pairs.iter().any(|pair| [pair.0, pair.1] == [8, 9]) {
+            1e-4 * volt
+        } else {
+            volt
+        }
+    });
+    assert_eq!(bench.play(&[], 300), (0, 0));
+    let lost = bench.detector.lost_electrodes();
+    assert!(
+        !lost.is_empty() && lost.iter().all(|e| [8, 9].contains(e)),
+        "{lost:?}"
+    );
+    assert_eq!(bench.play(&[finger([30.0, 50.0], 7.0, 1.0)], 50), (1, 0));
+}
+
+#[test]
+fn a_board_that_repeats_one_frame_holds_no_touch() {
+    let mut bench = Bench::located(60.0, 8);
+    bench.play(&[], 200);
+    let press = [finger([40.0, 60.0], 7.0, 1.2)];
+    assert_eq!(bench.play(&press, 30), (1, 0));
+    // It hangs: the noise of one frame comes again and again.
+    let volts = bench.simulated.volts(&press).expect("solvable");
+    let volts = bench.noise.read(&volts);
+    let mut changed = Vec::new();
+    for _ in 0..27 {
+        let t_ns = bench.frame * FRAME_NS;
+        let frame = Frame {
+            t_ns,
+            volts: volts.clone(),
+        };
+        bench.detector.process_frame(&frame, &mut changed);
+        bench.frame += 1;
+    }
+    assert!(changed.iter().any(|touch| touch.phase == Phase::Up));
+    assert!(bench.down().is_empty(), "released within 270 ms");
+    assert_eq!(bench.detector.hangs(), 1);
+    // It wakes: the finger is still there, then lifts.
+    assert_eq!(bench.play(&press, 20), (1, 0));
+    assert_eq!(bench.play(&[], 50), (0, 1));
+}
