@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::gesture::Gestures;
-use crate::pad::Pad;
+use crate::pad::{Numbering, Pad};
 use crate::profile::Profile;
 use crate::touch::{ChannelNoise, Correction, Detector, FrameTouches, Sensing};
 use crate::types::{Control, Event, Frame, Nanos, Output, Touch};
@@ -201,6 +201,13 @@ impl Engine {
     #[must_use]
     pub fn hangs(&self) -> u64 {
         self.detector.hangs()
+    }
+
+    /// From where the board counts the electrodes, relative to the start, and how often that changed: it was plugged in again,
+    /// turned or mirrored.
+    #[must_use]
+    pub fn board_numbering(&self) -> (Numbering, u64) {
+        self.detector.board_numbering()
     }
 
     /// Number of frames lost before they reached the engine.

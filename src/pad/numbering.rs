@@ -4,6 +4,8 @@
 //! then its electrode 0 is elsewhere, or its numbers run clockwise. Reciprocity holds either way, so the voltages at rest of
 //! a symmetric pad do not show it; presses do (`calibrate::orientation`).
 
+use std::fmt;
+
 use super::{Channel, Pair, Protocol};
 
 /// Direction in which electrodes are numbered, seen from above.
@@ -65,6 +67,18 @@ impl Numbering {
                 Direction::Clockwise
             },
         }
+    }
+}
+
+impl fmt::Display for Numbering {
+    /// For people, who count electrodes from 1: `from electrode 5, clockwise`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "from electrode {}, {}",
+            self.first + 1,
+            self.direction.name()
+        )
     }
 }
 
@@ -137,14 +151,26 @@ impl Renumbered {
     /// # Panics
     /// If the frame has another number of readings than the protocol.
     #[must_use]
-    pub fn apply(&self, volts: &[f32]) -> Vec<f32> {
-        self.board_indices
-            .iter()
-            .map(|(index, flipped)| {
-                let volt = volts[*index];
-                if *flipped { -volt } else { volt }
-            })
-            .collect()
+    pub fn apply<V: Copy + std::ops::Neg<Output = V>>(&self, volts: &[V]) -> Vec<V> {
+        let mut placed = Vec::with_capacity(volts.len());
+        self.apply_into(volts, &mut placed);
+        placed
+    }
+
+    /// Like [`Renumbered::apply`], but reuses a vector.
+    ///
+    /// # Panics
+    /// See [`Renumbered::apply`].
+    pub fn apply_into<V: Copy + std::ops::Neg<Output = V>>(
+        &self,
+        volts: &[V],
+        placed: &mut Vec<V>,
+    ) {
+        placed.clear();
+        placed.extend(self.board_indices.iter().map(|(index, flipped)| {
+            let volt = volts[*index];
+            if *flipped { -volt } else { volt }
+        }));
     }
 
     /// For each reading of the pad, the index of the board's reading: for values without sign, such as relative changes.

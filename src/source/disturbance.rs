@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::pad::{Channel, Protocol};
+use crate::pad::{Channel, Direction, Numbering, Protocol, Renumbered};
 
 /// Full scale of the converter, as a multiple of the largest reading of the untouched pad.
 const ADC_HEADROOM: f64 = 1.25;
@@ -22,6 +22,8 @@ const SPIKE_SHARE: f64 = 0.01;
 const MAINS_HZ: f64 = 50.07;
 /// Octaves of the flicker noise: components with time constants of 1, 4, 16, ... frames.
 const FLICKER_OCTAVES: usize = 6;
+/// What an unplugged board reads, as a share of full scale.
+const OPEN_NOISE: f64 = 1e-4;
 /// When a gain step, a bad frame or a repeated stretch happens, seconds after the first frame.
 const EVENT_S: f64 = 3.0;
 
@@ -60,6 +62,12 @@ pub enum Disturbance {
     LostPair,
     /// `stuck-frame`: from three seconds after the start the board repeats one frame.
     StuckFrame,
+    /// `unplugged:SECONDS`: three seconds after the start the pad is unplugged for a while: the board reads its own noise.
+    Unplugged(f64),
+    /// `turned:PLACES`: from three seconds after the start the board's electrode 0 is at another place.
+    Turned(usize),
+    /// `mirrored:PLACES`: the same, and its numbers run clockwise.
+    Mirrored(usize),
 }
 
 /// Values are never NaN: reading one refuses it.
@@ -90,6 +98,9 @@ pub const DISTURBANCE_NAMES: &[&str] = &[
     "gain-step:SHARE",
     "lost-pair",
     "stuck-frame",
+    "unplugged:SECONDS",
+    "turned:PLACES",
+    "mirrored:PLACES",
 ];
 
 impl FromStr for Disturbance {
@@ -136,6 +147,9 @@ impl FromStr for Disturbance {
             "gain-step" => Self::GainStep(number(0.2)?),
             "lost-pair" => Self::LostPair,
             "stuck-frame" => Self::StuckFrame,
+            "unplugged" => Self::Unplugged(number(1.0)?),
+            "turned" => Self::Turned(count(4, 0, 1000)? as usize),
+            "mirrored" => Self::Mirrored(count(0, 0, 1000)? as usize),
             _ => return Err(wrong()),
         })
     }
@@ -160,7 +174,25 @@ impl fmt::Display for Disturbance {
             Self::GainStep(share) => write!(f, "gain-step:{share}"),
             Self::LostPair => write!(f, "lost-pair"),
             Self::StuckFrame => write!(f, "stuck-frame"),
+            Self::Unplugged(seconds) => write!(f, "unplugged:{seconds}"),
+            Self::Turned(places) => write!(f, "turned:{places}"),
+            Self::Mirrored(places) => write!(f, "mirrored:{places}"),
         }
+    }
+}
+
+impl Disturbance {
+    /// The numbering with which the board is plugged in again, on a pad of so many electrodes.
+    fn numbering(self, electrodes: usize) -> Option<Numbering> {
+        let (places, direction) = match self {
+            Self::Turned(places) => (places, Direction::CounterClockwise),
+            Self::Mirrored(places) => (places, Direction::Clockwise),
+            _ => return None,
+        };
+        Some(Numbering {
+            first: places % electrodes,
+            direction,
+        })
     }
 }
 
@@ -172,6 +204,8 @@ pub struct Disturber {
     full_scale: f64,
     /// Drive of each channel.
     drives: Vec<u16>,
+    /// The board's numbering after it was plugged in again.
+    replugged: Option<Renumbered>,
     /// Of each channel, whether it uses one of the electrodes that `lost-pair` hits.
     is_lost: Vec<bool>,
     /// The channel that `noisy-channel` and `dead-channel` hit.
@@ -203,6 +237,10 @@ impl Disturber {
             disturbances: disturbances.to_vec(),
             full_scale: ADC_HEADROOM * largest,
             drives: protocol.drives(),
+            replugged: disturbances
+                .iter()
+                .find_map(|disturbance| disturbance.numbering(protocol.electrodes))
+                .and_then(|numbering| Renumbered::new(protocol, numbering)),
             is_lost: protocol.channels.iter().map(is_lost).collect(),
             victim,
             flicker: vec![[0.0; FLICKER_OCTAVES]; rest.len()],
@@ -277,12 +315,25 @@ impl Disturber {
                 }
                 volts.copy_from_slice(&self.repeated);
             }
+            Disturbance::Unplugged(seconds) if (EVENT_S..EVENT_S + seconds).contains(&t_s) => {
+                for volt in volts {
+                    *volt = OPEN_NOISE * self.full_scale * self.normal();
+                }
+            }
+            Disturbance::Turned(_) | Disturbance::Mirrored(_) if t_s >= EVENT_S => {
+                if let Some(order) = &self.replugged {
+                    volts.copy_from_slice(&order.apply(volts));
+                }
+            }
             Disturbance::BadStart(_)
             | Disturbance::GarbageStart
             | Disturbance::BadFrame(_)
             | Disturbance::GainStep(_)
             | Disturbance::LostPair
-            | Disturbance::StuckFrame => {}
+            | Disturbance::StuckFrame
+            | Disturbance::Unplugged(_)
+            | Disturbance::Turned(_)
+            | Disturbance::Mirrored(_) => {}
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Nanos;
 
 /// The measured voltages of one frame, as `f32` from decoder to recording: boards send no more.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Time stamp of the device.
     pub t_ns: Nanos,

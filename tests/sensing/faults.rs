@@ -1,5 +1,7 @@
-//! Electrodes that fail and a board that hangs.
+//! Electrodes that fail, a board that hangs, and one that is plugged in another way.
 
+use gelpad::eit::Press;
+use gelpad::pad::{Direction, Numbering, Renumbered};
 use gelpad::types::{Frame, Phase};
 
 use crate::bench::{Bench, FRAME_NS, finger, wild};
@@ -134,4 +136,60 @@ fn a_board_that_repeats_one_frame_holds_no_touch() {
     // It wakes: the finger is still there, then lifts.
     assert_eq!(bench.play(&press, 20), (1, 0));
     assert_eq!(bench.play(&[], 50), (0, 1));
+}
+
+/// Plays frames of a pad that differs from its drawing by up to 2 % a reading, sent by a board with another numbering.
+fn play_turned(bench: &mut Bench, numbering: Numbering, press: &[Press], frames: u64) -> usize {
+    let order = Renumbered::new(&bench.pad.protocol, numbering).expect("a symmetric protocol");
+    let mut changed = Vec::new();
+    for _ in 0..frames {
+        let mut volts = bench.simulated.volts(press).expect("solvable");
+        for (channel, volt) in volts.iter_mut().enumerate() {
+            *volt *= 1.0 + 0.02 * (channel as f64 * 1.7).sin();
+        }
+        let frame = Frame {
+            t_ns: bench.frame * FRAME_NS,
+            volts: order.apply(&bench.noise.read(&volts)),
+        };
+        bench.detector.process_frame(&frame, &mut changed);
+        bench.frame += 1;
+    }
+    let downs = changed.iter().filter(|touch| touch.phase == Phase::Down);
+    downs.count()
+}
+
+#[test]
+fn a_board_that_is_plugged_in_turned_or_mirrored_is_recognised() {
+    let press = [finger([30.0, 60.0], 7.0, 1.2)];
+    let mut bench = Bench::located(60.0, 9);
+    play_turned(&mut bench, Numbering::default(), &[], 100);
+    let numberings = [
+        (4, Direction::CounterClockwise),
+        (0, Direction::Clockwise),
+        (7, Direction::CounterClockwise),
+        (0, Direction::CounterClockwise),
+    ];
+    for (changes, (first, direction)) in numberings.into_iter().enumerate() {
+        let numbering = Numbering { first, direction };
+        assert_eq!(
+            play_turned(&mut bench, numbering, &[], 20),
+            0,
+            "{numbering}"
+        );
+        assert_eq!(bench.detector.board_numbering().1, changes as u64 + 1);
+        // Play goes on at the places of the pad.
+        assert_eq!(
+            play_turned(&mut bench, numbering, &press, 10),
+            1,
+            "{numbering}"
+        );
+        let [x, y] = bench.down()[0].contact.centre_mm;
+        assert!(
+            (x - 30.0).hypot(y - 60.0) < 1.0,
+            "{numbering}: ({x:.1}, {y:.1})"
+        );
+        play_turned(&mut bench, numbering, &[], 30);
+        assert!(bench.down().is_empty(), "{numbering}");
+    }
+    assert_eq!(bench.detector.board_numbering().0, Numbering::default());
 }

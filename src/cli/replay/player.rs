@@ -20,6 +20,8 @@ pub(super) struct EnginePlayer<'a> {
     last_ns: u64,
     frames: usize,
     controls: usize,
+    /// How often it was reported that the board was plugged in another way.
+    renumberings: u64,
 }
 
 impl<'a> EnginePlayer<'a> {
@@ -32,6 +34,7 @@ impl<'a> EnginePlayer<'a> {
             last_ns: 0,
             frames: 0,
             controls: 0,
+            renumberings: 0,
         }
     }
 
@@ -60,6 +63,7 @@ impl<'a> EnginePlayer<'a> {
         if let Input::Frame(frame) = input {
             self.sink
                 .print_touches(frame.t_ns, self.engine.touches().down)?;
+            self.report_numbering();
         }
         self.sink.send_events(&self.events)?;
         if let Some(builder) = &self.builder
@@ -69,6 +73,17 @@ impl<'a> EnginePlayer<'a> {
             self.engine.input(&Input::Matrix(sensing), &mut self.events);
         }
         Ok(())
+    }
+
+    fn report_numbering(&mut self) {
+        let (numbering, renumberings) = self.engine.board_numbering();
+        if renumberings > self.renumberings {
+            self.renumberings = renumberings;
+            tracing::warn!(
+                "at {:.2} s the board was plugged in another way: it now counts {numbering}; touches stay in the pad's places",
+                self.last_ns as f64 * 1e-9
+            );
+        }
     }
 
     /// Releases everything that is held.

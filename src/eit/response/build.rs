@@ -24,8 +24,11 @@ const SOLVED: usize = RADII - 2;
 const SAMPLES: usize = SOLVED * SIGNS * POWERS;
 /// Dimensions with less than this share of the responses' energy are left out: 90 dB below the total.
 const LEAST_SHARE: f64 = 1e-9;
-/// Largest rank of a table.
-const MOST_DIMENSIONS: usize = 72;
+/// A table has up to this many dimensions, ...
+const USUAL_DIMENSIONS: usize = 72;
+/// ... and more while those left out hold more than this share of the energy: a square pad of 16 electrodes needs 72, of 32
+/// 168. With 72 of those 168, a quarter of the response of the large readings was missing.
+const LARGEST_REST: f64 = 4e-6;
 
 /// Solves the table of one pad.
 #[derive(Clone, Debug)]
@@ -184,12 +187,8 @@ impl ResponseBuilder {
         };
         let values = eigen.S().column_vector();
         // Eigenvalues ascend: the strongest come last.
-        let rank = (0..self.channels)
-            .rev()
-            .take(MOST_DIMENSIONS)
-            .take_while(|index| values[*index] > LEAST_SHARE * total)
-            .count()
-            .next_multiple_of(LANES);
+        let strongest_first = (0..self.channels).rev().map(|index| values[index]);
+        let rank = needed_dimensions(strongest_first, total).next_multiple_of(LANES);
         // A protocol of few channels spans few dimensions: the rest of the rank is zero.
         Mat::from_fn(self.channels, rank, |channel, dimension| {
             match self.channels.checked_sub(dimension + 1) {
@@ -198,6 +197,19 @@ impl ResponseBuilder {
             }
         })
     }
+}
+
+/// How many dimensions a table keeps, given the energy in each, strongest first, and their sum.
+fn needed_dimensions(energies: impl Iterator<Item = f64>, total: f64) -> usize {
+    let mut rest = total;
+    energies
+        .enumerate()
+        .take_while(|(before, energy)| {
+            let is_needed = *before < USUAL_DIMENSIONS || rest > LARGEST_REST * total;
+            rest -= energy;
+            is_needed && *energy > LEAST_SHARE * total
+        })
+        .count()
 }
 
 /// Appends the terms of all radii at a place: those solved (rank x powers each) and the two beyond them.
@@ -231,4 +243,26 @@ fn powers_through_strengths() -> Mat<f64> {
     design
         .partial_piv_lu()
         .solve(Mat::<f64>::identity(POWERS, POWERS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many dimensions are kept if each holds `share` of the energy of the one before.
+    fn needed(share: f64) -> usize {
+        let energies: Vec<f64> = (0..464).map(|i| libm::pow(share, f64::from(i))).collect();
+        needed_dimensions(energies.iter().copied(), energies.iter().sum())
+    }
+
+    #[test]
+    fn tables_of_many_electrodes_keep_more_dimensions() {
+        assert_eq!(needed(0.5), 29, "weaker ones are below 90 dB");
+        assert_eq!(needed(0.8), USUAL_DIMENSIONS);
+        assert_eq!(
+            needed(0.9),
+            118,
+            "0.9^118 is the first below the largest rest"
+        );
+    }
 }

@@ -60,6 +60,7 @@ pub(in crate::runtime) struct EngineThread {
     logged_retakes: u64,
     /// Times the board had hung that were logged.
     logged_hangs: u64,
+    logged_renumberings: u64,
     /// Steps from one frame to the next, and their time, without the time in which the board was away.
     steps: u64,
     played_ns: Nanos,
@@ -92,6 +93,7 @@ impl EngineThread {
             is_silent: false,
             logged_retakes: 0,
             logged_hangs: 0,
+            logged_renumberings: 0,
             steps: 0,
             played_ns: 0,
             last_frame: None,
@@ -188,6 +190,13 @@ impl EngineThread {
             self.logged_retakes = retaken;
             tracing::warn!(
                 "the reference was taken again: a hand rested on the pad, or has left it"
+            );
+        }
+        let (numbering, renumbered) = self.engine.board_numbering();
+        if renumbered > self.logged_renumberings {
+            self.logged_renumberings = renumbered;
+            tracing::warn!(
+                "the board was plugged in another way: it now counts {numbering}; play goes on"
             );
         }
         let hangs = self.engine.hangs();

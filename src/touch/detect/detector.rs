@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::renumbered::BoardNumbering;
 use super::repeats::Repeats;
 use super::shift::GainShift;
 use super::sign::SignState;
@@ -66,6 +67,8 @@ pub struct Detector {
     pub(super) shift: GainShift,
     /// Frames that come again and again.
     pub(super) repeats: Repeats,
+    /// From where the board counts the electrodes.
+    pub(super) numbering: BoardNumbering,
     pub(super) sign: SignState,
     /// Time of the first reference.
     pub(super) first_ns: Nanos,
@@ -95,28 +98,16 @@ impl Detector {
     /// A detector that finds touches in images and does not monitor electrodes.
     #[must_use]
     pub fn new(reconstruction: Arc<Reconstruction>) -> Self {
-        Self::with_monitor(
-            Arc::new(Sensing::by_image(reconstruction)),
-            None,
-            Vec::new(),
-        )
+        Self::with_monitor(Arc::new(Sensing::by_image(reconstruction)), None)
     }
 
     /// A detector that also monitors the electrodes of a protocol.
     #[must_use]
     pub fn for_pad(sensing: Arc<Sensing>, protocol: &Protocol) -> Self {
-        Self::with_monitor(
-            sensing,
-            Some(ElectrodeMonitor::new(protocol)),
-            protocol.drives(),
-        )
+        Self::with_monitor(sensing, Some(protocol))
     }
 
-    fn with_monitor(
-        sensing: Arc<Sensing>,
-        electrodes: Option<ElectrodeMonitor>,
-        drives: Vec<u16>,
-    ) -> Self {
+    fn with_monitor(sensing: Arc<Sensing>, protocol: Option<&Protocol>) -> Self {
         let channels = sensing.channels();
         let reconstruction = &sensing.reconstruction;
         Self {
@@ -125,7 +116,7 @@ impl Detector {
             by_image: ImageLocator::new(reconstruction),
             correction: None,
             reference: Reference::new(channels),
-            electrodes,
+            electrodes: protocol.map(ElectrodeMonitor::new),
             tracker: Tracker::default(),
             changes: vec![0.0; channels],
             image_changes: vec![0.0; channels],
@@ -135,11 +126,12 @@ impl Detector {
             contacts: Vec::new(),
             uncorrected: Vec::new(),
             first_frames: FirstFrames::default(),
-            drives,
+            drives: protocol.map(Protocol::drives).unwrap_or_default(),
             noise_is_unknown: false,
             rebounds: Vec::new(),
             shift: GainShift::default(),
             repeats: Repeats::default(),
+            numbering: protocol.map(BoardNumbering::new).unwrap_or_default(),
             sign: SignState::new(&sensing),
             first_ns: 0,
             palm_ns: None,
@@ -190,6 +182,17 @@ impl Detector {
     /// # Panics
     /// If the frame has another number of voltages than the pad.
     pub fn process_frame(&mut self, frame: &Frame, changed: &mut Vec<Touch>) {
+        match self.numbering.place(frame) {
+            Some(placed) => {
+                self.process_placed(&placed, frame, changed);
+                self.numbering.give_back(placed);
+            }
+            None => self.process_placed(frame, frame, changed),
+        }
+    }
+
+    /// Processes a frame in the order of the pad; `raw` is in that of the board.
+    fn process_placed(&mut self, frame: &Frame, raw: &Frame, changed: &mut Vec<Touch>) {
         if self.is_hung(frame, changed) {
             return;
         }
@@ -201,7 +204,7 @@ impl Detector {
         self.reference.advance(frame.t_ns);
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
-        if self.is_shifted(frame, changed) {
+        if self.is_renumbered(raw, changed) || self.is_shifted(frame, changed) {
             return;
         }
         if let Some(locator) = &mut self.locator {
@@ -265,7 +268,6 @@ impl Detector {
             return;
         }
         let rest = locator.locate(frame.t_ns, noise, steady).rest;
-        self.follow_deformation(locator, frame);
         if self.is_contradicted(rest, changed) {
             return;
         }
@@ -274,6 +276,7 @@ impl Detector {
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
+        self.follow_deformation(locator, frame);
         self.explained_ns = frame.t_ns;
         locator.explain(&mut self.explained);
         self.contacts.clear();

@@ -10,6 +10,7 @@ mod detector;
 mod electrodes;
 mod palm;
 mod reference;
+mod renumbered;
 mod repeats;
 mod shift;
 mod sign;

@@ -62,6 +62,8 @@ pub enum Hand {
     Pair(f64),
     /// Several fingers at least 22 mm apart.
     Several(usize),
+    /// The same, after two minutes of such presses for 50 ms with rests of 50 ms.
+    SeveralAfterDrumming(usize),
     /// Any of the above, one after the other at random, rising or falling.
     Any {
         /// Whether they lower the conductivity.
@@ -183,7 +185,9 @@ impl Hand {
             Self::Radius(radius_mm) => finger(inner, scale * radius_mm, rise),
             Self::Rise(rise) => finger(inner, radius_mm, rise),
             Self::Pair(distance_mm) => fingers(draws.pair(distance_mm)?),
-            Self::Several(count) => fingers(draws.presses_apart(count, SEVERAL_APART_MM)?),
+            Self::Several(count) | Self::SeveralAfterDrumming(count) => {
+                fingers(draws.presses_apart(count, SEVERAL_APART_MM)?)
+            }
             Self::Any { falls } => {
                 let index = draws.between(0.0, KINDS.len() as f64) as usize;
                 let (centres, rising) =

@@ -17,6 +17,10 @@ const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
 const REST_FRAMES: usize = 400;
 /// Frames for which a finger lies on the pad from the start.
 const LYING_FRAMES: usize = 100;
+/// Presses while drumming: two minutes ...
+const DRUMMED: usize = 1200;
+/// ... of presses and rests of so many frames each.
+const DRUM_FRAMES: usize = 5;
 /// A touch that is still down so many frames after the last finger lifted is stuck.
 const STUCK_FRAMES: usize = 50;
 
@@ -135,6 +139,9 @@ pub(super) fn session(
     for _ in 0..resting {
         session.step(rest, &[])?;
     }
+    if let Hand::SeveralAfterDrumming(_) = condition.hand {
+        session.drum(rest, presses)?;
+    }
     for press in presses {
         session.press(press, rhythm.press_frames)?;
         for pause in 1..=rhythm.pause_frames {
@@ -153,6 +160,20 @@ pub(super) fn session(
 }
 
 impl Session<'_> {
+    /// Presses and rests in turn, fast, without scoring places.
+    fn drum(&mut self, rest: &[f64], presses: &[Press]) -> Result<(), StudyError> {
+        for press in presses.iter().cycle().take(DRUMMED) {
+            let stage = press.stage(0);
+            for _ in 0..DRUM_FRAMES {
+                self.step(&stage.volts, &stage.centres_mm)?;
+            }
+            for _ in 0..DRUM_FRAMES {
+                self.step(rest, &[])?;
+            }
+        }
+        Ok(())
+    }
+
     /// Plays one press and scores it.
     fn press(&mut self, press: &Press, frames: usize) -> Result<(), StudyError> {
         let count = press.stages[0].centres_mm.len();

@@ -1,0 +1,146 @@
+//! A board that was plugged in again, turned or mirrored: it numbers the electrodes from another place.
+//!
+//! The untouched readings show it: no pad is as symmetric as its drawing, so only one numbering makes them agree with the
+//! reference. The comparison is of medians, which a finger on the pad does not spoil. From then on frames are brought into the
+//! pad's order before anything else sees them, so the reference, the noise and the places of touches stay valid.
+//!
+//! Invariant: another numbering is taken only if it explains several frames in a row far better than the present one.
+
+use super::Detector;
+use crate::eit::Reference;
+use crate::pad::{Numbering, Protocol, Renumbered};
+use crate::types::{Frame, Touch};
+
+/// A frame is compared if its median change exceeds this many deviations of the noise.
+const LEAST_CHANGE: f64 = 4.0;
+/// Another numbering must leave less than this share of what the present one leaves, ...
+const BETTER: f64 = 0.25;
+/// ... for this many frames in a row.
+const FRAMES: usize = 3;
+
+/// The numberings that a board may have, and the present one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BoardNumbering {
+    orders: Vec<(Numbering, Renumbered)>,
+    /// Index of the present one. The first is that of the reference.
+    present: usize,
+    /// The numbering that explained the last frames, and how many.
+    suspect: Option<(usize, usize)>,
+    /// How often the board changed its numbering.
+    changes: u64,
+    /// The frame in the pad's order.
+    placed: Frame,
+    candidate: Vec<f32>,
+    ratios: Vec<f32>,
+}
+
+impl BoardNumbering {
+    /// All numberings with which a board can measure a protocol.
+    pub(super) fn new(protocol: &Protocol) -> Self {
+        let orders = Numbering::all(protocol.electrodes)
+            .filter_map(|numbering| Some((numbering, Renumbered::new(protocol, numbering)?)))
+            .collect();
+        Self {
+            orders,
+            ..Self::default()
+        }
+    }
+
+    /// Takes the buffer with the frame in the pad's order, unless the frame is in that order already.
+    pub(super) fn place(&mut self, frame: &Frame) -> Option<Frame> {
+        if self.present == 0 {
+            return None;
+        }
+        let mut placed = std::mem::take(&mut self.placed);
+        placed.t_ns = frame.t_ns;
+        self.orders[self.present]
+            .1
+            .apply_into(&frame.volts, &mut placed.volts);
+        Some(placed)
+    }
+
+    /// Returns the buffer.
+    pub(super) fn give_back(&mut self, placed: Frame) {
+        self.placed = placed;
+    }
+
+    /// The numbering that agrees best with the reference, if it leaves far less than the present one.
+    fn better(&mut self, volts: &[f32], reference: &Reference) -> Option<usize> {
+        let mut misfit_of = |order: &Renumbered| {
+            order.apply_into(volts, &mut self.candidate);
+            misfit(&self.candidate, reference, &mut self.ratios)
+        };
+        let present = misfit_of(&self.orders[self.present].1)?;
+        let others = self.orders.iter().enumerate();
+        let misfits = others.filter_map(|(index, (_, order))| Some((index, misfit_of(order)?)));
+        let (index, least) = misfits.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        (least < BETTER as f32 * present).then_some(index)
+    }
+}
+
+/// Median deviation of the readings from the reference, as a share, after their common gain. `None` if most are no numbers.
+fn misfit(volts: &[f32], reference: &Reference, ratios: &mut Vec<f32>) -> Option<f32> {
+    ratios.clear();
+    let used = (0..volts.len()).filter(|channel| !reference.is_muted(*channel));
+    ratios.extend(used.map(|channel| volts[channel] / reference.volts()[channel] as f32));
+    let gain = middle(ratios)?;
+    for ratio in ratios.iter_mut() {
+        *ratio = (*ratio / gain - 1.0).abs();
+    }
+    middle(ratios).filter(|misfit| misfit.is_finite())
+}
+
+/// The median; reorders the values.
+fn middle(values: &mut [f32]) -> Option<f32> {
+    let half = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(half, f32::total_cmp).1)
+}
+
+impl Detector {
+    /// Whether the frame must be skipped because the board seems to number its electrodes from another place. `raw` is the
+    /// frame as the board sent it. After a few such frames that numbering is the present one.
+    pub(super) fn is_renumbered(&mut self, raw: &Frame, changed: &mut Vec<Touch>) -> bool {
+        let is_possible = self.knows_both_signs() && self.tracker.down().is_empty();
+        if !is_possible || !self.is_changed_as_a_whole() {
+            self.numbering.suspect = None;
+            return false;
+        }
+        let Some(index) = self.numbering.better(&raw.volts, &self.reference) else {
+            self.numbering.suspect = None;
+            return false;
+        };
+        let frames = match self.numbering.suspect {
+            Some((suspect, frames)) if suspect == index => frames + 1,
+            _ => 1,
+        };
+        self.numbering.suspect = Some((index, frames));
+        if frames == FRAMES {
+            self.lift_all(changed);
+            self.numbering.suspect = None;
+            self.numbering.present = index;
+            self.numbering.changes += 1;
+        }
+        true
+    }
+
+    /// Whether half of the readings changed by more than noise.
+    fn is_changed_as_a_whole(&mut self) -> bool {
+        let ratios = &mut self.numbering.ratios;
+        ratios.clear();
+        let used = (0..self.changes.len()).filter(|channel| !self.reference.is_muted(*channel));
+        ratios.extend(used.map(|channel| self.changes[channel].abs()));
+        let limit = LEAST_CHANGE * self.reference.change_noise();
+        middle(ratios).is_some_and(|median| f64::from(median) > limit)
+    }
+
+    /// The place of the board's electrode 0 and its direction, relative to those of the start, and how often they changed.
+    #[must_use]
+    pub fn board_numbering(&self) -> (Numbering, u64) {
+        let numbering = &self.numbering;
+        let present = numbering.orders.get(numbering.present);
+        (
+            present.map_or_else(Numbering::default, |(numbering, _)| *numbering),
+            numbering.changes,
+        )
+    }
+}
