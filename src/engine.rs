@@ -8,14 +8,16 @@ use std::sync::Arc;
 use crate::gesture::Gestures;
 use crate::pad::{Numbering, Pad};
 use crate::profile::Profile;
-use crate::touch::{ChannelNoise, Correction, Detector, FrameTouches, Sensing};
-use crate::types::{Control, Event, Frame, Nanos, Output, Touch};
+use crate::touch::{ChannelNoise, Correction, Detector, FrameTouches, Scan, Sensing};
+use crate::types::{Control, Event, Frame, Nanos, Output, Part, Touch};
 
 /// An input of the engine.
 #[derive(Clone, Debug)]
 pub enum Input {
     /// A frame with one voltage per channel of the pad.
     Frame(Frame),
+    /// Readings of a frame that is still being read.
+    Part(Part),
     /// The state of gamepads and switches: a source without image.
     Control(Control),
     /// A time returned by [`Engine::next_due`] has come.
@@ -58,6 +60,7 @@ pub enum Input {
 #[derive(Clone, Debug)]
 pub struct Engine {
     detector: Detector,
+    scan: Scan,
     gestures: Gestures,
     changed: Vec<Touch>,
     lost_frames: u64,
@@ -74,6 +77,7 @@ impl Engine {
         let pad_mm = pad.outline.size_mm();
         Self {
             detector: Detector::for_pad(sensing, &pad.protocol),
+            scan: Scan::default(),
             gestures: Gestures::new(profile, pad_mm),
             changed: Vec::new(),
             lost_frames: 0,
@@ -113,6 +117,12 @@ impl Engine {
                 placed();
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }
+            Input::Part(part) => {
+                self.scan
+                    .process_part(&mut self.detector, part, &mut self.changed);
+                placed();
+                self.gestures.touches(part.t_ns, &self.changed, events);
+            }
             Input::Control(control) => self.gestures.control(control, events),
             Input::Tick { due_ns } => self.gestures.tick(*due_ns, events),
             Input::Profile { t_ns, profile } => {
@@ -126,12 +136,14 @@ impl Engine {
             Input::Matrix(sensing) => self.detector.set_sensing(Arc::clone(sensing)),
             Input::Rezero { t_ns } => {
                 self.detector.rezero(&mut self.changed);
+                self.scan.reset();
                 self.gestures.tick(*t_ns, events);
                 self.gestures.touches(*t_ns, &self.changed, events);
             }
             Input::Lost { frames } => self.lost_frames += frames,
             Input::End { t_ns } => {
                 self.detector.lift_all(&mut self.changed);
+                self.scan.reset();
                 self.gestures.tick(*t_ns, events);
                 self.gestures.release_all(*t_ns, events);
             }

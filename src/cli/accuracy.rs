@@ -10,6 +10,7 @@ use super::exit::Ending;
 use super::progress::{case_bar, case_progress, solve_pad};
 use crate::app::pads::load_pad;
 use crate::study::accuracy::real::{Extent, conditions, own_conditions};
+use crate::study::accuracy::scan::ScanExtent;
 use crate::study::accuracy::{Accuracy, AccuracySettings};
 use crate::study::job;
 
@@ -30,6 +31,18 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     };
     let study = Accuracy::new(settings, sensing)?;
     let bar = case_bar();
+    if args.scan {
+        let extent = if args.quick {
+            ScanExtent::QUICK
+        } else {
+            ScanExtent::FULL
+        };
+        let findings = study.play_scans(extent, case_progress(&bar))?;
+        bar.finish_and_clear();
+        job::write_whole(&args.out, "scan.json", findings.json()?.as_bytes())?;
+        write!(std::io::stdout().lock(), "{}", findings.table())?;
+        return Ok(Ending::Done);
+    }
     if args.real {
         let conditions = if args.disturb.is_empty() {
             let mut shipped = conditions();

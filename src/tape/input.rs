@@ -12,6 +12,7 @@ use crate::types::Nanos;
 pub fn message_from_input(input: &Input) -> Option<Message> {
     Some(match input {
         Input::Frame(frame) => Message::Frames(vec![frame.clone()]),
+        Input::Part(_) => return None,
         Input::Control(control) => Message::Control(*control),
         Input::Tick { due_ns } => Message::Tick(TimeOnly { t_ns: *due_ns }),
         Input::Profile { t_ns, profile } => Message::Profile(profile_texts(profile, *t_ns)),

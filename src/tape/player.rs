@@ -126,6 +126,7 @@ impl<R: Read + Seek> RecordingPlayer<R> {
 fn time_of(input: &Input) -> Option<Nanos> {
     match input {
         Input::Frame(frame) => Some(frame.t_ns),
+        Input::Part(part) => Some(part.t_ns),
         Input::Control(control) => Some(control.t_ns),
         Input::Tick { due_ns: t_ns }
         | Input::Profile { t_ns, .. }

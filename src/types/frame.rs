@@ -10,3 +10,14 @@ pub struct Frame {
     /// One voltage per channel, in the pad's measurement order, in any unit: only relative changes are used.
     pub volts: Vec<f32>,
 }
+
+/// Some readings of a frame that were taken at one moment: those of a drive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// When they were taken.
+    pub t_ns: Nanos,
+    /// The channel of the first of them. The part that holds the pad's last channel ends a frame.
+    pub first: usize,
+    /// Consecutive readings, in the pad's measurement order.
+    pub volts: Vec<f32>,
+}

@@ -55,6 +55,9 @@ pub(in crate::cli) struct ReplayArgs {
     /// End at this time, s
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub to: Option<f64>,
+    /// Frames from a file were read drive by drive, over the time that ends at their t_ms: touches are looked for part by part
+    #[arg(long)]
+    pub scan: bool,
     /// Replay in real time instead of as fast as possible
     #[arg(long)]
     pub realtime: bool,

@@ -41,12 +41,16 @@ pub(in crate::cli) struct AccuracyArgs {
     /// Play the conditions of real boards, pads and hands, and print what is missed, false and off
     #[arg(long)]
     pub real: bool,
+    /// Play presses on a pad whose drives are read one after another, frame by frame and part by part
+    #[arg(long, conflicts_with = "real")]
+    pub scan: bool,
     /// With --real: only conditions whose name contains TEXT
     #[arg(long, value_name = "TEXT", default_value = "", requires = "real")]
     pub only: String,
     /// With --real: one condition of your own, such as adc:12,gain:60. Names: adc:BITS, gain:DB, drive:DB, flicker:DB,
     /// noisy-channel:SHARE, dead-channel, mains:SHARE, spikes:SIGMA, surge:SHARE, bad-start:FACTOR, garbage-start,
-    /// bad-frame:FACTOR, repeated-start:FRAMES, gain-step:SHARE, stuck-frame
+    /// bad-frame:FACTOR, repeated-start:FRAMES, gain-step:SHARE, lost-pair, stuck-frame, unplugged:SECONDS, turned:PLACES,
+    /// mirrored:PLACES
     #[arg(
         long,
         value_name = "NAME[:VALUE],...",

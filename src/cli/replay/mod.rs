@@ -26,7 +26,7 @@ use crate::files;
 use crate::pad::DEFAULT_PAD;
 use crate::profile::DEFAULT_PROFILE;
 use crate::session::ReadError;
-use crate::source::{SourceReading, open_file};
+use crate::source::{PartSplitter, SourceReading, open_file};
 use crate::tape::{PlayerError, RecordedItem};
 use overrides::{ReplayOverrides, load_correction, load_profile_and_warn};
 use player::EnginePlayer;
@@ -39,6 +39,11 @@ pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
     }
     let mut sink = Sink::new(args)?;
     let mut played = if is_recording(&args.file)? {
+        anyhow::ensure!(
+            !args.scan,
+            "{}: --scan is for files of frames: a recording replays as it was read",
+            args.file.display()
+        );
         replay_recording(args, &mut sink)
     } else {
         replay_frames(args, &mut sink)
@@ -68,9 +73,13 @@ fn replay_frames(args: &ReplayArgs, sink: &mut Sink) -> anyhow::Result<Ending> {
     let engine =
         Engine::new(&pad, Arc::new(builder.build_initial()?), profile).with_correction(correction);
     let mut player = EnginePlayer::new(engine, Some(builder), sink);
+    let mut splitter = args.scan.then(|| PartSplitter::new(&pad.protocol));
     while !player.sink.is_over() {
         match source.read() {
-            Ok(SourceReading::Frame(frame)) => player.input(&Input::Frame(frame))?,
+            Ok(SourceReading::Frame(frame)) => match &mut splitter {
+                Some(splitter) => player.parts(splitter.take(frame))?,
+                None => player.input(&Input::Frame(frame))?,
+            },
             Ok(SourceReading::End) => break,
             Ok(_) => {}
             Err(error) => {
@@ -78,6 +87,9 @@ fn replay_frames(args: &ReplayArgs, sink: &mut Sink) -> anyhow::Result<Ending> {
                 return Err(error.into());
             }
         }
+    }
+    if let Some(splitter) = &mut splitter {
+        player.parts(splitter.finish())?;
     }
     player.end()?;
     player.check_length(&args.file)?;

@@ -7,7 +7,7 @@ use super::sink::Sink;
 use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::touch::SensingBuilder;
-use crate::types::Event;
+use crate::types::{Event, Part};
 
 /// An engine whose events go to a sink.
 pub(super) struct EnginePlayer<'a> {
@@ -46,6 +46,10 @@ impl<'a> EnginePlayer<'a> {
                 self.frames += 1;
                 Some(frame.t_ns)
             }
+            Input::Part(part) => {
+                self.frames += usize::from(part.first == 0);
+                Some(part.t_ns)
+            }
             Input::Control(control) => {
                 self.controls += 1;
                 Some(control.t_ns)
@@ -60,9 +64,13 @@ impl<'a> EnginePlayer<'a> {
         self.last_ns = self.last_ns.max(t_ns.unwrap_or(0));
         self.sink.wait_until(self.last_ns);
         self.engine.input(input, &mut self.events);
-        if let Input::Frame(frame) = input {
-            self.sink
-                .print_touches(frame.t_ns, self.engine.touches().down)?;
+        let read_ns = match input {
+            Input::Frame(frame) => Some(frame.t_ns),
+            Input::Part(part) => Some(part.t_ns),
+            _ => None,
+        };
+        if let Some(t_ns) = read_ns {
+            self.sink.print_touches(t_ns, self.engine.touches().down)?;
             self.report_numbering();
         }
         self.sink.send_events(&self.events)?;
@@ -71,6 +79,14 @@ impl<'a> EnginePlayer<'a> {
         {
             let sensing = Arc::new(builder.build(deviations)?);
             self.engine.input(&Input::Matrix(sensing), &mut self.events);
+        }
+        Ok(())
+    }
+
+    /// Plays the parts of frames.
+    pub(super) fn parts(&mut self, parts: Vec<Part>) -> anyhow::Result<()> {
+        for part in parts {
+            self.input(&Input::Part(part))?;
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ mod findings;
 mod noise;
 pub mod real;
 mod report;
+pub mod scan;
 mod score;
 mod sensing;
 mod specimen;
@@ -204,6 +205,18 @@ impl Accuracy {
             seed: self.settings.seed,
             conditions: real::play_all(&self.bench, conditions, extent, progress)?,
         })
+    }
+
+    /// Plays presses on a pad whose drives are read in turn.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved.
+    pub fn play_scans(
+        &self,
+        extent: scan::ScanExtent,
+        progress: impl Fn(usize, usize) + Sync,
+    ) -> Result<scan::ScanFindings, StudyError> {
+        scan::play_all(&self.bench, extent, progress)
     }
 
     /// Solves a case.

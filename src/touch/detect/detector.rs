@@ -24,6 +24,9 @@ const YOUNG_FRAMES: u64 = 128;
 const YOUNG_GAINS: f64 = 2.0;
 /// While touches that leave this many times noise and model error are down, the reference is not updated.
 const POLLUTING_REST: f64 = 10.0;
+/// A press that is shorter than this leaves the reference as it is: what the model does not know of many short presses would add
+/// up, and the reference drifts little in this time.
+const SHORT_PRESS_NS: Nanos = 300 * NANOS_PER_MS;
 /// No touch changes this many readings ...
 const IMPOSSIBLE_READINGS: usize = 4;
 /// ... by this share ...
@@ -76,6 +79,8 @@ pub struct Detector {
     pub(super) palm_ns: Option<[Nanos; 2]>,
     /// Time of the last explained frame.
     pub(super) explained_ns: Nanos,
+    /// When a touch last went down or up.
+    down_changed_ns: Nanos,
     pub(super) frames: u64,
     /// Number of frames when the reference was taken.
     pub(super) referenced_at: u64,
@@ -83,6 +88,8 @@ pub struct Detector {
     pub(super) wanted: Option<ChannelNoise>,
     /// How often the reference was taken again.
     pub(super) references_retaken: u64,
+    /// The frame is completed from parts of two: touches are found in it, but nothing is learned from it.
+    pub(super) is_between: bool,
 }
 
 /// The result of one frame.
@@ -136,10 +143,12 @@ impl Detector {
             first_ns: 0,
             palm_ns: None,
             explained_ns: 0,
+            down_changed_ns: 0,
             frames: 0,
             referenced_at: 0,
             wanted: None,
             references_retaken: 0,
+            is_between: false,
             sensing,
         }
     }
@@ -188,6 +197,25 @@ impl Detector {
                 self.numbering.give_back(placed);
             }
             None => self.process_placed(frame, frame, changed),
+        }
+    }
+
+    /// Like [`Detector::process_frame`], for a frame between two: its readings were used before or are used again, so nothing
+    /// is learned from it about the untouched pad, and at most `most_new` touches begin.
+    pub(in crate::touch) fn process_between(
+        &mut self,
+        frame: &Frame,
+        most_new: usize,
+        changed: &mut Vec<Touch>,
+    ) {
+        self.is_between = true;
+        if let Some(locator) = &mut self.locator {
+            locator.allow_new_touches(Some(most_new));
+        }
+        self.process_frame(frame, changed);
+        self.is_between = false;
+        if let Some(locator) = &mut self.locator {
+            locator.allow_new_touches(None);
         }
     }
 
@@ -304,8 +332,16 @@ impl Detector {
             electrodes.accept_frame();
         }
         self.watch_lost_electrodes(frame);
+        if self.tracker.down().len() != were_down {
+            self.down_changed_ns = frame.t_ns;
+        }
+        if self.is_between {
+            return;
+        }
         // What the touches leave must not become part of the reference.
-        if rest < POLLUTING_REST || self.tracker.down().is_empty() || !self.knows_both_signs() {
+        let held_ns = frame.t_ns.saturating_sub(self.down_changed_ns);
+        let is_clean = rest < POLLUTING_REST && held_ns >= SHORT_PRESS_NS;
+        if is_clean || self.tracker.down().is_empty() || !self.knows_both_signs() {
             self.follow_reference(frame);
         }
     }
@@ -440,6 +476,35 @@ impl Detector {
     #[must_use]
     pub fn is_ready(&self) -> bool {
         self.reference.is_ready()
+    }
+
+    /// Number of readings of a frame.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.changes.len()
+    }
+
+    /// The reference.
+    pub(in crate::touch) fn reference(&self) -> &Reference {
+        &self.reference
+    }
+
+    /// What locates touches in the voltages, if the pad has a table.
+    pub(in crate::touch) fn locator(&self) -> Option<&Locator> {
+        self.locator.as_ref().filter(|_| self.knows_both_signs())
+    }
+
+    /// The relative change of each channel that the touches explain.
+    pub(in crate::touch) fn explained(&self) -> &[f32] {
+        &self.explained
+    }
+
+    /// The response of each located touch, one value per channel.
+    pub(in crate::touch) fn responses(&self, responses: &mut Vec<Vec<f32>>) {
+        match &self.locator {
+            Some(locator) if !self.tracker.down().is_empty() => locator.responses(responses),
+            _ => responses.clear(),
+        }
     }
 
     /// The relative changes of the last frame, and the part that its touches explain; one value per channel.

@@ -1,7 +1,7 @@
 //! A board that was plugged in again, turned or mirrored: it numbers the electrodes from another place.
 //!
 //! The untouched readings show it: no pad is as symmetric as its drawing, so only one numbering makes them agree with the
-//! reference. The comparison is of medians, which a finger on the pad does not spoil. From then on frames are brought into the
+//! reference. From then on frames are brought into the
 //! pad's order before anything else sees them, so the reference, the noise and the places of touches stay valid.
 //!
 //! Invariant: another numbering is taken only if it explains several frames in a row far better than the present one.
@@ -15,6 +15,8 @@ use crate::types::{Frame, Touch};
 const LEAST_CHANGE: f64 = 4.0;
 /// Another numbering must leave less than this share of what the present one leaves, ...
 const BETTER: f64 = 0.25;
+/// ... and no more than this many deviations of the noise: a turned board is recognised while no finger is down, ...
+const LEFT: f64 = 1.2;
 /// ... for this many frames in a row.
 const FRAMES: usize = 3;
 
@@ -74,7 +76,8 @@ impl BoardNumbering {
         let others = self.orders.iter().enumerate();
         let misfits = others.filter_map(|(index, (_, order))| Some((index, misfit_of(order)?)));
         let (index, least) = misfits.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        (least < BETTER as f32 * present).then_some(index)
+        let limit = (LEFT * reference.change_noise()).min(BETTER * f64::from(present));
+        (f64::from(least) < limit).then_some(index)
     }
 }
 
@@ -100,7 +103,8 @@ impl Detector {
     /// Whether the frame must be skipped because the board seems to number its electrodes from another place. `raw` is the
     /// frame as the board sent it. After a few such frames that numbering is the present one.
     pub(super) fn is_renumbered(&mut self, raw: &Frame, changed: &mut Vec<Touch>) -> bool {
-        let is_possible = self.knows_both_signs() && self.tracker.down().is_empty();
+        let is_possible =
+            self.knows_both_signs() && self.tracker.down().is_empty() && !self.is_between;
         if !is_possible || !self.is_changed_as_a_whole() {
             self.numbering.suspect = None;
             return false;
@@ -121,6 +125,11 @@ impl Detector {
             self.numbering.changes += 1;
         }
         true
+    }
+
+    /// Whether the board sends readings in the order of the pad.
+    pub(in crate::touch) fn is_in_own_order(&self) -> bool {
+        self.numbering.present == 0
     }
 
     /// Whether half of the readings changed by more than noise.

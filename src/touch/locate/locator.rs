@@ -46,6 +46,8 @@ pub struct Locator {
     /// The fit of the frame, while a mean of frames is tried.
     pub(super) present: Fit,
     pub(super) recent: RecentResiduals,
+    /// How many touches may begin, if frames share readings: then nothing is looked for in their mean.
+    pub(super) most_new: Option<usize>,
     /// New touches must explain this many times [`DOWN_GAIN`].
     pub(super) down_gains: f64,
     /// The cost at which the last search for another touch failed; the search is repeated when it has grown.
@@ -89,6 +91,7 @@ impl Locator {
             whole: Fit::default(),
             present: Fit::default(),
             recent: RecentResiduals::default(),
+            most_new: None,
             down_gains: 1.0,
             refused_cost: 0.0,
             unclear_cost: 0.0,
@@ -113,6 +116,11 @@ impl Locator {
     /// New touches must explain `times` as much as usual: while the reference is young, its noise is little known.
     pub fn demand(&mut self, times: f64) {
         self.down_gains = times;
+    }
+
+    /// At most so many touches begin in the next frames, which share readings; `None` for frames of their own.
+    pub fn allow_new_touches(&mut self, most: Option<usize>) {
+        self.most_new = most;
     }
 
     /// Restores the touches of the previous frame.
@@ -166,7 +174,9 @@ impl Locator {
         let touches = self.fit.touches.len();
         self.add_touches(noise);
         if self.fit.touches.len() == touches {
-            self.add_faint_touch(noise, steady);
+            if self.most_new.is_none() {
+                self.add_faint_touch(noise, steady);
+            }
         } else {
             self.recent.clear();
         }

@@ -16,6 +16,7 @@ mod motion;
 mod new_touches;
 mod odd;
 mod recent;
+mod responses;
 mod sign;
 mod templates;
 

@@ -79,7 +79,8 @@ impl Locator {
     pub(super) fn add_touches(&mut self, noise: f64) {
         let before = self.fit.touches.len();
         let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
-        while self.fit.touches.len() < MOST_TOUCHES {
+        let most = before + self.most_new.unwrap_or(MOST_TOUCHES);
+        while self.fit.touches.len() < most.min(MOST_TOUCHES) {
             let rest = energy(&self.fit.residual);
             if rest < least_gain || rest < REFUSED_GROWTH * self.refused_cost {
                 break;

@@ -1,0 +1,162 @@
+//! The fit of one finger to the readings of some parts: place, size and strength, and how sure the place is.
+//!
+//! Levenberg-Marquardt, as in `locate/fit.rs`, but on readings instead of whole frames: size and strength have the prior of a
+//! finger, and the model's error, a share of each reading's response, counts as noise.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::readings::{MODEL_ERROR, PartReadings};
+use crate::eit::ResponseTable;
+use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
+
+/// Steps of the fit.
+const STEPS: usize = 5;
+/// A step moves a finger at most this far, mm, ...
+const LONGEST_MM: f64 = 6.0;
+/// ... and changes log radius and strength by at most this.
+const LONGEST: f64 = 0.3;
+/// Standard deviations of log radius and strength between fingers.
+const SPREAD: [f64; 2] = [0.35, 0.3];
+/// Smallest strength.
+const LEAST_STRENGTH: f64 = 0.01;
+
+/// Where a finger may be, and what is typical.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FingerBounds {
+    pub(super) typical: TouchModel,
+    pub(super) size_mm: [f64; 2],
+    /// Smallest and largest log radius.
+    pub(super) log_radius: [f64; 2],
+}
+
+/// A fitted finger.
+#[derive(Clone, Debug)]
+pub(super) struct Fitted {
+    pub(super) touch: TouchModel,
+    /// Relative change of each channel.
+    pub(super) response: Vec<f32>,
+    /// Sum of squared deviations before and after the fit, and of readings.
+    pub(super) energy: f64,
+    pub(super) rest: f64,
+    pub(super) readings: f64,
+    /// Standard deviation of its place, mm.
+    pub(super) place_mm: f64,
+}
+
+/// The normal equations at a finger.
+struct Normal {
+    matrix: Matrix4<f64>,
+    gradient: Vector4<f64>,
+    cost: f64,
+    energy: f64,
+    rest: f64,
+    readings: f64,
+    response: Vec<f32>,
+}
+
+/// Fits a finger to readings. `None` if nothing can be fitted.
+pub(super) fn fit<'a>(
+    table: &ResponseTable,
+    bounds: &FingerBounds,
+    start: TouchModel,
+    parts: impl Iterator<Item = &'a PartReadings> + Clone,
+) -> Option<Fitted> {
+    let mut touch = start;
+    let mut best: Option<(TouchModel, Normal)> = None;
+    let mut damping = 1e-3;
+    for _ in 0..STEPS {
+        let normal = Normal::at(table, bounds, &touch, parts.clone());
+        match &best {
+            Some((_, before)) if normal.cost >= before.cost => damping *= 10.0,
+            _ => {
+                damping *= 0.3;
+                best = Some((touch, normal));
+            }
+        }
+        let (from, normal) = best.as_ref()?;
+        let mut damped = normal.matrix;
+        for k in 0..4 {
+            damped[(k, k)] *= 1.0 + damping;
+        }
+        let step = damped.cholesky()?.solve(&normal.gradient);
+        touch = moved(from, step, bounds);
+    }
+    let (touch, normal) = best?;
+    let covariance = normal.matrix.try_inverse()?;
+    let place_mm = libm::sqrt(covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0));
+    Some(Fitted {
+        touch,
+        response: normal.response,
+        energy: normal.energy,
+        rest: normal.rest,
+        readings: normal.readings,
+        place_mm,
+    })
+}
+
+fn moved(from: &TouchModel, step: Vector4<f64>, bounds: &FingerBounds) -> TouchModel {
+    let mut touch = *from;
+    for k in 0..2 {
+        let at_mm = from.centre_mm[k] + step[k].clamp(-LONGEST_MM, LONGEST_MM);
+        touch.centre_mm[k] = at_mm.clamp(0.0, bounds.size_mm[k]);
+    }
+    let [least, most] = bounds.log_radius;
+    touch.log_radius = (from.log_radius + step[2].clamp(-LONGEST, LONGEST)).clamp(least, most);
+    touch.strength =
+        (from.strength + step[3].clamp(-LONGEST, LONGEST)).clamp(LEAST_STRENGTH, MOST_STRENGTH);
+    touch
+}
+
+impl Normal {
+    fn at<'a>(
+        table: &ResponseTable,
+        bounds: &FingerBounds,
+        touch: &TouchModel,
+        parts: impl Iterator<Item = &'a PartReadings>,
+    ) -> Self {
+        let mut response = Response::default();
+        table.respond(touch, &mut response);
+        // The response, and its derivatives by x, y, log radius and strength.
+        let mut columns = vec![vec![0.0f32; table.channels()]; 5];
+        table.expand(&response.value, &mut columns[0]);
+        for (column, derivative) in columns[1..].iter_mut().zip(&response.derivatives) {
+            table.expand(derivative, column);
+        }
+        let off = [
+            (touch.log_radius - bounds.typical.log_radius) / SPREAD[0],
+            (touch.strength - bounds.typical.strength) / SPREAD[1],
+        ];
+        let mut matrix = Matrix4::zeros();
+        let mut gradient = Vector4::zeros();
+        for k in 0..2 {
+            matrix[(2 + k, 2 + k)] = 1.0 / (SPREAD[k] * SPREAD[k]);
+            gradient[2 + k] = -off[k] / SPREAD[k];
+        }
+        let (mut energy, mut rest, mut readings) = (0.0, 0.0, 0.0);
+        for (channel, change, precision) in parts.flat_map(PartReadings::iter) {
+            if precision <= 0.0 {
+                continue;
+            }
+            let explained = f64::from(columns[0][channel]);
+            // Of the reading, not of the fit: or a larger finger would always fit better.
+            let model = MODEL_ERROR * change;
+            let precision = precision / (1.0 + precision * model * model);
+            let left = change - explained;
+            let slope = Vector4::from_fn(|k, _| f64::from(columns[1 + k][channel]));
+            energy += change * change * precision;
+            rest += left * left * precision;
+            readings += 1.0;
+            matrix += precision * slope * slope.transpose();
+            gradient += precision * left * slope;
+        }
+        Self {
+            matrix,
+            gradient,
+            cost: rest + off[0] * off[0] + off[1] * off[1],
+            energy,
+            rest,
+            readings,
+            response: columns.swap_remove(0),
+        }
+    }
+}

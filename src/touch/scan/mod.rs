@@ -1,0 +1,309 @@
+//! Frames that are read drive by drive: touches are seen while their frame is still being read.
+//!
+//! A board reads one drive after another, so a frame is no moment: half of it may show a finger that the other half does not.
+//! A [`Scan`] keeps for every reading the response of the touches that it is believed to contain. When the readings since some
+//! moment show that a finger went down or lifted, the older ones are brought to the present by adding or removing its response,
+//! and readings of a moving finger are moved on with it. The completed frame, in which everything belongs to one moment, goes to
+//! the [`Detector`], which decides as it does for any other frame.
+//!
+//! Invariant: a whole frame without such a change reaches the detector as it was read.
+
+mod drift;
+mod evidence;
+mod fit;
+mod landing;
+mod onset;
+mod readings;
+mod release;
+
+use crate::touch::Detector;
+use crate::types::{Frame, Nanos, Part, Phase, Touch};
+use drift::Drift;
+use evidence::Evidence;
+use fit::Fitted;
+use landing::Landing;
+use onset::OnsetModel;
+
+/// While a touch moves, places are found once in so many parts.
+const MOVING_PARTS: usize = 2;
+
+/// The readings of the last frame, and what they are believed to contain.
+#[derive(Clone, Debug, Default)]
+pub struct Scan {
+    /// The last reading of each channel, ...
+    volts: Vec<f32>,
+    /// ... when it was taken, ...
+    read_ns: Vec<Nanos>,
+    /// ... the relative change by touches that it contains, ...
+    contained: Vec<f32>,
+    /// ... and whether those are the touches that are down now.
+    is_current: Vec<bool>,
+    /// The relative change of each channel by the touches that are down, at the time of the last run, ...
+    expected: Vec<f32>,
+    /// ... its rate of change while they move, 1/s, or empty, ...
+    rates: Vec<f32>,
+    drift: Drift,
+    /// ... and the time of that run.
+    run_ns: Nanos,
+    /// What the parts since then show beside them.
+    evidence: Evidence,
+    onsets: Option<OnsetModel>,
+    /// A finger that landed less than a frame ago.
+    landing: Option<Landing>,
+    /// Channels that were read so far, until all were.
+    read: usize,
+    /// Parts since the detector last ran.
+    parts: usize,
+    /// The last frame ended amid a change that was not yet clear.
+    is_postponed: bool,
+    completed: Frame,
+}
+
+/// What the detector runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Run {
+    /// A frame that was read to its end.
+    Whole,
+    /// Readings of two frames, with the touches that are known.
+    Between,
+    /// The same, in which a finger has landed.
+    Landing,
+}
+
+impl Scan {
+    /// Processes a part of a frame and appends every touch whose phase changes.
+    ///
+    /// # Panics
+    /// If the part reaches beyond the pad's channels, which sources prevent.
+    pub fn process_part(&mut self, detector: &mut Detector, part: &Part, changed: &mut Vec<Touch>) {
+        let ends_frame = self.keep(detector, part);
+        if !self.can_look_inside(detector) {
+            if ends_frame && self.read >= self.volts.len() {
+                self.run(detector, part.t_ns, Run::Whole, changed);
+            }
+            return;
+        }
+        self.follow_landing(detector, part);
+        self.add_evidence(detector, part);
+        if let Some((response, since)) = release::find(&self.evidence) {
+            self.mark_since(since);
+            self.landing = None;
+            self.evidence.clear();
+            for (expected, gone) in self.expected.iter_mut().zip(&response) {
+                *expected -= gone;
+            }
+            self.run(detector, part.t_ns, Run::Between, changed);
+        } else if let Some((fitted, since)) = self.find_onset(detector) {
+            self.mark_since(since);
+            let readings = self.evidence.readings(since);
+            self.landing = Some(Landing::new(fitted, readings, &self.expected));
+            self.take_landing();
+            self.run(detector, part.t_ns, Run::Landing, changed);
+        } else {
+            self.run_when_due(detector, part.t_ns, ends_frame, changed);
+        }
+    }
+
+    /// Runs the detector at the end of a frame, and more often while something moves or lands.
+    fn run_when_due(
+        &mut self,
+        detector: &mut Detector,
+        t_ns: Nanos,
+        ends_frame: bool,
+        changed: &mut Vec<Touch>,
+    ) {
+        self.parts += 1;
+        let is_touched = self.evidence.held_count() > 0;
+        let is_unclear = self.evidence.is_unclear();
+        if self.landing.is_some() {
+            self.run(detector, t_ns, Run::Between, changed);
+        } else if ends_frame {
+            let waits = is_unclear && !is_touched && !self.is_postponed;
+            if waits {
+                self.is_postponed = true;
+            } else {
+                self.run(detector, t_ns, Run::Whole, changed);
+            }
+        } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.rates.is_empty())
+        {
+            self.run(detector, t_ns, Run::Between, changed);
+        }
+    }
+
+    /// Forgets everything: the reference is taken again.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Keeps the readings; whether they are the last of a frame.
+    fn keep(&mut self, detector: &Detector, part: &Part) -> bool {
+        let channels = detector.channels();
+        if self.volts.len() != channels {
+            self.volts = vec![0.0; channels];
+            self.read_ns = vec![0; channels];
+            self.contained = vec![0.0; channels];
+            self.expected = vec![0.0; channels];
+            self.is_current = vec![true; channels];
+        }
+        let span = part.first..part.first + part.volts.len();
+        self.volts[span.clone()].copy_from_slice(&part.volts);
+        self.read_ns[span.clone()].fill(part.t_ns);
+        self.is_current[span.clone()].fill(true);
+        self.contained[span.clone()].copy_from_slice(&self.expected[span.clone()]);
+        self.read += part.volts.len();
+        span.end == channels
+    }
+
+    /// Whether parts say more than frames: there is a reference and a table, and parts are in the pad's order.
+    fn can_look_inside(&self, detector: &Detector) -> bool {
+        detector.is_ready()
+            && self.read >= self.volts.len()
+            && detector.locator().is_some()
+            && detector.is_in_own_order()
+    }
+
+    /// Adds the readings of a part, without the touches that are down, to the evidence.
+    fn add_evidence(&mut self, detector: &Detector, part: &Part) {
+        let Some(locator) = detector.locator() else {
+            return;
+        };
+        let sign = detector.touch_sign();
+        if self
+            .onsets
+            .as_ref()
+            .is_none_or(|model| !model.is_for(locator, sign))
+        {
+            self.onsets = Some(OnsetModel::new(locator, sign));
+            self.evidence.clear();
+        }
+        let Some(model) = &self.onsets else {
+            return;
+        };
+        let elapsed_s = part.t_ns.saturating_sub(self.run_ns) as f32 * 1e-9;
+        let expected = |channel: usize| {
+            let rate = self.rates.get(channel).copied().unwrap_or(0.0);
+            self.expected[channel] + elapsed_s * rate
+        };
+        self.evidence.add(detector, model, part, expected);
+    }
+
+    /// A finger that went down, and how many parts ago. While one lands, no other is looked for.
+    fn find_onset(&self, detector: &Detector) -> Option<(Fitted, usize)> {
+        if self.landing.is_some() {
+            return None;
+        }
+        self.onsets.as_ref()?.find(detector, &self.evidence)
+    }
+
+    /// Fits a finger that has just landed again.
+    fn follow_landing(&mut self, detector: &Detector, part: &Part) {
+        let (Some(landing), Some(model)) = (&mut self.landing, &self.onsets) else {
+            return;
+        };
+        let is_read = landing.add(detector, model, part);
+        self.take_landing();
+        if is_read {
+            self.landing = None;
+        }
+    }
+
+    /// The channels are expected to change as the landing finger changes them.
+    fn take_landing(&mut self) {
+        if let Some(landing) = &self.landing {
+            for (channel, expected) in self.expected.iter_mut().enumerate() {
+                *expected = landing.expected(channel);
+            }
+        }
+    }
+
+    /// Only the readings of the last `parts` parts belong to the present touches.
+    fn mark_since(&mut self, parts: usize) {
+        for (channel, is_current) in self.is_current.iter_mut().enumerate() {
+            if *is_current && !self.evidence.contains(parts, channel) {
+                *is_current = false;
+            }
+        }
+    }
+
+    /// Brings every reading to the present.
+    fn complete(&mut self, detector: &Detector, t_ns: Nanos) {
+        let reference = detector.reference().volts();
+        self.completed.t_ns = t_ns;
+        self.completed.volts.clone_from(&self.volts);
+        for (channel, volt) in self.completed.volts.iter_mut().enumerate() {
+            let moved = if !self.is_current[channel] {
+                self.expected[channel] - self.contained[channel]
+            } else if let Some(rate) = self.rates.get(channel) {
+                let age_s = t_ns.saturating_sub(self.read_ns[channel]) as f32 * 1e-9;
+                rate * age_s
+            } else {
+                0.0
+            };
+            if moved != 0.0 {
+                *volt += reference[channel] as f32 * moved;
+            }
+        }
+    }
+
+    /// Runs the detector on the frame as it would be now.
+    fn run(&mut self, detector: &mut Detector, t_ns: Nanos, run: Run, changed: &mut Vec<Touch>) {
+        self.complete(detector, t_ns);
+        match run {
+            Run::Whole => detector.process_frame(&self.completed, changed),
+            Run::Between => detector.process_between(&self.completed, 0, changed),
+            Run::Landing => detector.process_between(&self.completed, 1, changed),
+        }
+        if std::env::var("GELPAD_DBG").is_ok() {
+            eprintln!(
+                "DBG {:.1} ms {run:?} down {:?} sign {:?} retaken {} changed {:?} unclear {} landing {:?}",
+                t_ns as f64 * 1e-6,
+                detector
+                    .frame_touches()
+                    .down
+                    .iter()
+                    .map(|t| t.contact.centre_mm.map(|x| (10.0 * x).round() / 10.0))
+                    .collect::<Vec<_>>(),
+                detector.touch_sign(),
+                detector.references_retaken(),
+                changed.iter().map(|t| t.phase).collect::<Vec<_>>(),
+                self.evidence.is_unclear(),
+                self.landing.as_ref().map(|l| (
+                    l.fitted.touch.centre_mm,
+                    l.fitted.place_mm,
+                    l.fitted.rest,
+                    l.fitted.energy
+                ))
+            );
+        }
+        self.expected.fill(0.0);
+        if !detector.frame_touches().down.is_empty() {
+            self.expected.copy_from_slice(detector.explained());
+        }
+        for (channel, contained) in self.contained.iter_mut().enumerate() {
+            if self.is_current[channel] {
+                *contained = self.expected[channel];
+            }
+        }
+        self.run_ns = t_ns;
+        let down = detector.frame_touches().down;
+        match run {
+            Run::Whole => self.drift.take(t_ns, down),
+            Run::Landing => self.drift.clear(),
+            Run::Between if changed.iter().any(|touch| touch.phase == Phase::Up) => {
+                self.drift.clear();
+            }
+            Run::Between => {}
+        }
+        if self.landing.is_some() {
+            self.rates.clear();
+        } else if run != Run::Between {
+            self.drift.rates(detector.locator(), &mut self.rates);
+        }
+        if run != Run::Between {
+            self.evidence.clear();
+            self.is_postponed = false;
+        }
+        self.evidence.set_held(detector);
+        self.parts = 0;
+    }
+}
