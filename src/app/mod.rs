@@ -27,6 +27,7 @@ pub(crate) mod restore;
 pub mod services;
 pub mod signals;
 pub(crate) mod source;
+pub mod table_solver;
 pub(crate) mod texts;
 pub mod timeline;
 
@@ -34,7 +35,7 @@ pub use local_services::LocalServices;
 
 pub(crate) use error::{AppError, first_fault};
 pub(crate) use file_watch::{FileWatcher, WatchedFile};
-pub(crate) use play::{Game, PreparedGame};
+pub(crate) use play::{FirstUse, Game, PreparedGame};
 pub(crate) use read_ahead::ReadAhead;
 pub(crate) use reload::ReloadNotice;
 

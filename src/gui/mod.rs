@@ -7,9 +7,12 @@
 //! The window repaints only when something has changed. It never receives gelpad's own keys (`src/app/focus_gate.rs`).
 
 pub mod app;
+mod choice;
+mod closing;
 pub mod comfort;
 pub mod edit;
 pub mod fingers;
+mod focus_ring;
 pub mod history;
 mod overlay;
 pub mod pad_window;
@@ -38,7 +41,7 @@ pub use tab::Tab;
 
 use std::sync::Arc;
 
-use crate::app::services::{AppServices, PlayRequest};
+use crate::app::services::{AppServices, WindowArguments};
 
 /// Initial size of the window and its minimum, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
@@ -53,10 +56,8 @@ pub struct WindowError(String);
 pub struct WindowOptions {
     /// Starts games, finds profiles and pads.
     pub services: Arc<dyn AppServices>,
-    /// The first game.
-    pub request: PlayRequest,
-    /// The first view.
-    pub tab: Tab,
+    /// Changes the game that is played first, which is that of the last session.
+    pub arguments: WindowArguments,
     /// Whether a signal has asked the program to end.
     pub interrupted: Box<dyn Fn() -> bool>,
 }
@@ -66,11 +67,13 @@ pub struct WindowOptions {
 /// # Errors
 /// There is no display, no OpenGL, or a system library is missing; no game was started.
 pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
+    let mut app = App::new(opening.services);
+    let size = app.comfort.preferences.size.unwrap_or(SIZE);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("gelpad")
             .with_app_id("gelpad")
-            .with_inner_size(SIZE)
+            .with_inner_size(size)
             .with_min_inner_size(MIN_SIZE),
         ..Default::default()
     };
@@ -82,14 +85,13 @@ pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
             Box::new(move |creation| {
                 quiet.restore();
                 theme::install_fonts(&creation.egui_ctx);
-                let mut app = App::new(opening.services);
                 app.start_waker(&creation.egui_ctx)?;
-                app.tab = opening.tab;
-                app.play(opening.request);
+                app.play(opening.arguments.apply(app.last_game()));
                 Ok(Box::new(Window {
                     app,
                     interrupted: opening.interrupted,
                     repaints: RepaintCounter::default(),
+                    size: None,
                 }))
             }),
         )
@@ -108,6 +110,8 @@ struct Window {
     app: App,
     interrupted: Box<dyn Fn() -> bool>,
     repaints: RepaintCounter,
+    /// Size of the window, points.
+    size: Option<egui::Vec2>,
 }
 
 /// Logs repaints per second; `scripts/window-cost.sh` reads the log.
@@ -138,18 +142,21 @@ impl RepaintCounter {
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _: &mut eframe::Frame) {
         if (self.interrupted)() {
+            self.app.closing.forced = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
         self.app.poll(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let inner = ui.ctx().input(|input| input.viewport().inner_rect);
+        self.size = inner.map(|inner| inner.size()).or(self.size);
         self.app.ui(ui);
         let plays = self.app.playing.view.frames > 0;
         self.repaints.count(ui.ctx().time(), plays);
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        self.app.playing.stop();
+        self.app.close(self.size);
     }
 }

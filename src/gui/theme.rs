@@ -147,6 +147,13 @@ pub fn primary(ui: &mut egui::Ui, text: &str) -> egui::Response {
     ui.add(egui::Button::new(text).fill(palette.accent))
 }
 
+/// Keeps the focus in a line of text when Enter ends it: otherwise Tab would start from the top of the window.
+pub fn keep_focus_on_enter(ui: &egui::Ui, field: &egui::Response) {
+    if field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+        field.request_focus();
+    }
+}
+
 /// The title of a card or of a part of a view.
 pub fn title(ui: &mut egui::Ui, text: &str) -> egui::Response {
     let palette = palette_of(ui);

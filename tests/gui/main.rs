@@ -150,8 +150,7 @@ fn a_window_that_does_not_open_restores_the_panic_hook() {
     }));
     let opened = gelpad::gui::open(gelpad::gui::WindowOptions {
         services: Arc::new(TestServices::new()),
-        request: gelpad::app::services::PlayRequest::default(),
-        tab: Tab::Play,
+        arguments: gelpad::app::services::WindowArguments::default(),
         interrupted: Box::new(|| false),
     });
     assert!(opened.is_err());

@@ -3,6 +3,7 @@
 //! Sound would need a system library on Linux; the terminal bell and visual alerts take its place.
 
 pub mod feedback;
+pub mod last_game;
 pub mod preferences;
 
 use std::io::Write as _;
@@ -69,6 +70,14 @@ impl Comfort {
             ctx.set_zoom_factor(self.preferences.text_scale);
         }
         self.zoom = self.preferences.text_scale;
+        // A drag changes places many times: saved when it ends.
+        if self.preferences != self.saved && !ctx.input(|input| input.pointer.any_down()) {
+            self.save();
+        }
+    }
+
+    /// Writes the preferences, if they have changed.
+    pub fn save(&mut self) {
         if self.preferences != self.saved {
             self.saved = self.preferences.clone();
             if let Some(file) = &self.file

@@ -47,6 +47,11 @@ impl EditView {
         if opened.is_shipped() {
             ui.weak("A shipped profile: saving makes your own copy.");
         }
+        let others: Vec<String> = self.drafts.arguments().map(file_name).collect();
+        if !others.is_empty() {
+            let text = format!("Also not saved: {}", others.join(", "));
+            ui.add(egui::Label::new(egui::RichText::new(text).color(palette.warn)).wrap());
+        }
         let command = self
             .draw_file_buttons(ui)
             .or_else(|| self.file_shortcut(ui));

@@ -145,6 +145,7 @@ impl RecordView {
                 .desired_width((ui.available_width() - 90.0).max(80.0))
                 .hint_text("recording.mcap");
             let response = ui.add(field).labelled_by(label.id);
+            theme::keep_focus_on_enter(ui, &response);
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let ready = !self.path.trim().is_empty();
             if ui.add_enabled(ready, egui::Button::new("Open")).clicked() || (entered && ready) {
