@@ -371,12 +371,12 @@ impl App {
         ui.label(egui::RichText::new(mark).color(colour));
         let view = &playing.view;
         let words = format!(
-            "{state}   {} → {}   ·   {}   ·   {:.0} frames/s   ·   {:.2} ms",
+            "{state}   ·   {:.0} frames/s   ·   {:.2} ms   ·   {} → {}   ·   {}",
+            playing.frames_per_s(),
+            view.latency_us as f64 / 1e3,
             playing.request.source_label(),
             playing.output,
             view.profile.name,
-            playing.frames_per_s(),
-            view.latency_us as f64 / 1e3,
         );
         if let Some(share) = playing.table.as_ref().map(|table| table.share()) {
             draw_table_progress(&mut ui, share);

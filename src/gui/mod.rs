@@ -43,8 +43,8 @@ use std::sync::Arc;
 
 use crate::app::services::{AppServices, WindowArguments};
 
-/// Initial size of the window and its minimum, points.
-const SIZE: [f32; 2] = [1280.0, 800.0];
+/// Initial size of the window and its minimum, points. With its title bar, the window fits on a screen of 1280 x 800.
+const SIZE: [f32; 2] = [1240.0, 730.0];
 const MIN_SIZE: [f32; 2] = [640.0, 400.0];
 
 /// The window could not be opened.

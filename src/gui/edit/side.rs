@@ -38,12 +38,12 @@ impl EditView {
             return None;
         };
         let unsaved = opened.is_unsaved();
-        ui.horizontal(|ui| {
-            ui.label(egui::RichText::new(file_name(&opened.argument)).size(18.0));
-            if unsaved {
-                ui.colored_label(palette.warn, "● not saved");
-            }
-        });
+        let name = egui::RichText::new(file_name(&opened.argument)).size(18.0);
+        ui.add(egui::Label::new(name).truncate())
+            .on_hover_text(&opened.argument);
+        if unsaved {
+            ui.colored_label(palette.warn, "● not saved");
+        }
         if opened.is_shipped() {
             ui.weak("A shipped profile: saving makes your own copy.");
         }

@@ -16,7 +16,7 @@ use crate::runtime::PlayCommand;
 /// Width of the names before the lists, points.
 const NAME_WIDTH: f32 = 66.0;
 /// The label for no personal settings.
-const NOBODY: &str = "no personal settings";
+const NOBODY: &str = "anyone";
 
 /// Draws the panel; returns what the player requested.
 pub(super) fn ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<UiAction> {
@@ -165,6 +165,8 @@ fn simulated_pad(ui: &mut Ui, playing: &mut Playing) {
     let force = playing.fingers.force();
     ui.horizontal(|ui| {
         ui.label("Force");
+        // The number stands beside the slider.
+        ui.spacing_mut().slider_width = (ui.available_width() - 60.0).clamp(40.0, 150.0);
         let mut chosen = force;
         let response = ui.add(egui::Slider::new(&mut chosen, 0.1..=1.0).fixed_decimals(1));
         response.widget_info(|| egui::WidgetInfo::slider(true, chosen, "Force of the next press"));
