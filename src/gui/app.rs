@@ -18,6 +18,7 @@ use super::practice::PracticeTab;
 use super::problem::{self, UiContext};
 use super::rail;
 use super::record::RecordView;
+use super::repaint_rate::RepaintRate;
 use super::request::{Names, UiAction};
 use super::setup::SetUpView;
 use super::signals::SignalsView;
@@ -65,6 +66,7 @@ pub struct App {
     waker: Option<Waker>,
     picture: Picture,
     focus_ring: FocusRing,
+    repaint_rate: RepaintRate,
     /// Whether the player chose an output in this session.
     has_chosen_output: bool,
     styled: bool,
@@ -97,6 +99,7 @@ impl App {
             waker: None,
             picture: Picture::default(),
             focus_ring: FocusRing::default(),
+            repaint_rate: RepaintRate::default(),
             has_chosen_output: false,
             styled: false,
             last_view_s: 0.0,
@@ -157,9 +160,20 @@ impl App {
             self.practice.skip_events(&self.playing.view);
         }
         self.remember();
+        self.set_repaint_rate(ctx);
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
         // The setup's key check needs the keys in this window.
         self.playing.block_keys(focused && !self.checks_keys());
+    }
+
+    fn set_repaint_rate(&mut self, ctx: &egui::Context) {
+        let minimised = ctx.input_for(egui::ViewportId::ROOT, |input| input.viewport().minimized);
+        let is_hidden = minimised == Some(true) && !self.pad_window.open;
+        let view = &self.playing.view;
+        let interval = self.repaint_rate.interval(view, ctx.time(), is_hidden);
+        if let Some(waker) = &self.waker {
+            waker.set_interval(interval);
+        }
     }
 
     /// Takes into the preferences what the next start restores.

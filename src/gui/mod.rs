@@ -4,7 +4,7 @@
 //! fingers on the simulated pad (`fingers.rs`), problems (`problem.rs`).
 //!
 //! Invariants: the window reads the newest view and sends commands; neither the window nor the engine waits for the other.
-//! The window repaints only when something has changed. It never receives gelpad's own keys (`src/app/focus_gate.rs`).
+//! The window repaints only when something has changed (`repaint_rate.rs`). It never receives gelpad's own keys (`src/app/focus_gate.rs`).
 
 pub mod app;
 mod choice;
@@ -15,6 +15,7 @@ pub mod fingers;
 mod focus_ring;
 pub mod history;
 mod overlay;
+mod pad_nodes;
 pub mod pad_window;
 pub mod picture;
 pub mod place;
@@ -27,6 +28,7 @@ mod quiet_panics;
 mod rail;
 pub mod record;
 pub mod regions;
+pub mod repaint_rate;
 mod request;
 pub mod setup;
 pub mod signals;

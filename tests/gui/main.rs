@@ -91,10 +91,10 @@ impl Stage {
         self.wait_for_start();
     }
 
-    /// Repaints until the requested game has started or failed, 2 s at most.
+    /// Repaints until the requested game has started or failed, 20 s at most.
     pub fn wait_for_start(&mut self) {
         self.steps(3);
-        for _ in 0..400 {
+        for _ in 0..4000 {
             if !self.app().is_starting() {
                 return;
             }

@@ -1,7 +1,7 @@
 //! The play view.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gelpad::app::services::{OutputChoice, SourceChoice};
 use gelpad::gui::Tab;
 use gelpad::gui::still::touch;
@@ -315,4 +315,20 @@ fn a_press_before_practice_opens_does_not_jump_there() {
     let practice = &stage.app().practice.practice;
     assert_eq!(practice.jumps().count(), 0);
     assert_eq!(practice.stage(), gelpad::gui::practice::RunStage::Ready);
+}
+
+#[test]
+fn regions_are_children_of_the_pad_with_their_outputs_and_state() {
+    let mut stage = stage();
+    press(&mut stage, "key:f");
+    let canvas = stage.canvas();
+    let labels: Vec<String> = canvas
+        .children_recursive()
+        .filter_map(|child| child.value())
+        .collect();
+    assert!(
+        labels.contains(&"jump, presses key f, held".to_owned()),
+        "{labels:?}"
+    );
+    assert!(labels.contains(&"run, presses key d, up".to_owned()));
 }

@@ -23,8 +23,8 @@ pub fn health_table(ui: &mut Ui, playing: &Playing, figures: &Health) {
             ui.weak(name);
             ui.monospace(value);
             match good {
-                Some(true) => drop(ui.colored_label(palette.good, "✔")),
-                Some(false) => drop(ui.colored_label(palette.warn, "⚠")),
+                Some(true) => theme::mark(ui, palette.good, "✔", "good"),
+                Some(false) => theme::mark(ui, palette.warn, "⚠", "poor"),
                 None => {}
             }
             ui.end_row();
