@@ -13,6 +13,7 @@ mod listeners;
 mod load_timeline;
 mod local_services;
 pub(crate) mod outputs;
+pub mod own_files;
 pub(crate) mod pads;
 pub(crate) mod places;
 mod play;

@@ -11,6 +11,7 @@ mod choice;
 mod closing;
 pub mod comfort;
 pub mod edit;
+mod file_dialog;
 pub mod fingers;
 mod focus_ring;
 pub mod history;

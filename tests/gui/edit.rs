@@ -449,3 +449,36 @@ fn a_file_that_hangs_does_not_freeze_the_window() {
     assert!(stage.shows("Opening"), "{:?}", stage.window);
     assert!(stage.app().edit.text().is_none());
 }
+
+#[test]
+fn the_mouse_alone_chooses_a_key() {
+    let (mut stage, path) = stage();
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    stage.button("Choose …");
+    // The dialog grows to its size.
+    stage.steps(10);
+    stage.button("key space");
+    stage.button("Save");
+    assert_one_line(&path, "output = \"$a\"", "output = \"key:space\"");
+}
+
+#[test]
+fn an_own_profile_is_renamed_duplicated_and_deleted() {
+    let (mut stage, path) = stage();
+    stage.button("Duplicate");
+    let copy = path.with_file_name("mine-2.toml");
+    assert!(copy.exists());
+    let played = |stage: &Stage| stage.services.last_request().expect("a start").profile;
+    assert_eq!(played(&stage), copy.display().to_string());
+    wait_until(&mut stage, |stage| contains(stage, "name = \"mine-2\""));
+    stage.button("Delete");
+    assert!(stage.shows("mine-2.toml cannot be restored"));
+    let delete = stage
+        .window
+        .get_all_by_role_and_label(Role::Button, "Delete");
+    delete.last().expect("the dialog's").click();
+    stage.wait_for_start();
+    assert!(!copy.exists());
+    assert_eq!(played(&stage), "super-mario");
+}

@@ -211,7 +211,7 @@ fn free_file(folder: &Path, shipped: &str) -> (String, PathBuf) {
     (name(number), file(number))
 }
 
-fn is_file(argument: &str) -> bool {
+pub(super) fn is_file(argument: &str) -> bool {
     argument.contains('/') || argument.ends_with(".toml")
 }
 

@@ -12,6 +12,8 @@ mod file;
 pub mod grid;
 mod grid_question;
 pub mod keyboard;
+mod output_chooser;
+mod own_profile;
 mod region_card;
 pub mod shape;
 mod side;
@@ -26,6 +28,7 @@ use self::document::{Document, EditError};
 use self::drafts::Drafts;
 use self::file::OpenProfile;
 use self::shape::Grip;
+use super::file_dialog::FileDialog;
 use super::picture::Picture;
 use super::play::UiAction;
 use super::playing::Playing;
@@ -78,6 +81,9 @@ pub struct EditView {
     drafts: Drafts,
     /// The grid that the player is asked to separate.
     grid_question: Option<String>,
+    /// Whether the outputs to click are shown.
+    chooses_output: bool,
+    dialog: FileDialog,
 }
 
 impl EditView {
@@ -109,6 +115,8 @@ impl EditView {
                 });
         });
         self.ask_about_grid(ui.ctx(), game);
+        self.draw_chooser(ui.ctx(), game);
+        wish = self.finish_file_dialog(ui.ctx(), game).or(wish);
         ui.advance_cursor_after_rect(room);
         wish
     }

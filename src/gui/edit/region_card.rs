@@ -84,12 +84,14 @@ impl EditView {
 
     /// The output that a press of the region drives, as text, with its error below.
     fn draw_output(&mut self, ui: &mut Ui, region: &str, game: GameContext<'_>) {
-        let response = ui.horizontal(|ui| {
+        let response = ui.horizontal_wrapped(|ui| {
             let label = ui.label("presses");
             let field = egui::TextEdit::singleline(&mut self.output_text)
-                .desired_width(130.0)
+                .desired_width(100.0)
                 .hint_text("key:space");
-            ui.add(field).labelled_by(label.id)
+            let field = ui.add(field).labelled_by(label.id);
+            self.draw_choose_button(ui);
+            field
         });
         theme::keep_focus_on_enter(ui, &response.inner);
         if response.inner.changed() {

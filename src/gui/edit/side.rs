@@ -47,6 +47,10 @@ impl EditView {
         if opened.is_shipped() {
             ui.weak("A shipped profile: saving makes your own copy.");
         }
+        let manages = self.draw_own_profile_buttons(ui, game);
+        if manages.is_some() {
+            return manages;
+        }
         let others: Vec<String> = self.drafts.arguments().map(file_name).collect();
         if !others.is_empty() {
             let text = format!("Also not saved: {}", others.join(", "));
