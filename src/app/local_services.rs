@@ -12,7 +12,7 @@ use super::recording::ActiveRecording;
 use super::reload::ProfileReload;
 use super::services::{AppServices, OutputChoice, PlayRequest, Started, Watch};
 use super::table_solver::TableSolver;
-use super::texts::{pad_text, profile_text};
+use super::texts::{pad_text, profile_text, user_text};
 use super::timeline::RecordingTimeline;
 use super::{AppError, first_fault};
 use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
@@ -59,6 +59,10 @@ impl AppServices for LocalServices {
 
     fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors> {
         check_text(profile, user)
+    }
+
+    fn user_text(&self, name: &str) -> Result<String, String> {
+        text_or_line(user_text(name))
     }
 
     fn pad_text(&self, name: &str) -> Result<String, String> {

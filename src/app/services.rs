@@ -92,6 +92,17 @@ pub trait AppServices: Send + Sync {
     /// All mistakes, each with its place.
     fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors>;
 
+    /// The text of a user's settings.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn user_text(&self, name: &str) -> Result<String, String> {
+        match crate::profile::shipped_user(name) {
+            Some(user) => Ok(user.toml.to_owned()),
+            None => std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}")),
+        }
+    }
+
     /// The text of a pad.
     ///
     /// # Errors

@@ -118,6 +118,8 @@ impl App {
     /// Ends the current game and starts another on a thread.
     pub fn play(&mut self, request: PlayRequest) {
         self.playing.stop();
+        // The lists show what is starting.
+        self.playing.request = request.clone();
         self.failed = None;
         let (sender, receiver) = sync_channel(1);
         let services = Arc::clone(&self.services);
@@ -308,10 +310,7 @@ impl App {
                 self.signals.ui(ui, &self.playing);
                 None
             }
-            Tab::Comfort => {
-                self.comfort.ui(ui, &self.playing);
-                None
-            }
+            Tab::Comfort => self.comfort.ui(ui, &self.playing, self.services.as_ref()),
         }
     }
 

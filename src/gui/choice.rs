@@ -30,9 +30,7 @@ pub(super) fn list<T: PartialEq>(
         Some(label) => shown.response.labelled_by(label.id),
         None => shown.response,
     };
-    let Some(entry_has_focus) = shown.inner else {
-        return None;
-    };
+    let entry_has_focus = shown.inner?;
     if chosen.is_some() {
         Popup::close_all(ui.ctx());
         button.request_focus();

@@ -36,6 +36,7 @@ pub mod signals;
 pub mod still;
 pub mod tab;
 pub mod theme;
+mod timing_settings;
 pub mod waker;
 
 pub use app::App;

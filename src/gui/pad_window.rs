@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn the_window_follows_the_pointer_all_the_way() {
         let ctx = egui::Context::default();
-        let mut by = |events: Vec<Event>| {
+        let by = |events: Vec<Event>| {
             let mut moved = None;
             let input = RawInput {
                 events,

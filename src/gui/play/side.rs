@@ -140,8 +140,13 @@ fn list<T: PartialEq>(
 ) -> Option<T> {
     let row = ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y;
-        let label = egui::Label::new(name).halign(egui::Align::LEFT);
-        let label = ui.add_sized([NAME_WIDTH, height], label);
+        let left = egui::Layout::left_to_right(egui::Align::Center);
+        let size = egui::Vec2::new(NAME_WIDTH, height);
+        let label = ui.allocate_ui_with_layout(size, left, |ui| {
+            ui.set_min_size(size);
+            ui.label(name)
+        });
+        let label = label.inner;
         let combo = egui::ComboBox::from_id_salt(name)
             .width(ui.available_width())
             .truncate()
