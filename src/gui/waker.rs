@@ -7,6 +7,8 @@ use std::time::Duration;
 
 /// Shortest time between repaints at first.
 const MIN_INTERVAL: Duration = Duration::from_millis(16);
+/// Without a delay, egui repaints twice for each request.
+const ONCE: Duration = Duration::from_millis(1);
 /// Longest time between repaints.
 const MAX_INTERVAL: Duration = Duration::from_secs(10);
 
@@ -31,7 +33,7 @@ impl Waker {
         let thread = Builder::new().name("waker".to_owned()).spawn(move || {
             while !stopping.load(Ordering::Relaxed) {
                 std::thread::park_timeout(MAX_INTERVAL);
-                ctx.request_repaint();
+                ctx.request_repaint_after(ONCE);
                 let shortest_ms = shortest_ms.load(Ordering::Relaxed);
                 std::thread::sleep(Duration::from_millis(shortest_ms));
             }
