@@ -2,7 +2,7 @@
 # Makes the pictures of the README and the guide: the live view of the level in a terminal on a display of its own, and
 # the figures of the phantoms and of the accuracy, and the window's views.
 # Needs the Debian packages xvfb, xterm, xdotool, fonts-dejavu-core, imagemagick, libgl1-mesa-dri and libxkbcommon-x11-0;
-# writes docs/live.png, docs/phantoms.png, docs/accuracy.png and docs/window-*.png.
+# writes docs/live.png, docs/phantoms.png, docs/accuracy.png, docs/window-*.png and docs/jump.gif (by docs/make-animation.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet
@@ -29,5 +29,6 @@ done
 scripts/mouse-plays-level.sh target/release/gelpad "$study/level.png"
 convert "$study/level.png" -strip -colors 128 docs/window-practice.png
 convert "$study/window/play-800x500-light.png" -strip -colors 128 docs/window-small-light.png
+docs/make-animation.sh docs/jump.gif
 rm -r "$study"
-echo "docs/live.png docs/phantoms.png docs/accuracy.png docs/window-*.png"
+echo "docs/live.png docs/phantoms.png docs/accuracy.png docs/window-*.png docs/jump.gif"

@@ -21,7 +21,7 @@ for theme in dark light; do
     xdotool key F1
     sleep 0.7
     # Two short presses, and a third that is held while the pictures are taken.
-    if [ "$size" = 1280x800 ]; then jump=(580 330); run=(560 540); left=(260 300); else jump=(360 190); run=(345 300); left=(190 190); fi
+    if [ "$size" = 1280x800 ]; then jump=(660 320); run=(640 540); left=(260 300); else jump=(360 190); run=(345 300); left=(190 190); fi
     xdotool mousemove "${left[@]}" mousedown 1; sleep 0.5; xdotool mouseup 1; sleep 0.3
     xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.2; xdotool mouseup 1; sleep 0.3
     xdotool mousemove "${run[@]}" mousedown 1; sleep 0.4

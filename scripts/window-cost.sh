@@ -51,7 +51,7 @@ grep -o 'repaints: .*' "$work/log" | tail -5
 echo "whole program: $((whole / span)) % of a core"
 
 # Pause: the button is in the upper right.
-xdotool mousemove 975 146 click 1
+xdotool mousemove 993 182 click 1
 sleep 4
 before=$(process_ticks "$player"); sleep "$seconds"; after=$(process_ticks "$player")
 echo "paused: $(awk "BEGIN{printf \"%.1f\", ($after - $before) / $seconds}") % of a core"

@@ -3,16 +3,18 @@
 #
 #   $gelpad        absolute path of the program
 #   $work          the temporary folder
+#   $screen        the file that holds the screen, in the format of xwd
 #   open_window    starts gelpad at 1280 x 800 with the focus; sets $player (process) and $window (window id)
 gelpad=$(realpath "${1:-target/release/gelpad}")
 work=$(mktemp -d)
 export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
 mkdir -p "$work/gelpad"
 player=
-Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp -fbdir "$work" 3>"$work/display" 2>/dev/null &
 xvfb=$!
 trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
 for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
+screen=$work/Xvfb_screen0
 DISPLAY=:$(cat "$work/display")
 export DISPLAY
 

@@ -2,29 +2,29 @@
 
 use std::process::ExitCode;
 
+use gelpad::app::services::WindowArguments;
 use gelpad::cli::{self, Next};
 
 fn main() -> ExitCode {
     match cli::run() {
         Next::Exit(code) => code,
-        Next::OpenWindow => open_window(),
+        Next::OpenWindow(arguments) => open_window(arguments),
     }
 }
 
 #[cfg(not(feature = "gui"))]
-fn open_window() -> ExitCode {
+fn open_window(_: WindowArguments) -> ExitCode {
     cli::play_level()
 }
 
 /// Opens the window; if that fails, prints why and plays the level in the terminal.
 #[cfg(feature = "gui")]
-fn open_window() -> ExitCode {
+fn open_window(arguments: WindowArguments) -> ExitCode {
     use std::sync::Arc;
 
     use gelpad::app::LocalServices;
-    use gelpad::app::services::PlayRequest;
     use gelpad::app::signals::Signals;
-    use gelpad::gui::{self, Tab, WindowOptions};
+    use gelpad::gui::{self, WindowOptions};
 
     if !has_display() {
         tracing::warn!(
@@ -41,9 +41,8 @@ fn open_window() -> ExitCode {
     };
     let received = Arc::clone(&signals);
     let opened = gui::open(WindowOptions {
-        services: Arc::new(LocalServices),
-        request: PlayRequest::default(),
-        tab: Tab::Play,
+        services: Arc::new(LocalServices::default()),
+        arguments,
         interrupted: Box::new(move || received.received().is_some()),
     });
     match opened {

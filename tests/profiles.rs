@@ -88,6 +88,8 @@ const CASES: &[Case] = &[
     case("output = \"key:f\"", "output = [\"key:f\", \"key:spcae\"]", "17:20", "\"key:spcae\"", "did you mean `space`"),
     case("output = \"key:f\"", "output = \"gelpad:pasue\"", "17:10", "\"gelpad:pasue\"", "write `gelpad:pause`"),
     case("output = \"key:f\"", "output = \"layer:aim\"", "17:10", "\"layer:aim\"", "no binding is on the layer `aim`"),
+    case("output = \"key:f\"", "output = \"$go\"\n[vars]\ngo = \"key:spcae\"", "19:6", "\"key:spcae\"", "did you mean `space`"),
+    case("name = \"p\"", "name = \"p\"\nvars = { hold = -3 }\nmin_hold_ms = \"$hold\"", "3:17", "-3", "`min_hold_ms` = -3 is out of range"),
     case("x = 0.1", "x = \"$edge\"", "5:5", "\"$edge\"", "unknown variable `$edge` | add `edge = ...` under [vars]"),
     case("name = \"p\"", "name = \"p\"\nextends = \"super-maria\"", "3:11", "\"super-maria\"", "no shipped profile is named `super-maria`"),
     // Missing or contradictory values.

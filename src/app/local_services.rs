@@ -6,12 +6,13 @@ use super::calibration;
 use super::folders::{own_folder, own_texts, recordings_folder};
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
-use super::play::{Game, PreparedGame};
+use super::play::{FirstUse, Game, PreparedGame};
 use super::profiles::{bases_of, check_text};
 use super::recording::ActiveRecording;
 use super::reload::ProfileReload;
 use super::services::{AppServices, OutputChoice, PlayRequest, Started, Watch};
-use super::texts::{pad_text, profile_text};
+use super::table_solver::TableSolver;
+use super::texts::{pad_text, profile_text, user_text};
 use super::timeline::RecordingTimeline;
 use super::{AppError, first_fault};
 use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
@@ -23,11 +24,14 @@ use crate::runtime::RunningGame;
 use crate::types::{PointMm, SourceErrors};
 
 /// Starts games as `gelpad play` does.
-pub struct LocalServices;
+#[derive(Debug, Default)]
+pub struct LocalServices {
+    tables: TableSolver,
+}
 
 impl AppServices for LocalServices {
     fn start(&self, request: &PlayRequest) -> Result<Started, String> {
-        start(request).map_err(|error| error.one_line())
+        start(request, &self.tables).map_err(|error| error.one_line())
     }
 
     fn profiles(&self) -> Vec<String> {
@@ -55,6 +59,10 @@ impl AppServices for LocalServices {
 
     fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors> {
         check_text(profile, user)
+    }
+
+    fn user_text(&self, name: &str) -> Result<String, String> {
+        text_or_line(user_text(name))
     }
 
     fn pad_text(&self, name: &str) -> Result<String, String> {
@@ -97,9 +105,10 @@ impl AppServices for LocalServices {
     }
 }
 
-/// Shipped names, then the user's own files.
+/// The user's own files, then shipped names.
 fn with_own_texts(shipped: impl Iterator<Item = &'static str>, kind: &str) -> Vec<String> {
-    shipped.map(str::to_owned).chain(own_texts(kind)).collect()
+    let own = own_texts(kind).into_iter();
+    own.chain(shipped.map(str::to_owned)).collect()
 }
 
 fn text_or_line(text: Result<Source, AppError>) -> Result<String, String> {
@@ -113,8 +122,8 @@ fn log_solving(done: usize, rows: usize) {
     }
 }
 
-fn start(request: &PlayRequest) -> Result<Started, AppError> {
-    let prepared = PreparedGame::prepare(request, &log_solving)?;
+fn start(request: &PlayRequest, tables: &TableSolver) -> Result<Started, AppError> {
+    let prepared = PreparedGame::prepare(request, &FirstUse::PlayAtOnce(tables))?;
     let prepared = match request.output {
         OutputChoice::Nothing => prepared,
         _ => prepared.with_focus_gate(),
@@ -128,6 +137,7 @@ fn start(request: &PlayRequest) -> Result<Started, AppError> {
         reload,
         recording,
         warnings,
+        table,
     } = prepared.start()?;
     Ok(Started {
         running,
@@ -137,6 +147,7 @@ fn start(request: &PlayRequest) -> Result<Started, AppError> {
         keys_blocked,
         watch: Box::new(GameWatch { reload, recording }),
         warnings: warnings.iter().map(first_fault).collect(),
+        table,
     })
 }
 

@@ -13,6 +13,7 @@ mod listeners;
 mod load_timeline;
 mod local_services;
 pub(crate) mod outputs;
+pub mod own_files;
 pub(crate) mod pads;
 pub(crate) mod places;
 mod play;
@@ -27,6 +28,7 @@ pub(crate) mod restore;
 pub mod services;
 pub mod signals;
 pub(crate) mod source;
+pub mod table_solver;
 pub(crate) mod texts;
 pub mod timeline;
 
@@ -34,7 +36,7 @@ pub use local_services::LocalServices;
 
 pub(crate) use error::{AppError, first_fault};
 pub(crate) use file_watch::{FileWatcher, WatchedFile};
-pub(crate) use play::{Game, PreparedGame};
+pub(crate) use play::{FirstUse, Game, PreparedGame};
 pub(crate) use read_ahead::ReadAhead;
 pub(crate) use reload::ReloadNotice;
 

@@ -68,15 +68,31 @@ pub(crate) fn reconstruction(pad: &Pad, method: Method) -> Result<Reconstruction
     Reconstruction::from_pad(pad, method).map_err(|error| no_image(pad, error))
 }
 
+/// Sensing by images only, for a game that starts before its response table is solved.
+pub(super) fn sensing_by_image(pad: &Pad, method: Method) -> Result<SensingBuilder, AppError> {
+    start_workers()?;
+    SensingBuilder::new(pad, method).map_err(|error| no_image(pad, error))
+}
+
 /// Everything an engine starts from, and the builder of its later matrices.
 pub(crate) fn engine_config(
-    PadText { pad, toml }: PadText,
+    pad: PadText,
     profile: Arc<Profile>,
     method: Method,
     correction: Option<Correction>,
     progress: Progress<'_>,
 ) -> Result<(SensingBuilder, EngineConfig), AppError> {
-    let builder = sensing(&pad, method, progress)?;
+    let builder = sensing(&pad.pad, method, progress)?;
+    config_with_builder(pad, profile, correction, builder)
+}
+
+/// Everything an engine starts from, with a given builder of matrices.
+pub(super) fn config_with_builder(
+    PadText { pad, toml }: PadText,
+    profile: Arc<Profile>,
+    correction: Option<Correction>,
+    builder: SensingBuilder,
+) -> Result<(SensingBuilder, EngineConfig), AppError> {
     let sensing = Arc::new(
         builder
             .build_initial()

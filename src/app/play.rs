@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 use super::focus_gate::FocusGate;
 use super::listeners::{Listeners, check_recording};
 use super::outputs::{self, OutputAbilities};
-use super::pads::{choose_method, engine_config};
+use super::pads::{choose_method, config_with_builder, engine_config, sensing_by_image};
 use super::play_config::PlayConfig;
 use super::process_match::ProfileMatcher;
 use super::recording::ActiveRecording;
 use super::reload::ProfileReload;
 use super::request::{OutputChoice, PlayRequest, SourceChoice};
 use super::source::open_requested;
+use super::table_solver::{TableInProgress, TableSolver};
 use super::{AppError, Progress};
 use crate::output::OutputDevice;
 use crate::pad::Pad;
@@ -39,6 +40,16 @@ pub(crate) struct PreparedGame {
     keys_blocked: Option<Arc<AtomicBool>>,
     reload: Option<ProfileReload>,
     listeners: Listeners,
+    table: Option<Arc<TableInProgress>>,
+}
+
+/// What happens while the pad has no solved response table, the first time it is used.
+pub(crate) enum FirstUse<'a> {
+    /// The game starts when it is solved, which takes seconds.
+    Wait(Progress<'a>),
+    /// The game starts at once and finds touches in images; the table arrives later. A game that is recorded waits: its
+    /// recording contains the table from the start.
+    PlayAtOnce(&'a TableSolver),
 }
 
 /// A game that plays.
@@ -59,11 +70,16 @@ pub(crate) struct Game {
     pub recording: Option<ActiveRecording>,
     /// Warnings about the profile.
     pub warnings: Vec<SourceErrors>,
+    /// The response table, if it is still being solved.
+    pub table: Option<Arc<TableInProgress>>,
 }
 
 impl PreparedGame {
-    /// Opens everything that a request names. The first use of a pad solves it, which takes seconds.
-    pub(crate) fn prepare(request: &PlayRequest, progress: Progress<'_>) -> Result<Self, AppError> {
+    /// Opens everything that a request names.
+    pub(crate) fn prepare(
+        request: &PlayRequest,
+        first_use: &FirstUse<'_>,
+    ) -> Result<Self, AppError> {
         check_recording(request)?;
         let PlayConfig {
             pad,
@@ -92,7 +108,29 @@ impl PreparedGame {
             None => None,
         };
         let method = choose_method(request.method, &profile, &pad.pad);
-        let (builder, config) = engine_config(pad, profile, method, correction, progress)?;
+        let ((builder, config), table) = match first_use {
+            FirstUse::Wait(progress) => {
+                let config = engine_config(pad, profile, method, correction, progress)?;
+                (config, None)
+            }
+            FirstUse::PlayAtOnce(solver) => {
+                if request.record.is_some() {
+                    solver.wait(&pad.pad);
+                }
+                let table = match request.record {
+                    Some(_) => None,
+                    None => solver.start(&pad.pad).map_err(AppError::Thread)?,
+                };
+                let config = match table {
+                    Some(_) => {
+                        let builder = sensing_by_image(&pad.pad, method)?;
+                        config_with_builder(pad, profile, correction, builder)?
+                    }
+                    None => engine_config(pad, profile, method, correction, &|_, _| ())?,
+                };
+                (config, table)
+            }
+        };
         let listeners = Listeners::start(request, &config, method)?;
         Ok(Self {
             output: match request.output {
@@ -109,6 +147,7 @@ impl PreparedGame {
             keys_blocked: None,
             reload,
             listeners,
+            table,
         })
     }
 
@@ -149,6 +188,7 @@ impl PreparedGame {
             reload: self.reload,
             recording,
             warnings: self.warnings,
+            table: self.table,
         })
     }
 }

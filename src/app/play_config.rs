@@ -4,6 +4,7 @@ use super::pads::{PadText, load_pad};
 use super::profiles::{load_profile, with_user};
 use super::recording::{is_recording, open_recording};
 use super::request::{PlayRequest, SourceChoice};
+use super::texts::own_or_given_profile;
 use super::{AppError, calibration};
 use crate::profile::Checked;
 use crate::touch::Correction;
@@ -51,8 +52,8 @@ impl PlayConfig {
                 (checked, None)
             }
             None => {
-                let checked = load_profile(&request.profile, user)?;
-                (checked, Some(request.profile.clone()))
+                let argument = own_or_given_profile(&request.profile);
+                (load_profile(&argument, user)?, Some(argument))
             }
         };
         let correction = match (&request.calibration, with_pad) {

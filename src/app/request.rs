@@ -162,3 +162,37 @@ impl PlayRequest {
         }
     }
 }
+
+/// The parts of a game that the arguments of `gelpad` name; the others are those of the last session.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WindowArguments {
+    /// A shipped profile, or a file.
+    pub profile: Option<String>,
+    /// A shipped pad, or a file.
+    pub pad: Option<String>,
+    /// One user's settings.
+    pub user: Option<String>,
+    /// Where frames come from.
+    pub source: Option<SourceChoice>,
+    /// A saved calibration.
+    pub calibration: Option<PathBuf>,
+}
+
+impl WindowArguments {
+    /// A game with these parts.
+    #[must_use]
+    pub fn apply(self, mut request: PlayRequest) -> PlayRequest {
+        if let Some(pad) = self.pad
+            && pad != request.pad
+        {
+            request.pad = pad;
+            // A calibration belongs to one pad.
+            request.calibration = None;
+        }
+        request.profile = self.profile.unwrap_or(request.profile);
+        request.user = self.user.or(request.user);
+        request.source = self.source.unwrap_or(request.source);
+        request.calibration = self.calibration.or(request.calibration);
+        request
+    }
+}

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-pub use super::request::{BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice};
+pub use super::request::{
+    BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice, WindowArguments,
+};
+pub use super::table_solver::TableInProgress;
 use super::timeline::RecordingTimeline;
 use crate::calibrate::Press;
 use crate::calibrate::recommend::{PressTrial, Recommendation};
@@ -39,6 +42,9 @@ pub struct Started {
     pub watch: Box<dyn Watch>,
     /// Warnings about the profile.
     pub warnings: Vec<String>,
+    /// The pad's response table, while it is being solved: the game finds touches in images until it is sent
+    /// [`crate::runtime::PlayCommand::Table`].
+    pub table: Option<Arc<TableInProgress>>,
 }
 
 /// Starts games and finds texts.
@@ -49,14 +55,27 @@ pub trait AppServices: Send + Sync {
     /// The reason and what to do, for the player.
     fn start(&self, request: &PlayRequest) -> Result<Started, String>;
 
-    /// Profiles: shipped names, then paths of the player's own files.
+    /// Profiles: paths of the player's own files, then shipped names.
     fn profiles(&self) -> Vec<String>;
 
-    /// Pads: shipped names, then paths of the player's own files.
+    /// Pads: paths of the player's own files, then shipped names.
     fn pads(&self) -> Vec<String>;
 
-    /// Users: shipped names, then paths of the player's own files.
+    /// Users: paths of the player's own files, then shipped names.
     fn users(&self) -> Vec<String>;
+
+    /// The player's own calibrations of a pad, by its name.
+    fn calibrations(&self, pad: &str) -> Vec<PathBuf> {
+        let folder = self.own_folder().map(|folder| folder.join("calibrations"));
+        let entries = folder.and_then(|folder| std::fs::read_dir(folder).ok());
+        let paths = entries.into_iter().flatten().flatten();
+        let mut files: Vec<PathBuf> = paths
+            .map(|entry| entry.path())
+            .filter(|path| is_calibration_of(path, pad))
+            .collect();
+        files.sort();
+        files
+    }
 
     /// Names of the serial ports.
     fn ports(&self) -> Vec<String>;
@@ -72,6 +91,17 @@ pub trait AppServices: Send + Sync {
     /// # Errors
     /// All mistakes, each with its place.
     fn check_profile(&self, profile: Source, user: Option<&str>) -> Result<Checked, SourceErrors>;
+
+    /// The text of a user's settings.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn user_text(&self, name: &str) -> Result<String, String> {
+        match crate::profile::shipped_user(name) {
+            Some(user) => Ok(user.toml.to_owned()),
+            None => std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}")),
+        }
+    }
 
     /// The text of a pad.
     ///
@@ -116,4 +146,17 @@ pub trait AppServices: Send + Sync {
     fn recordings_folder(&self) -> Option<PathBuf> {
         self.own_folder().map(|folder| folder.join("recordings"))
     }
+}
+
+/// Whether a file is named as [`crate::calibrate::calibration_file_name`] names the calibrations of a pad.
+fn is_calibration_of(path: &Path, pad: &str) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let stem = name.and_then(|name| name.strip_suffix(".calibration.json"));
+    let number = stem.and_then(|stem| stem.strip_prefix(pad));
+    number.is_some_and(|rest| {
+        rest.is_empty()
+            || rest
+                .strip_prefix('-')
+                .is_some_and(|n| n.parse::<u32>().is_ok())
+    })
 }

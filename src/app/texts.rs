@@ -65,12 +65,31 @@ pub(crate) fn profile_text(argument: &str) -> Result<Source, AppError> {
     find_text(argument, "profile", shipped, names)
 }
 
+/// The file of a profile in the user's own folder, for a name that no shipped profile has; other arguments stay as they are.
+pub(crate) fn own_or_given_profile(argument: &str) -> String {
+    if is_path(argument) || shipped_profile(argument).is_some() {
+        return argument.to_owned();
+    }
+    own_file("profiles", argument).unwrap_or_else(|| argument.to_owned())
+}
+
+/// The path of the user's own text of a kind (`profiles`, `pads`).
+fn own_file(folder: &str, name: &str) -> Option<String> {
+    let path = own_folder()?.join(folder).join(format!("{name}.toml"));
+    path.is_file().then(|| path.display().to_string())
+}
+
 fn find_text(
     argument: &str,
     kind: &'static str,
     shipped: Option<&str>,
     names: impl Iterator<Item = &'static str>,
 ) -> Result<Source, AppError> {
+    let own = match is_path(argument) || shipped.is_some() {
+        true => None,
+        false => own_file(&format!("{kind}s"), argument),
+    };
+    let argument = own.as_deref().unwrap_or(argument);
     let toml = match (is_path(argument), shipped) {
         (true, _) => read_text(Path::new(argument))?,
         (false, Some(toml)) => toml.to_owned(),

@@ -30,10 +30,12 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, Parser as _};
 
+use crate::app::services::WindowArguments;
 use crate::types::printable;
-use args::{Arguments, Command};
+use args::{Arguments, Command, WindowArgs};
 use input::copy_pipe;
 
 /// What remains to be done after the command line was run.
@@ -41,7 +43,7 @@ pub enum Next {
     /// End with a code.
     Exit(ExitCode),
     /// Open the window: there was no command.
-    OpenWindow,
+    OpenWindow(WindowArguments),
 }
 
 /// Runs the command of the arguments.
@@ -49,8 +51,13 @@ pub enum Next {
 pub fn run() -> Next {
     let arguments = Arguments::try_parse().unwrap_or_else(|error| end_with(&error));
     log::start(arguments.verbose);
+    if arguments.command.is_some() && arguments.window != WindowArgs::default() {
+        let message = "--profile, --pad, --user, --source and --calibration before a command belong to the window: write them after the command";
+        let error = Arguments::command().error(ErrorKind::ArgumentConflict, message);
+        end_with(&error);
+    }
     let outcome = match arguments.command {
-        None => return Next::OpenWindow,
+        None => return Next::OpenWindow(arguments.window.into()),
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Replay(mut args)) => {
             copy_pipe(&mut args.file).and_then(|_copy| replay::replay(&args))

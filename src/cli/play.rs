@@ -15,7 +15,7 @@ use super::summary::summary_text;
 use super::terminal::{KeyCommand, Terminal, TerminalLost};
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
 use crate::app::signals::Signals;
-use crate::app::{AppError, Game, PreparedGame, ReloadNotice};
+use crate::app::{AppError, FirstUse, Game, PreparedGame, ReloadNotice};
 use crate::output::OutputError;
 use crate::runtime::{PlayCommand, SessionSummary};
 
@@ -56,7 +56,10 @@ fn can_show_view() -> bool {
 fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     let terminal = Terminal::attached();
     let bar = SolveBar::default();
-    let prepared = PreparedGame::prepare(request, &|done, rows| bar.update(done, rows))?;
+    let prepared = PreparedGame::prepare(
+        request,
+        &FirstUse::Wait(&|done, rows| bar.update(done, rows)),
+    )?;
     bar.finish();
     prepared.warnings.iter().for_each(exit::warn);
     if let Some(note) = &prepared.output_note {

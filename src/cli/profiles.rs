@@ -1,12 +1,14 @@
 //! `gelpad profile`: lists, checks, shows and draws profiles.
 
 use std::io::Write as _;
+use std::path::Path;
 
 use super::args::{ProfileCommand, ShowArgs};
 use super::drawing;
 use super::exit::{self, Ending};
 use super::map::Map;
 use super::message::for_stdout;
+use crate::app::folders::own_texts;
 use crate::app::pads::load_pad;
 use crate::app::profiles::load_profile;
 use crate::app::texts::profile_text;
@@ -18,6 +20,15 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
     match command {
         ProfileCommand::List => {
+            for path in own_texts("profiles") {
+                // One with mistakes is listed too: `check` names them.
+                let about = load_profile(&path, None).map(|checked| checked.profile.about);
+                let about = about.unwrap_or_else(|_| "has mistakes".to_owned());
+                let name = Path::new(&path).file_stem().unwrap_or_default();
+                let name = name.to_string_lossy();
+                let name = printable(&name);
+                writeln!(stdout, "{name:24} {} (yours)", printable(&about))?;
+            }
             for shipped in SHIPPED_PROFILES {
                 let profile = Profile::from_toml(shipped.name, shipped.toml)?;
                 writeln!(stdout, "{:24} {}", profile.name, profile.about)?;

@@ -5,16 +5,20 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Rect, Stroke, Ui, Vec2};
 
+use super::closing::Closing;
 use super::comfort::Comfort;
+use super::comfort::last_game::LastGame;
 use super::edit::{BindStep, EditView};
+use super::focus_ring::FocusRing;
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play;
-use super::playing::Playing;
+use super::playing::{Playing, SILENT_S};
 use super::practice::PracticeTab;
 use super::problem::{self, UiContext};
 use super::rail;
 use super::record::RecordView;
+use super::repaint_rate::RepaintRate;
 use super::request::{Names, UiAction};
 use super::setup::SetUpView;
 use super::signals::SignalsView;
@@ -22,6 +26,7 @@ use super::tab::Tab;
 use super::theme;
 use super::waker::Waker;
 use crate::app::services::{AppServices, PlayRequest, Started};
+use crate::pad::DEFAULT_PAD;
 use crate::runtime::PlayCommand;
 
 /// Width of the list of views at the left, in a wide and a narrow window, points.
@@ -53,11 +58,17 @@ pub struct App {
     pub signals: SignalsView,
     /// Appearance and feedback.
     pub comfort: Comfort,
+    /// The question about unsaved changes.
+    pub closing: Closing,
     services: Arc<dyn AppServices>,
     names: Names,
     starting: Option<(PlayRequest, Receiver<Result<Started, String>>)>,
     waker: Option<Waker>,
     picture: Picture,
+    focus_ring: FocusRing,
+    repaint_rate: RepaintRate,
+    /// Whether the player chose an output in this session.
+    has_chosen_output: bool,
     styled: bool,
     /// Arrival of the newest view, egui time, s.
     last_view_s: f64,
@@ -66,12 +77,7 @@ pub struct App {
 impl App {
     /// The window before the first game.
     pub fn new(services: Arc<dyn AppServices>) -> Self {
-        let names = Names {
-            profiles: services.profiles(),
-            pads: services.pads(),
-            users: services.users(),
-            ports: services.ports(),
-        };
+        let names = Names::find(services.as_ref(), DEFAULT_PAD);
         let comfort = Comfort::load(services.as_ref());
         let mut practice = PracticeTab::default();
         practice.practice.set_best_s(comfort.preferences.best_s);
@@ -80,17 +86,21 @@ impl App {
             record: RecordView::default(),
             signals: SignalsView::default(),
             practice,
-            comfort,
-            tab: Tab::Play,
+            tab: comfort.preferences.tab,
             playing: Playing::idle(),
             failed: None,
-            pad_window: PadWindow::default(),
+            pad_window: PadWindow::at(comfort.preferences.pad_window),
+            comfort,
             edit: EditView::default(),
+            closing: Closing::default(),
             services,
             names,
             starting: None,
             waker: None,
             picture: Picture::default(),
+            focus_ring: FocusRing::default(),
+            repaint_rate: RepaintRate::default(),
+            has_chosen_output: false,
             styled: false,
             last_view_s: 0.0,
         }
@@ -108,6 +118,8 @@ impl App {
     /// Ends the current game and starts another on a thread.
     pub fn play(&mut self, request: PlayRequest) {
         self.playing.stop();
+        // The lists show what is starting.
+        self.playing.request = request.clone();
         self.failed = None;
         let (sender, receiver) = sync_channel(1);
         let services = Arc::clone(&self.services);
@@ -139,11 +151,60 @@ impl App {
         if self.playing.poll() {
             self.last_view_s = ctx.time();
         }
-        self.practice.play_new_events(&self.playing.view);
-        self.comfort.preferences.best_s = self.practice.practice.best_s();
+        self.playing.silent_s = ctx.time() - self.last_view_s;
+        if self.playing.is_running() && self.playing.silent_s <= SILENT_S {
+            // No view may come that would repaint the window.
+            ctx.request_repaint_after(std::time::Duration::from_secs_f64(SILENT_S + 0.05));
+        }
+        if self.tab == Tab::Practice {
+            self.practice.play_new_events(&self.playing.view);
+        } else {
+            self.practice.skip_events(&self.playing.view);
+        }
+        self.remember();
+        self.set_repaint_rate(ctx);
         let focused = ctx.input_for(egui::ViewportId::ROOT, |input| input.focused);
         // The setup's key check needs the keys in this window.
         self.playing.block_keys(focused && !self.checks_keys());
+    }
+
+    fn set_repaint_rate(&mut self, ctx: &egui::Context) {
+        let minimised = ctx.input_for(egui::ViewportId::ROOT, |input| input.viewport().minimized);
+        let is_hidden = minimised == Some(true) && !self.pad_window.open;
+        let view = &self.playing.view;
+        let interval = self.repaint_rate.interval(view, ctx.time(), is_hidden);
+        if let Some(waker) = &self.waker {
+            waker.set_interval(interval);
+        }
+    }
+
+    /// Takes into the preferences what the next start restores.
+    fn remember(&mut self) {
+        let kept = &mut self.comfort.preferences;
+        kept.best_s = self.practice.practice.best_s();
+        kept.tab = self.tab;
+        kept.pad_window = self.pad_window.place.map(|place| [place.x, place.y]);
+        if self.playing.is_running() {
+            let before = kept.last_game.was_sent;
+            kept.last_game = LastGame::from_request(&self.playing.request);
+            // The trial at the start of the next session is not the player's choice.
+            kept.last_game.was_sent |= before && !self.has_chosen_output;
+        }
+    }
+
+    /// The game of the last session.
+    #[must_use]
+    pub fn last_game(&self) -> PlayRequest {
+        self.comfort.preferences.last_game.to_request()
+    }
+
+    /// Stops the game and saves the preferences, when the window closes.
+    pub fn close(&mut self, size: Option<Vec2>) {
+        self.playing.stop();
+        if let Some(size) = size {
+            self.comfort.preferences.size = Some([size.x, size.y]);
+        }
+        self.comfort.save();
     }
 
     /// Takes over the game that was starting, if it has started or failed.
@@ -158,6 +219,8 @@ impl App {
                     self.playing.wake_with(thread);
                 }
                 self.last_view_s = now_s;
+                // Saved profiles, people and calibrations may be new.
+                self.names = Names::find(self.services.as_ref(), &self.playing.pad.name);
             }
             Ok(Err(why)) => {
                 self.playing.request = request.clone();
@@ -208,14 +271,16 @@ impl App {
         let ctx = ui.ctx().clone();
         self.pad_window.show(&ctx, &mut self.playing);
         self.comfort.show_feedback(ui, &self.playing);
+        self.closing.show(&ctx, &mut self.edit, &self.services);
+        self.focus_ring.draw(ui);
     }
 
     /// The most severe problem of this moment.
-    pub fn problem(&self, ctx: &egui::Context) -> Option<problem::Problem> {
+    pub fn problem(&self) -> Option<problem::Problem> {
         let context = UiContext {
             failed: self.failed.as_deref(),
             starting: self.starting.is_some(),
-            silent_s: ctx.time() - self.last_view_s,
+            was_sent: self.comfort.preferences.last_game.was_sent,
         };
         problem::most_severe(&self.playing, context)
     }
@@ -223,7 +288,7 @@ impl App {
     fn view(&mut self, ui: &mut Ui) -> Option<UiAction> {
         match self.tab {
             Tab::Play => {
-                let problem = self.problem(ui.ctx());
+                let problem = self.problem();
                 play::ui(
                     ui,
                     &mut self.picture,
@@ -245,16 +310,16 @@ impl App {
                 self.signals.ui(ui, &self.playing);
                 None
             }
-            Tab::Comfort => {
-                self.comfort.ui(ui, &self.playing);
-                None
-            }
+            Tab::Comfort => self.comfort.ui(ui, &self.playing, self.services.as_ref()),
         }
     }
 
     fn perform(&mut self, action: UiAction) {
         match action {
-            UiAction::Play(request) => self.play(request),
+            UiAction::Play(request) => {
+                self.has_chosen_output |= request.output != self.playing.request.output;
+                self.play(request);
+            }
             UiAction::PadWindow => self.pad_window.open = true,
             UiAction::Record => self.toggle_recording(),
             UiAction::Show(tab) => self.tab = tab,
@@ -311,19 +376,36 @@ impl App {
             ("✖", palette.bad, "stopped")
         } else if playing.view.paused {
             ("⏸", palette.warn, "paused")
+        } else if playing.is_silent() {
+            ("○", palette.warn, "no data")
         } else {
             ("●", palette.good, "playing")
         };
         ui.label(egui::RichText::new(mark).color(colour));
         let view = &playing.view;
         let words = format!(
-            "{state}   {} → {}   ·   {}   ·   {:.0} frames/s   ·   {:.2} ms",
+            "{state}   ·   {:.0} frames/s   ·   {:.2} ms   ·   {} → {}   ·   {}",
+            playing.frames_per_s(),
+            view.latency_us as f64 / 1e3,
             playing.request.source_label(),
             playing.output,
             view.profile.name,
-            view.frames_per_s,
-            view.latency_us as f64 / 1e3,
         );
+        if let Some(share) = playing.table.as_ref().map(|table| table.share()) {
+            draw_table_progress(&mut ui, share);
+        }
         ui.add(egui::Label::new(egui::RichText::new(words).size(12.5)).truncate());
     }
+}
+
+/// How much of the pad's response table is solved.
+fn draw_table_progress(ui: &mut Ui, share: f32) {
+    let text = format!("preparing the pad: {:.0} %", share * 100.0);
+    let bar = egui::ProgressBar::new(share)
+        .desired_width(190.0)
+        .desired_height(18.0)
+        .text(egui::RichText::new(text).size(12.0));
+    ui.add(bar).on_hover_text(
+        "You can play already. Places of touches become exact when the pad is prepared, which happens once.",
+    );
 }

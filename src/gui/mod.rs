@@ -4,14 +4,19 @@
 //! fingers on the simulated pad (`fingers.rs`), problems (`problem.rs`).
 //!
 //! Invariants: the window reads the newest view and sends commands; neither the window nor the engine waits for the other.
-//! The window repaints only when something has changed. It never receives gelpad's own keys (`src/app/focus_gate.rs`).
+//! The window repaints only when something has changed (`repaint_rate.rs`). It never receives gelpad's own keys (`src/app/focus_gate.rs`).
 
 pub mod app;
+mod choice;
+mod closing;
 pub mod comfort;
 pub mod edit;
+mod file_dialog;
 pub mod fingers;
+mod focus_ring;
 pub mod history;
 mod overlay;
+mod pad_nodes;
 pub mod pad_window;
 pub mod picture;
 pub mod place;
@@ -24,12 +29,14 @@ mod quiet_panics;
 mod rail;
 pub mod record;
 pub mod regions;
+pub mod repaint_rate;
 mod request;
 pub mod setup;
 pub mod signals;
 pub mod still;
 pub mod tab;
 pub mod theme;
+mod timing_settings;
 pub mod waker;
 
 pub use app::App;
@@ -38,10 +45,10 @@ pub use tab::Tab;
 
 use std::sync::Arc;
 
-use crate::app::services::{AppServices, PlayRequest};
+use crate::app::services::{AppServices, WindowArguments};
 
-/// Initial size of the window and its minimum, points.
-const SIZE: [f32; 2] = [1280.0, 800.0];
+/// Initial size of the window and its minimum, points. With its title bar, the window fits on a screen of 1280 x 800.
+const SIZE: [f32; 2] = [1240.0, 730.0];
 const MIN_SIZE: [f32; 2] = [640.0, 400.0];
 
 /// The window could not be opened.
@@ -53,10 +60,8 @@ pub struct WindowError(String);
 pub struct WindowOptions {
     /// Starts games, finds profiles and pads.
     pub services: Arc<dyn AppServices>,
-    /// The first game.
-    pub request: PlayRequest,
-    /// The first view.
-    pub tab: Tab,
+    /// Changes the game that is played first, which is that of the last session.
+    pub arguments: WindowArguments,
     /// Whether a signal has asked the program to end.
     pub interrupted: Box<dyn Fn() -> bool>,
 }
@@ -66,11 +71,13 @@ pub struct WindowOptions {
 /// # Errors
 /// There is no display, no OpenGL, or a system library is missing; no game was started.
 pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
+    let mut app = App::new(opening.services);
+    let size = app.comfort.preferences.size.unwrap_or(SIZE);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("gelpad")
             .with_app_id("gelpad")
-            .with_inner_size(SIZE)
+            .with_inner_size(size)
             .with_min_inner_size(MIN_SIZE),
         ..Default::default()
     };
@@ -82,14 +89,13 @@ pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
             Box::new(move |creation| {
                 quiet.restore();
                 theme::install_fonts(&creation.egui_ctx);
-                let mut app = App::new(opening.services);
                 app.start_waker(&creation.egui_ctx)?;
-                app.tab = opening.tab;
-                app.play(opening.request);
+                app.play(opening.arguments.apply(app.last_game()));
                 Ok(Box::new(Window {
                     app,
                     interrupted: opening.interrupted,
                     repaints: RepaintCounter::default(),
+                    size: None,
                 }))
             }),
         )
@@ -108,6 +114,8 @@ struct Window {
     app: App,
     interrupted: Box<dyn Fn() -> bool>,
     repaints: RepaintCounter,
+    /// Size of the window, points.
+    size: Option<egui::Vec2>,
 }
 
 /// Logs repaints per second; `scripts/window-cost.sh` reads the log.
@@ -138,18 +146,21 @@ impl RepaintCounter {
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _: &mut eframe::Frame) {
         if (self.interrupted)() {
+            self.app.closing.forced = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
         self.app.poll(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let inner = ui.ctx().input(|input| input.viewport().inner_rect);
+        self.size = inner.map(|inner| inner.size()).or(self.size);
         self.app.ui(ui);
         let plays = self.app.playing.view.frames > 0;
         self.repaints.count(ui.ctx().time(), plays);
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        self.app.playing.stop();
+        self.app.close(self.size);
     }
 }

@@ -9,10 +9,13 @@ use std::thread::Thread;
 use super::fingers::Fingers;
 use super::history::History;
 use super::still;
-use crate::app::services::{PlayRequest, SourceChoice, Started, Watch};
+use crate::app::services::{PlayRequest, SourceChoice, Started, TableInProgress, Watch};
 use crate::pad::Pad;
 use crate::runtime::{PlayCommand, RunningGame, SessionSummary, View};
 use crate::source::LiveFingers;
+
+/// A source without frames for longer than this is silent, s.
+pub const SILENT_S: f64 = 1.0;
 
 /// The current game, or the last one.
 pub struct Playing {
@@ -30,12 +33,16 @@ pub struct Playing {
     pub output: String,
     /// The newest message for the player.
     pub notice: Option<String>,
+    /// Time since the newest view, s.
+    pub silent_s: f64,
     /// Why it ended, if it has.
     pub ended: Option<String>,
     /// Commands sent while no game runs: for tests.
     pub unsent_commands: Vec<PlayCommand>,
     /// The first reference voltages: the base of drift.
     pub first_reference: Vec<f32>,
+    /// The pad's response table, until it is solved and sent to the game.
+    pub table: Option<Arc<TableInProgress>>,
     hand: Option<LiveFingers>,
     keys_blocked: Option<Arc<AtomicBool>>,
     running: Option<RunningGame>,
@@ -53,9 +60,11 @@ impl Playing {
             fingers: Fingers::default(),
             output: "nothing".to_owned(),
             notice: None,
+            silent_s: 0.0,
             ended: None,
             unsent_commands: Vec::new(),
             first_reference: Vec::new(),
+            table: None,
             hand: None,
             keys_blocked: None,
             running: None,
@@ -82,10 +91,12 @@ impl Playing {
             keys_blocked,
             watch,
             warnings,
+            table,
         } = started;
         let view = running.view().clone();
         let mut playing = Self::without_game(request, pad, view);
         playing.output = output;
+        playing.table = table;
         playing.hand = hand;
         playing.keys_blocked = keys_blocked;
         playing.running = Some(running);
@@ -97,6 +108,19 @@ impl Playing {
     /// Whether its threads are running.
     pub fn is_running(&self) -> bool {
         self.running.is_some()
+    }
+
+    /// Whether a running game gets no data from its source.
+    pub fn is_silent(&self) -> bool {
+        self.is_running() && !self.view.paused && self.silent_s > SILENT_S
+    }
+
+    /// Frames per second; 0 while the source is silent.
+    pub fn frames_per_s(&self) -> f64 {
+        match self.is_silent() {
+            true => 0.0,
+            false => self.view.frames_per_s,
+        }
     }
 
     /// Lets the game unpark a thread whenever it has a new view.
@@ -122,6 +146,11 @@ impl Playing {
         }
         if let Some(hand) = &mut self.hand {
             hand.flush();
+        }
+        if let Some(ended) = self.table.take_if(|table| table.has_ended())
+            && let Some(table) = ended.table()
+        {
+            running.send_command(PlayCommand::Table(table));
         }
         let newest = running.view();
         let is_new = newest.frames != self.view.frames
@@ -189,13 +218,19 @@ impl Playing {
         blocked.is_some_and(|blocked| blocked.load(Ordering::Relaxed))
     }
 
-    /// Stops the game and waits until its keys are released.
+    /// Stops the game and waits until its keys are released. A game that was stopped here is not a pad that disconnected:
+    /// only one that had ended before leaves a message.
     pub fn stop(&mut self) {
         self.hand = None;
-        if let Some(running) = &self.running {
+        let was_running = self.running.as_ref().is_some_and(|running| {
+            let is_over = running.is_finished();
             running.stop();
-        }
+            !is_over
+        });
         self.join();
+        if was_running {
+            self.ended = None;
+        }
     }
 
     /// Waits for the threads of a game that ends.

@@ -5,13 +5,12 @@ use super::playing::Playing;
 use super::request::UiAction;
 use super::tab::Tab;
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
+use crate::eit::REFERENCE_FRAMES;
 
 /// Slower frame rates miss quick presses, frames/s.
 pub const SLOW_FRAMES_PER_S: f64 = 25.0;
 /// A press of this many frames is always detected.
 pub const SHORTEST_PRESS_FRAMES: f64 = 2.0;
-/// A source without frames for longer than this is silent, s.
-const SILENT_S: f64 = 1.0;
 
 const RETRY: &str = "Try again";
 const SIGNALS: &str = "Show signals";
@@ -60,18 +59,19 @@ pub struct UiContext<'a> {
     pub failed: Option<&'a str>,
     /// Whether a game is starting.
     pub starting: bool,
-    /// Time since the last frame, s.
-    pub silent_s: f64,
+    /// Whether keys were sent to a game in the last session.
+    pub was_sent: bool,
 }
 
 type Check = fn(&Playing, UiContext<'_>) -> Option<Problem>;
 
 /// All checks; among equally severe problems the first one wins.
-const CHECKS: [Check; 10] = [
+const CHECKS: [Check; 11] = [
     failed_start,
     ended,
     paused,
     silent_source,
+    first_frames,
     blocked_keys,
     lost_electrodes,
     notice,
@@ -83,7 +83,7 @@ const CHECKS: [Check; 10] = [
 /// The most severe problem, if there is one.
 pub fn most_severe(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
     if context.starting {
-        return failed_start(playing, context);
+        return failed_start(playing, context).or_else(|| Some(plain_hint("Starting …")));
     }
     let problems = CHECKS.iter().filter_map(|check| check(playing, context));
     problems.reduce(|worst, next| {
@@ -119,18 +119,39 @@ fn paused(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
     playing.view.paused.then(problem)
 }
 
-fn silent_source(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
-    if playing.view.paused || !playing.is_running() || context.silent_s <= SILENT_S {
+fn silent_source(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    if !playing.is_silent() {
         return None;
     }
     let source = playing.request.source_label();
-    let text = format!("No data from {source}: all keys are released. Is it plugged in?");
+    let text = match (&playing.request.source, playing.view.frames) {
+        (SourceChoice::Serial(_), 0) => format!(
+            "No data from {source} yet: is this the board's port, at {} baud, and does the board run?",
+            playing.request.board.baud
+        ),
+        _ => format!("No data from {source}: all keys are released. Is it plugged in?"),
+    };
     Some(Problem::new(
         Error,
         text,
         "Set up",
         UiAction::Show(Tab::SetUp),
     ))
+}
+
+fn first_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+    let has_images = playing.request.source != SourceChoice::Gamepad;
+    let waits = has_images && playing.is_running() && playing.view.frames < REFERENCE_FRAMES as u64;
+    waits.then(|| plain_hint("Taking the first frames: leave the pad untouched"))
+}
+
+/// What happens now, without a button.
+fn plain_hint(text: &str) -> Problem {
+    Problem {
+        severity: Hint,
+        text: text.to_owned(),
+        fix: None,
+    }
 }
 
 fn blocked_keys(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
@@ -177,7 +198,7 @@ fn lost_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
 }
 
 fn slow_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
-    let rate = playing.view.frames_per_s;
+    let rate = playing.frames_per_s();
     if rate <= 0.0 || rate >= SLOW_FRAMES_PER_S {
         return None;
     }
@@ -192,13 +213,17 @@ fn slow_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
     ))
 }
 
-fn trial(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
+fn trial(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
     let request = PlayRequest {
         output: OutputChoice::Auto,
         ..playing.request.clone()
     };
     let (text, fix) = ("Trial: no keys are sent", UiAction::Play(request));
-    let problem = || Problem::new(Hint, text, "Send to my game", fix);
+    let label = match context.was_sent {
+        true => "Continue in my game",
+        false => "Send to my game",
+    };
+    let problem = || Problem::new(Hint, text, label, fix);
     (playing.request.output == OutputChoice::Nothing).then(problem)
 }
 
@@ -235,13 +260,13 @@ mod tests {
     }
 
     #[test]
-    fn while_a_game_starts_the_old_one_has_no_problems() {
+    fn while_a_game_starts_the_window_says_so_and_the_old_one_has_no_problems() {
         let mut playing = Playing::idle();
         playing.ended = Some("disconnected".to_owned());
         let context = UiContext {
             starting: true,
             ..UiContext::default()
         };
-        assert_eq!(most_severe(&playing, context), None);
+        assert_eq!(text(&playing, context), "Starting …");
     }
 }

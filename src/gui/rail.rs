@@ -54,10 +54,6 @@ fn button(ui: &mut Ui, tab: Tab, chosen: bool, height: f32) -> bool {
     } else if response.hovered() {
         painter.rect_filled(rect, round, palette.line.gamma_multiply(0.4));
     }
-    if response.has_focus() {
-        let line = Stroke::new(2.0, palette.accent);
-        painter.rect_stroke(rect, round, line, egui::StrokeKind::Inside);
-    }
     let colour = if chosen { palette.accent } else { palette.text };
     theme::centred_text(
         painter,

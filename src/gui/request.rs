@@ -1,7 +1,9 @@
 //! Requests of the views to the application, and the names to choose from.
 
 use super::tab::Tab;
-use crate::app::services::PlayRequest;
+use std::path::PathBuf;
+
+use crate::app::services::{AppServices, PlayRequest};
 
 /// What a view requests of the application.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,6 +37,21 @@ pub struct Names {
     pub users: Vec<String>,
     /// Serial ports.
     pub ports: Vec<String>,
+    /// Calibrations of the pad that is played.
+    pub calibrations: Vec<PathBuf>,
+}
+
+impl Names {
+    /// What can be chosen now.
+    pub fn find(services: &dyn AppServices, pad: &str) -> Self {
+        Self {
+            profiles: services.profiles(),
+            pads: services.pads(),
+            users: services.users(),
+            ports: services.ports(),
+            calibrations: services.calibrations(pad),
+        }
+    }
 }
 
 /// The last part of a path, without `.toml`.

@@ -147,6 +147,20 @@ pub fn primary(ui: &mut egui::Ui, text: &str) -> egui::Response {
     ui.add(egui::Button::new(text).fill(palette.accent))
 }
 
+/// Keeps the focus in a line of text when Enter ends it: otherwise Tab would start from the top of the window.
+pub fn keep_focus_on_enter(ui: &egui::Ui, field: &egui::Response) {
+    if field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+        field.request_focus();
+    }
+}
+
+/// A coloured symbol with a word for screen readers and as its tooltip.
+pub fn mark(ui: &mut egui::Ui, colour: Color32, symbol: &str, word: &str) {
+    let response = ui.colored_label(colour, symbol);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, word));
+    response.on_hover_text(word);
+}
+
 /// The title of a card or of a part of a view.
 pub fn title(ui: &mut egui::Ui, text: &str) -> egui::Response {
     let palette = palette_of(ui);

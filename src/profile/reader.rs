@@ -36,7 +36,8 @@ impl Reader {
         }
     }
 
-    /// Replaces each text that begins with `$` by the variable.
+    /// Replaces each text that begins with `$` by the variable. Mistakes in its value are reported at the variable, once,
+    /// however many places use it.
     pub(super) fn substitute(&mut self, vars: &BTreeMap<String, Value>, text: &mut Text) {
         for value in vars.values() {
             if matches!(value.data, Data::List(_) | Data::Other) {
@@ -70,7 +71,7 @@ impl Reader {
                     return;
                 };
                 if let Some(var) = vars.get(name) {
-                    value.data = var.data.clone();
+                    *value = var.clone();
                     return;
                 }
                 let help = match nearest(name, vars.keys().map(String::as_str)) {

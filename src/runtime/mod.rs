@@ -33,6 +33,7 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use rtrb::{Producer, RingBuffer};
 
+use crate::eit::ResponseTable;
 use crate::engine::Engine;
 use crate::output::{OutputDevice, OutputError};
 use crate::profile::Profile;
@@ -47,6 +48,7 @@ use steps::{EngineQueues, EngineThread};
 use wake::ViewWaker;
 
 pub use listen::{EngineStep, StepListener};
+pub use priority::lower as lower_priority;
 pub use record::{
     ExistingFile, RecordError, RecordReport, Recorder, check_recording, start_recording,
 };
@@ -73,6 +75,9 @@ pub enum PlayCommand {
     Pause,
     /// Take the reference again: the pad counts as untouched.
     Rezero,
+    /// Locate touches with this response table of the pad as soon as nothing is pressed. For games that are not recorded: a
+    /// recording contains its table from the start.
+    Table(Arc<ResponseTable>),
 }
 
 /// Counts and times of a session that has ended.

@@ -15,6 +15,23 @@ pub(super) fn raise() {
     }
 }
 
+/// What threads that solve pads have: they give way to play and to games.
+const LOW_NICENESS: i32 = 10;
+
+/// Lets ordinary programs run before the calling thread.
+#[cfg(target_os = "linux")]
+pub fn lower() {
+    if let Err(error) = rustix::process::setpriority_process(None, LOW_NICENESS) {
+        tracing::debug!("no lower priority: {error}");
+    }
+}
+
+/// Other systems keep the priority of their threads.
+#[cfg(not(target_os = "linux"))]
+pub fn lower() {
+    let _ = LOW_NICENESS;
+}
+
 /// Other systems keep the priority of their threads.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn raise() {

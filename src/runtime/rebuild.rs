@@ -1,4 +1,5 @@
-//! Builds another reconstruction matrix during play, when an electrode is lost or comes back.
+//! Builds another reconstruction matrix during play, when an electrode is lost or comes back, or when the pad's response table
+//! has been solved.
 //!
 //! The engine reports which channel deviations it wants a matrix for. The thread here builds it, and the result goes
 //! back to the engine as an input like any other.
@@ -11,55 +12,83 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::spawn;
+use crate::eit::ResponseTable;
 use crate::touch::{ChannelNoise, Sensing, SensingBuilder};
 
 /// Longest sleep of the thread; a request wakes it earlier.
 const NAP: Duration = Duration::from_millis(500);
 
-/// The engine's side of the thread that builds matrices: one request at a time.
+/// Requests that may wait: one for other weights, and the response table, which comes once.
+const QUEUE: usize = 2;
+
+/// What a matrix is built for.
+enum Request {
+    /// Other weights of the channels.
+    Noise(ChannelNoise),
+    /// The response table, with the weights of the last matrix.
+    Table(Arc<ResponseTable>),
+}
+
+/// The engine's side of the thread that builds matrices: one request for other weights at a time.
 pub(super) struct Rebuilder {
-    requests: Producer<ChannelNoise>,
+    requests: Producer<Request>,
     /// One answer for each request; none if the build failed.
     built: Consumer<Option<Arc<Sensing>>>,
     thread: Thread,
     /// The noise that is being built for, or for which the last build failed.
     requested: Option<ChannelNoise>,
-    is_building: bool,
+    /// Requests without an answer.
+    unanswered: usize,
 }
 
 impl Rebuilder {
     /// Starts the thread; it ends when the rebuilder is dropped. `engine` is woken by every answer.
     pub(super) fn start(builder: SensingBuilder, engine: Thread) -> io::Result<Self> {
-        let (requests_in, requests) = RingBuffer::new(1);
-        let (built_in, built) = RingBuffer::new(1);
+        let (requests_in, requests) = RingBuffer::new(QUEUE);
+        let (built_in, built) = RingBuffer::new(QUEUE);
         let thread = spawn("matrix", move || {
-            build_all(&builder, requests, built_in, &engine)
+            build_all(builder, requests, built_in, &engine)
         })?;
         Ok(Self {
             requests: requests_in,
             built,
             thread: thread.thread().clone(),
             requested: None,
-            is_building: false,
+            unanswered: 0,
         })
     }
 
     /// Requests a matrix for this noise. Ignored while one is built, and for noise whose build failed.
     pub(super) fn request(&mut self, noise: &ChannelNoise) {
-        if self.is_building || self.requested.as_ref() == Some(noise) {
+        if self.unanswered > 0 || self.requested.as_ref() == Some(noise) {
             return;
         }
-        if self.requests.push(noise.clone()).is_ok() {
+        if self.push(Request::Noise(noise.clone())) {
             self.requested = Some(noise.clone());
-            self.is_building = true;
+        }
+    }
+
+    /// Requests a matrix that locates touches with a response table, as all later ones do.
+    pub(super) fn add_table(&mut self, table: Arc<ResponseTable>) {
+        if !self.push(Request::Table(table)) {
+            tracing::error!("the response table is not used: another one is waiting");
+        }
+    }
+
+    /// Returns whether the queue had room.
+    fn push(&mut self, request: Request) -> bool {
+        let was_sent = self.requests.push(request).is_ok();
+        if was_sent {
+            self.unanswered += 1;
             self.thread.unpark();
         }
+        was_sent
     }
 
     /// A matrix that was finished since the last call.
     pub(super) fn take_built(&mut self) -> Option<Arc<Sensing>> {
         let built = self.built.pop().ok()?;
-        self.is_building = false;
+        self.unanswered = self.unanswered.saturating_sub(1);
         if built.is_some() {
             self.requested = None;
         }
@@ -75,24 +104,39 @@ impl Drop for Rebuilder {
 }
 
 fn build_all(
-    builder: &SensingBuilder,
-    mut requests: Consumer<ChannelNoise>,
+    mut builder: SensingBuilder,
+    mut requests: Consumer<Request>,
     mut built: Producer<Option<Arc<Sensing>>>,
     engine: &Thread,
 ) {
+    // The weights of the last matrix; none for those at the start.
+    let mut last_noise: Option<ChannelNoise> = None;
     while !requests.is_abandoned() {
-        let Ok(noise) = requests.pop() else {
+        let Ok(request) = requests.pop() else {
             std::thread::park_timeout(NAP);
             continue;
         };
-        let sensing = builder
-            .build(&noise)
+        let noise = match request {
+            Request::Noise(noise) => Some(noise),
+            Request::Table(table) => {
+                builder = builder.with_table(table);
+                last_noise.clone()
+            }
+        };
+        let sensing = match &noise {
+            Some(noise) => builder.build(noise),
+            None => builder.build_initial(),
+        };
+        let sensing = sensing
             .inspect_err(|error| {
                 tracing::error!(
                     "no matrix without the lost electrodes: {error}; the present one is kept"
                 );
             })
             .ok();
+        if sensing.is_some() {
+            last_noise = noise;
+        }
         let _ = built.push(sensing.map(Arc::new));
         engine.unpark();
     }
@@ -110,7 +154,7 @@ mod tests {
         rebuilder.request(&noise);
         for _ in 0..2000 {
             let built = rebuilder.take_built();
-            if built.is_some() || !rebuilder.is_building {
+            if built.is_some() || rebuilder.unanswered == 0 {
                 return built;
             }
             std::thread::park_timeout(Duration::from_millis(10));
@@ -128,7 +172,7 @@ mod tests {
         let unplugged = vec![f64::INFINITY; pad.channels()];
         assert!(build(&mut rebuilder, &unplugged).is_none());
         rebuilder.request(&unplugged.into());
-        assert!(!rebuilder.is_building, "the same request would fail again");
+        assert_eq!(rebuilder.unanswered, 0, "the same request would fail again");
         // It is plugged in, and electrode 1 is loose.
         let mut loose = vec![1e-3; pad.channels()];
         for (channel, deviation) in pad.protocol.channels.iter().zip(&mut loose) {

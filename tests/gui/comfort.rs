@@ -1,7 +1,7 @@
 //! The comfort view and its saved preferences.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gelpad::gui::Tab;
 use gelpad::gui::comfort::preferences::Preferences;
 
@@ -64,9 +64,41 @@ fn the_next_window_loads_the_preferences() {
 #[test]
 fn the_times_of_the_profile_are_shown() {
     let mut stage = stage();
-    assert!(stage.shows("Slow keys: off"));
+    let slow_keys_ms = |stage: &Stage| {
+        let slider = stage
+            .window
+            .get_by_role_and_label(Role::Slider, "Slow keys");
+        slider.accesskit_node().numeric_value()
+    };
+    assert_eq!(slow_keys_ms(&stage), Some(0.0));
     let mut profile = (*stage.app().playing.view.profile).clone();
     profile.settings.slow_keys_ns = 250_000_000;
     stage.update_view(|view| view.profile = std::sync::Arc::new(profile));
-    assert!(stage.shows("Slow keys: 250 ms"));
+    assert_eq!(slow_keys_ms(&stage), Some(250.0));
+}
+
+#[test]
+fn a_persons_settings_are_changed_here_and_a_shipped_person_is_copied() {
+    let mut stage = stage();
+    let set = |stage: &mut Stage, ms: f64| {
+        stage
+            .window
+            .get_by_role_and_label(Role::Slider, "Slow keys")
+            .set_value_accesskit(ms);
+        stage.wait_for_start();
+    };
+    set(&mut stage, 120.0);
+    let own = stage.services.folder.path().join("users/me.toml");
+    let text = |path: &std::path::Path| std::fs::read_to_string(path).expect("a file");
+    assert_eq!(text(&own), "slow_keys_ms = 120\n");
+    let played = |stage: &Stage| stage.services.last_request().expect("a start").user;
+    assert_eq!(played(&stage), Some(own.display().to_string()));
+
+    stage.app().playing.request.user = Some("tremor".to_owned());
+    stage.steps(2);
+    set(&mut stage, 300.0);
+    let copy = stage.services.folder.path().join("users/my-tremor.toml");
+    assert!(text(&copy).contains("slow_keys_ms = 300") && text(&copy).contains("tremor_mm = 6"));
+    assert_eq!(played(&stage), Some(copy.display().to_string()));
+    assert_eq!(text(&own), "slow_keys_ms = 120\n", "another person's file");
 }

@@ -165,14 +165,127 @@ fn a_shipped_profile_is_saved_as_a_copy_that_is_played() {
     assert!(stage.shows("saving makes your own copy"));
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     stage.button("Save my copy");
-    let path = stage
-        .services
-        .folder
-        .path()
-        .join("profiles/super-mario.toml");
-    assert_eq!(diff(&path).len(), 1);
+    let path = own_profile(&stage, "my-super-mario");
+    let names: Vec<String> = diff(&path).into_iter().map(|(_, _, new)| new).collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    assert_eq!(names[0], "name = \"my-super-mario\"");
     let played = stage.services.last_request().expect("a start").profile;
     assert_eq!(played, path.display().to_string());
+    stage.button("⟲ Undo");
+    let undone = stage.app().edit.text().expect("a text");
+    let shipped = shipped_profile("super-mario").expect("shipped").toml;
+    let renamed = shipped.replacen("name = \"super-mario\"", "name = \"my-super-mario\"", 1);
+    assert_eq!(undone, renamed, "changes from before saving can be undone");
+}
+
+/// A profile in the player's own folder.
+fn own_profile(stage: &Stage, name: &str) -> PathBuf {
+    let folder = stage.services.folder.path();
+    folder.join(format!("profiles/{name}.toml"))
+}
+
+#[test]
+fn saving_a_copy_replaces_no_other_copy() {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    let first = own_profile(&stage, "my-super-mario");
+    std::fs::create_dir_all(first.parent().expect("a folder")).expect("a folder");
+    std::fs::write(&first, "# mine").expect("written");
+    drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
+    stage.button("Save my copy");
+    assert_eq!(std::fs::read_to_string(&first).expect("a file"), "# mine");
+    assert!(own_profile(&stage, "my-super-mario-2").exists());
+}
+
+#[test]
+fn a_cell_of_a_grid_is_moved_after_the_grid_is_separated() {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    stage.app().playing.request.profile = "large-buttons".to_owned();
+    stage.steps(3);
+    drag(&mut stage, (0.25, 0.75), (0.35, 0.65));
+    assert!(!stage.app().edit.is_unsaved(), "nothing is broken");
+    assert!(stage.shows("Separate the cells?"), "{:?}", stage.window);
+    stage.button("Separate");
+    assert!(stage.app().edit.is_unsaved());
+    assert!(!stage.shows("✖"), "no mistakes: {:?}", stage.window);
+    drag(&mut stage, (0.25, 0.75), (0.35, 0.65));
+    assert!(!stage.shows("Separate the cells?"), "asked once");
+    let text = stage.app().edit.text().expect("a text");
+    let profile = gelpad::profile::Profile::from_toml("p", &text).expect("valid");
+    let shapes: Vec<_> = profile
+        .regions
+        .iter()
+        .map(|r| (&*r.name, &r.shape))
+        .collect();
+    let moved = gelpad::profile::Shape::Rect {
+        x: 0.1,
+        y: 0.4,
+        w: 0.5,
+        h: 0.5,
+    };
+    assert_eq!(shapes[0], ("buttons-1", &moved));
+    assert_eq!(shapes.len(), 4);
+}
+
+#[test]
+fn unsaved_changes_are_kept_when_another_profile_is_chosen() {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
+    let changed = stage.app().edit.text();
+    stage.app().playing.request.profile = "racing".to_owned();
+    stage.steps(3);
+    assert!(!stage.app().edit.is_unsaved());
+    assert!(
+        stage.shows("Also not saved: super-mario"),
+        "{:?}",
+        stage.window
+    );
+    stage.app().playing.request.profile = "super-mario".to_owned();
+    stage.steps(3);
+    assert_eq!(stage.app().edit.text(), changed);
+    assert!(stage.app().edit.is_unsaved());
+}
+
+/// Asks the window to close, as its close button does; returns whether it may.
+fn close(stage: &mut Stage) -> bool {
+    let input = stage.window.input_mut();
+    let root = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+    root.events.push(egui::ViewportEvent::Close);
+    stage.window.step();
+    let input = stage.window.input_mut();
+    let root = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+    root.events.clear();
+    let commands = &stage.window.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    let is_held_back = commands.contains(&egui::ViewportCommand::CancelClose);
+    stage.steps(2);
+    !is_held_back
+}
+
+#[test]
+fn closing_asks_about_unsaved_changes() {
+    let (mut stage, path) = stage();
+    assert!(close(&mut stage), "nothing to save");
+    drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
+    assert!(!close(&mut stage));
+    assert!(stage.shows("Not saved: mine"), "{:?}", stage.window);
+    stage.button("Keep editing");
+    assert!(!stage.shows("Not saved: mine"));
+    assert!(!close(&mut stage));
+    stage.button("Save and close");
+    assert_eq!(diff(&path).len(), 1);
+    assert!(close(&mut stage));
+}
+
+#[test]
+fn escape_cancels_binding() {
+    let (mut stage, _) = stage();
+    stage.button("Bind: press the pad, then a key");
+    stage.key(egui::Key::Escape);
+    assert_eq!(stage.app().edit.bind_step, BindStep::No);
+    stage.button("Bind: press the pad, then a key");
+    stage.update_view(|view| view.touches = vec![touch(1, [80.0, 50.0], 0.5)]);
+    stage.key(egui::Key::Escape);
+    assert_eq!(stage.app().edit.bind_step, BindStep::No);
+    assert!(!stage.app().edit.is_unsaved(), "Esc is not bound");
 }
 
 #[test]
@@ -238,6 +351,31 @@ fn an_invalid_output_is_reported_at_its_field() {
     stage.steps(3);
     assert!(stage.shows("did you mean `space`?"), "{:?}", stage.window);
     assert!(diff(&path).is_empty());
+    stage.key(egui::Key::Enter);
+    let field = stage
+        .window
+        .get_by_role_and_label(Role::TextInput, "presses");
+    assert!(field.is_focused(), "Tab goes on from here");
+    // A change that could be saved must not discard the field.
+    drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    stage
+        .window
+        .get_by_role_and_label(Role::TextInput, "presses")
+        .focus();
+    stage.steps(2);
+    stage
+        .window
+        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    stage
+        .window
+        .event(egui::Event::Text("key:spcae".to_owned()));
+    stage.steps(3);
+    stage.button("Save");
+    assert!(diff(&path).is_empty(), "nothing is saved");
+    assert!(stage.shows("correct the red field"), "{:?}", stage.window);
+    assert!(stage.shows("did you mean `space`?"), "{:?}", stage.window);
 }
 
 #[test]
@@ -310,4 +448,37 @@ fn a_file_that_hangs_does_not_freeze_the_window() {
     stage.steps(30);
     assert!(stage.shows("Opening"), "{:?}", stage.window);
     assert!(stage.app().edit.text().is_none());
+}
+
+#[test]
+fn the_mouse_alone_chooses_a_key() {
+    let (mut stage, path) = stage();
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    stage.button("Choose …");
+    // The dialog grows to its size.
+    stage.steps(10);
+    stage.button("key space");
+    stage.button("Save");
+    assert_one_line(&path, "output = \"$a\"", "output = \"key:space\"");
+}
+
+#[test]
+fn an_own_profile_is_renamed_duplicated_and_deleted() {
+    let (mut stage, path) = stage();
+    stage.button("Duplicate");
+    let copy = path.with_file_name("mine-2.toml");
+    assert!(copy.exists());
+    let played = |stage: &Stage| stage.services.last_request().expect("a start").profile;
+    assert_eq!(played(&stage), copy.display().to_string());
+    wait_until(&mut stage, |stage| contains(stage, "name = \"mine-2\""));
+    stage.button("Delete");
+    assert!(stage.shows("mine-2.toml cannot be restored"));
+    let delete = stage
+        .window
+        .get_all_by_role_and_label(Role::Button, "Delete");
+    delete.last().expect("the dialog's").click();
+    stage.wait_for_start();
+    assert!(!copy.exists());
+    assert_eq!(played(&stage), "super-mario");
 }

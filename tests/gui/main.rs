@@ -91,10 +91,10 @@ impl Stage {
         self.wait_for_start();
     }
 
-    /// Repaints until the requested game has started or failed, 2 s at most.
+    /// Repaints until the requested game has started or failed, 20 s at most.
     pub fn wait_for_start(&mut self) {
         self.steps(3);
-        for _ in 0..400 {
+        for _ in 0..4000 {
             if !self.app().is_starting() {
                 return;
             }
@@ -150,8 +150,7 @@ fn a_window_that_does_not_open_restores_the_panic_hook() {
     }));
     let opened = gelpad::gui::open(gelpad::gui::WindowOptions {
         services: Arc::new(TestServices::new()),
-        request: gelpad::app::services::PlayRequest::default(),
-        tab: Tab::Play,
+        arguments: gelpad::app::services::WindowArguments::default(),
         interrupted: Box::new(|| false),
     });
     assert!(opened.is_err());

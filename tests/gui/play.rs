@@ -1,7 +1,7 @@
 //! The play view.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gelpad::app::services::{OutputChoice, SourceChoice};
 use gelpad::gui::Tab;
 use gelpad::gui::still::touch;
@@ -269,4 +269,66 @@ fn the_pad_window_opens() {
     let mut stage = stage();
     stage.button("🗖 Pad window");
     assert!(stage.app().pad_window.open);
+}
+
+#[test]
+fn a_list_works_with_the_keyboard_alone() {
+    let mut stage = stage();
+    assert!(stage.tab_to("Profile"));
+    stage.key(egui::Key::Enter);
+    assert!(stage.tab_to("racing"));
+    stage.key(egui::Key::Enter);
+    stage.wait_for_start();
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.profile, "racing");
+    assert!(!stage.has_label("large-buttons"), "the list is closed");
+    let list = stage
+        .window
+        .get_by_role_and_label(Role::ComboBox, "Profile");
+    assert!(list.is_focused(), "Tab goes on from the list");
+}
+
+#[test]
+fn a_silent_board_is_reported_and_a_game_that_is_replaced_is_not_disconnected() {
+    let services = crate::services::TestServices::new();
+    *services.board.lock().expect("no panic") = Some(crate::services::TestBoard::Silent);
+    let mut stage = Stage::with_services(std::sync::Arc::new(services), Tab::Play, WIDE);
+    stage.button("Send to my game");
+    assert!(stage.app().playing.is_running());
+    assert!(stage.shows("Taking the first frames"), "{:?}", stage.window);
+    stage.steps(8);
+    assert!(stage.shows("No data from"), "{:?}", stage.window);
+    assert!(stage.shows("no data"), "the status line too");
+    stage.app().tab = Tab::Signals;
+    stage.steps(2);
+    assert!(stage.shows("not yet known"));
+    stage.app().playing.stop();
+    assert_eq!(stage.app().playing.ended, None, "stopped by the player");
+}
+
+#[test]
+fn a_press_before_practice_opens_does_not_jump_there() {
+    let mut stage = stage();
+    press(&mut stage, "key:f");
+    stage.key(egui::Key::F2);
+    stage.steps(8);
+    let practice = &stage.app().practice.practice;
+    assert_eq!(practice.jumps().count(), 0);
+    assert_eq!(practice.stage(), gelpad::gui::practice::RunStage::Ready);
+}
+
+#[test]
+fn regions_are_children_of_the_pad_with_their_outputs_and_state() {
+    let mut stage = stage();
+    press(&mut stage, "key:f");
+    let canvas = stage.canvas();
+    let labels: Vec<String> = canvas
+        .children_recursive()
+        .filter_map(|child| child.value())
+        .collect();
+    assert!(
+        labels.contains(&"jump, presses key f, held".to_owned()),
+        "{labels:?}"
+    );
+    assert!(labels.contains(&"run, presses key d, up".to_owned()));
 }

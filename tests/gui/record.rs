@@ -180,3 +180,32 @@ fn the_timeline_contains_the_touch() {
     assert!((timeline.seconds(FRAMES - 1) - 1.2).abs() < 1e-9);
     assert_eq!(timeline.frame_at(0.5), DOWN);
 }
+
+#[test]
+fn recordings_are_listed_renamed_and_deleted() {
+    let mut stage = Stage::with_view(Tab::Record, WIDE);
+    let folder = stage.services.folder.path().join("recordings");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("session-001.mcap"), vec![0; 2_000_000]).expect("written");
+    // The folder is read again every two seconds.
+    stage.steps(12);
+    assert!(stage.shows("session-001"), "{:?}", stage.window);
+    assert!(stage.shows("2.0 MB"));
+    stage.button("Rename session-001");
+    stage
+        .window
+        .get_by_role_and_label(Role::TextInput, "New name")
+        .focus();
+    stage.steps(1);
+    stage
+        .window
+        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    stage.window.event(egui::Event::Text("level".to_owned()));
+    stage.steps(2);
+    stage.button("Rename");
+    assert!(folder.join("level.mcap").exists());
+    stage.steps(2);
+    stage.button("Delete level");
+    stage.button("Delete");
+    assert!(!folder.join("level.mcap").exists());
+}

@@ -3,15 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use gelpad::app::services::{AppServices, PlayRequest, Started};
+use gelpad::app::services::{AppServices, PlayRequest, Started, Watch};
 use gelpad::app::timeline::RecordingTimeline;
 use gelpad::calibrate::Press;
 use gelpad::calibrate::recommend::{PressTrial, Recommendation, RecommendedSettings, TrialScorer};
+use gelpad::engine::Engine;
+use gelpad::output::Trace;
 use gelpad::pad::{Pad, SHIPPED_PADS, shipped_pad};
 use gelpad::profile::{
     self, Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
 };
-use gelpad::types::{PointMm, SourceErrors};
+use gelpad::runtime::{self, RunningGame};
+use gelpad::source::{SourceError, SourcePace, SourceReading};
+use gelpad::touch::SensingBuilder;
+use gelpad::types::{Method, PointMm, SourceErrors};
 
 /// Why no game starts.
 pub const NO_START: &str = "no port /dev/ttyTEST: plug the board in";
@@ -24,6 +29,55 @@ pub struct TestServices {
     /// Number of presses of the last calibration.
     pub calibrated: Mutex<usize>,
     pub tape: Mutex<Option<RecordingTimeline>>,
+    /// Games start and read this board.
+    pub board: Mutex<Option<TestBoard>>,
+}
+
+/// A board of a game that starts.
+#[derive(Clone, Copy)]
+pub enum TestBoard {
+    /// Sends nothing.
+    Silent,
+}
+
+impl gelpad::source::Source for TestBoard {
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByDevice
+    }
+
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        match self {
+            Self::Silent => Ok(SourceReading::Idle),
+        }
+    }
+}
+
+/// Does nothing for a game.
+struct NoWatch;
+
+impl Watch for NoWatch {
+    fn poll(&mut self, _: &mut RunningGame, _: &mut dyn FnMut(String)) {}
+}
+
+/// A game that reads a board.
+fn start_game(board: TestBoard) -> Started {
+    let (pad, profile) = (gelpad::gui::still::pad(), gelpad::gui::still::profile());
+    let builder = SensingBuilder::new(&pad, Method::default()).expect("solvable");
+    let sensing = std::sync::Arc::new(builder.build_initial().expect("a matrix"));
+    let engine = Engine::new(&pad, sensing, profile);
+    let device = Box::new(Trace::new(std::io::sink()));
+    let running = runtime::start(engine, builder, Box::new(board), device).expect("threads");
+    Started {
+        running,
+        hand: None,
+        pad,
+        output: "nothing".to_owned(),
+        keys_blocked: None,
+        watch: Box::new(NoWatch),
+        warnings: Vec::new(),
+        table: None,
+    }
 }
 
 impl TestServices {
@@ -34,6 +88,7 @@ impl TestServices {
             started: Mutex::new(Vec::new()),
             calibrated: Mutex::new(0),
             tape: Mutex::new(None),
+            board: Mutex::new(None),
         }
     }
 
@@ -54,7 +109,8 @@ impl TestServices {
 impl AppServices for TestServices {
     fn start(&self, request: &PlayRequest) -> Result<Started, String> {
         self.started.lock().expect("no panic").push(request.clone());
-        Err(NO_START.to_owned())
+        let board = *self.board.lock().expect("no panic");
+        board.map(start_game).ok_or_else(|| NO_START.to_owned())
     }
 
     fn profiles(&self) -> Vec<String> {

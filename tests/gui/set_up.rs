@@ -245,3 +245,29 @@ fn orientation_starts_by_solving_the_pad() {
     stage.button("Begin");
     assert!(stage.shows("solving the pad"));
 }
+
+#[test]
+fn a_pad_with_32_electrodes_is_made_from_a_form() {
+    let mut stage = Stage::with_view(Tab::SetUp, WIDE);
+    stage
+        .window
+        .get_by_label("Make a pad of your own")
+        .click_accesskit();
+    stage.steps(20);
+    let field = stage
+        .window
+        .get_by_role_and_label(Role::SpinButton, "Electrodes");
+    field.set_value_accesskit(32.0);
+    stage.steps(3);
+    assert!(stage.shows("928 readings per frame"), "{:?}", stage.window);
+    let save = stage
+        .window
+        .get_by_role_and_label(Role::Button, "Save and use this pad");
+    save.click_accesskit();
+    stage.wait_for_start();
+    let path = stage.services.folder.path().join("pads/my-pad.toml");
+    let text = std::fs::read_to_string(&path).expect("a file");
+    assert!(text.contains("count = 32"), "{text}");
+    let played = stage.services.last_request().expect("a start").pad;
+    assert_eq!(played, path.display().to_string());
+}

@@ -126,3 +126,41 @@ fn tab_and_enter_reach_another_view() {
     stage.key(egui::Key::Enter);
     assert_eq!(stage.app().tab, Tab::Signals);
 }
+
+/// Every control lies within the window from left to right, whatever is long. (Views scroll from top to bottom.)
+#[test]
+fn long_names_push_no_control_off_the_window() {
+    const LONG: &str = "a-very-long-name-of-a-profile-for-my-favourite-game-with-many-keys";
+    let controls = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::RadioButton,
+        Role::Slider,
+        Role::SpinButton,
+        Role::TextInput,
+    ];
+    for size in [[800.0, 600.0], WIDE] {
+        for tab in Tab::ALL {
+            let mut stage = Stage::with_view(tab, size);
+            let path = stage.services.folder.path().join(format!("{LONG}.toml"));
+            let mario = gelpad::profile::shipped_profile("super-mario").expect("shipped");
+            std::fs::write(&path, mario.toml).expect("written");
+            stage.app().playing.request.profile = path.display().to_string();
+            for _ in 0..20 {
+                stage.steps(1);
+                std::thread::sleep(std::time::Duration::from_millis(10));
+            }
+            for node in controls
+                .iter()
+                .flat_map(|role| stage.window.query_all_by_role(*role))
+            {
+                let rect = node.rect();
+                assert!(
+                    rect.right() <= size[0] && rect.left() >= 0.0,
+                    "{tab:?} at {size:?}: {rect:?} {node:?}"
+                );
+            }
+        }
+    }
+}

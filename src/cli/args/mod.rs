@@ -7,6 +7,7 @@ mod recordings;
 mod study;
 mod texts;
 mod values;
+mod window;
 
 pub(super) use board::{DeviceArgs, LayoutArg, ListenArgs};
 pub(super) use calibrate::CalibrateArgs;
@@ -15,13 +16,14 @@ pub(super) use recordings::{ExportArgs, ExportFormat, RecoverArgs, ReplayArgs};
 pub(super) use study::{AccuracyArgs, StudyArgs, StudyCommand};
 pub(super) use texts::{PadCommand, ProfileCommand, ShowArgs};
 pub(super) use values::{OutputArg, PrintArg};
+pub(super) use window::WindowArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Play games on a soft sheet of hydrogel.
 ///
-/// Without a command, gelpad opens a window with the simulated pad; without a display, it plays a scripted level in this
-/// terminal. No keys are sent to your desktop until you choose an output.
+/// Without a command, gelpad opens a window with the game of the last session, at first the simulated pad; without a display,
+/// it plays a scripted level in this terminal. No keys are sent to your desktop until you choose an output.
 #[derive(Debug, Parser)]
 #[command(
     name = "gelpad",
@@ -32,6 +34,8 @@ pub(super) struct Arguments {
     /// More log lines (-vv: even more); RUST_LOG selects them in detail
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+    #[command(flatten)]
+    pub window: WindowArgs,
     #[command(subcommand)]
     pub command: Option<Command>,
 }

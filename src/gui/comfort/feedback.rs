@@ -53,6 +53,10 @@ impl Feedback {
     pub fn update(&mut self, playing: &Playing, now_s: f64) -> bool {
         let view = &playing.view;
         let profile_before = self.profile.replace(Arc::clone(&view.profile));
+        if self.ended && playing.ended.is_none() && self.shows(&Alert::Disconnected) {
+            // Another game has started.
+            self.newest = None;
+        }
         let alert = if playing.ended.is_some() && !self.ended {
             Some(Alert::Disconnected)
         } else if view.paused != self.paused {
@@ -76,6 +80,12 @@ impl Feedback {
             self.newest = Some((alert, now_s));
         }
         is_new
+    }
+
+    fn shows(&self, alert: &Alert) -> bool {
+        self.newest
+            .as_ref()
+            .is_some_and(|(newest, _)| newest == alert)
     }
 
     /// The alert to show and the elapsed share of its time, 0 to 1.
@@ -114,6 +124,18 @@ mod tests {
             feedback.shown(99.0).map(|s| s.0),
             Some(&Alert::Disconnected)
         );
+    }
+
+    #[test]
+    fn a_game_that_starts_after_a_disconnection_ends_its_alert() {
+        let mut playing = Playing::idle();
+        let mut feedback = Feedback::default();
+        playing.ended = Some("disconnected".to_owned());
+        feedback.update(&playing, 0.0);
+        assert_eq!(feedback.shown(9.0).map(|s| s.0), Some(&Alert::Disconnected));
+        playing.ended = None;
+        feedback.update(&playing, 10.0);
+        assert_eq!(feedback.shown(10.0), None);
     }
 
     #[test]

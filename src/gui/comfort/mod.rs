@@ -3,6 +3,8 @@
 //! Sound would need a system library on Linux; the terminal bell and visual alerts take its place.
 
 pub mod feedback;
+pub mod last_game;
+mod person;
 pub mod preferences;
 
 use std::io::Write as _;
@@ -11,12 +13,13 @@ use std::path::PathBuf;
 use egui::{Align2, Color32, FontId, Rect, Stroke, ThemePreference, Ui};
 
 use self::feedback::{Alert, Feedback};
+use self::person::PersonSettings;
 use self::preferences::{Preferences, TEXT_SCALE};
 use super::edit::write_atomically;
 use super::playing::Playing;
+use super::request::UiAction;
 use super::theme;
 use crate::app::services::AppServices;
-use crate::profile::Settings;
 
 /// Keyboard shortcuts.
 const SHORTCUTS: [&str; 5] = [
@@ -32,6 +35,7 @@ pub struct Comfort {
     /// Appearance and feedback.
     pub preferences: Preferences,
     feedback: Feedback,
+    person: PersonSettings,
     file: Option<PathBuf>,
     saved: Preferences,
     /// The zoom that was set last; egui's own shortcuts may have changed it since.
@@ -53,6 +57,7 @@ impl Comfort {
             zoom: 1.0,
             preferences,
             feedback: Feedback::default(),
+            person: PersonSettings::default(),
             file,
         }
     }
@@ -69,6 +74,14 @@ impl Comfort {
             ctx.set_zoom_factor(self.preferences.text_scale);
         }
         self.zoom = self.preferences.text_scale;
+        // A drag changes places many times: saved when it ends.
+        if self.preferences != self.saved && !ctx.input(|input| input.pointer.any_down()) {
+            self.save();
+        }
+    }
+
+    /// Writes the preferences, if they have changed.
+    pub fn save(&mut self) {
         if self.preferences != self.saved {
             self.saved = self.preferences.clone();
             if let Some(file) = &self.file
@@ -116,7 +129,13 @@ impl Comfort {
     }
 
     /// Draws the view.
-    pub fn ui(&mut self, ui: &mut Ui, playing: &Playing) {
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        playing: &Playing,
+        services: &dyn AppServices,
+    ) -> Option<UiAction> {
+        let mut action = None;
         egui::ScrollArea::vertical()
             .auto_shrink(false)
             .show(ui, |ui| {
@@ -124,8 +143,8 @@ impl Comfort {
                 theme::titled_card(ui, "Feedback if you do not watch the pad", |ui| {
                     self.alerts(ui);
                 });
-                theme::titled_card(ui, "Your settings", |ui| {
-                    settings(ui, &playing.view.profile.settings);
+                theme::titled_card(ui, "Settings of one person", |ui| {
+                    action = self.person.ui(ui, playing, services);
                 });
                 theme::titled_card(ui, "Keyboard shortcuts", |ui| {
                     for shortcut in SHORTCUTS {
@@ -133,6 +152,7 @@ impl Comfort {
                     }
                 });
             });
+        action
     }
 
     fn appearance(&mut self, ui: &mut Ui) {
@@ -186,22 +206,4 @@ fn draw_alert(painter: &egui::Painter, window: Rect, fill: Color32, text: String
     painter.rect(card, 9.0, fill, edge, egui::StrokeKind::Inside);
     let corner = Align2::CENTER_CENTER.align_size_within_rect(text.size(), card);
     painter.galley(corner.min, text, colour);
-}
-
-/// The times of the profile in force that filter touches.
-fn settings(ui: &mut Ui, settings: &Settings) {
-    for (name, time_ns) in [
-        ("Slow keys", settings.slow_keys_ns),
-        ("Bounce keys", settings.bounce_keys_ns),
-        ("Dwell", settings.dwell_ns),
-    ] {
-        let ms = crate::types::ms_from_nanos(time_ns);
-        let time = if ms > 0.0 {
-            format!("{ms:.0} ms")
-        } else {
-            "off".to_owned()
-        };
-        ui.label(format!("{name}: {time}"));
-    }
-    ui.weak("Set up, step 5, recommends these from your own presses; Edit sets them by hand.");
 }

@@ -1,7 +1,10 @@
 //! Appearance and feedback of the window, saved as `window.toml` in the gelpad folder. Invalid values are ignored.
 
 use egui::ThemePreference;
-use toml_edit::{DocumentMut, Item, value};
+use toml_edit::{Array, DocumentMut, Item, value};
+
+use super::last_game::LastGame;
+use crate::gui::tab::Tab;
 
 /// Smallest and largest scale of the text.
 pub const TEXT_SCALE: (f32, f32) = (0.8, 2.0);
@@ -21,6 +24,14 @@ pub struct Preferences {
     pub bell: bool,
     /// Best time in the practice level, s.
     pub best_s: Option<f64>,
+    /// The view that was shown last.
+    pub tab: Tab,
+    /// Size of the window, points.
+    pub size: Option<[f32; 2]>,
+    /// Position of the pad window, points.
+    pub pad_window: Option<[f32; 2]>,
+    /// The game that was played last.
+    pub last_game: LastGame,
 }
 
 impl Default for Preferences {
@@ -32,6 +43,10 @@ impl Default for Preferences {
             large_alerts: true,
             bell: false,
             best_s: None,
+            tab: Tab::Play,
+            size: None,
+            pad_window: None,
+            last_game: LastGame::default(),
         }
     }
 }
@@ -62,6 +77,13 @@ impl Preferences {
         read.large_alerts = flag("words").unwrap_or(read.large_alerts);
         read.bell = flag("bell").unwrap_or(read.bell);
         read.best_s = number("best_s").filter(|best| *best > 0.0);
+        let tab = document.get("view").and_then(Item::as_str);
+        if let Some(tab) = Tab::ALL.into_iter().find(|one| Some(one.name()) == tab) {
+            read.tab = tab;
+        }
+        read.size = pair(document.get("size"));
+        read.pad_window = pair(document.get("pad_window"));
+        read.last_game = LastGame::read(document.get("last").unwrap_or(&Item::None));
         read
     }
 
@@ -80,13 +102,29 @@ impl Preferences {
         if let Some(best_s) = self.best_s {
             document["best_s"] = value(best_s);
         }
+        document["view"] = value(self.tab.name());
+        for (key, numbers) in [("size", self.size), ("pad_window", self.pad_window)] {
+            if let Some(numbers) = numbers {
+                let rounded = numbers.map(|number| i64::from(number.round() as i32));
+                document[key] = value(Array::from_iter(rounded));
+            }
+        }
+        document["last"] = Item::Table(self.last_game.to_table());
         document.to_string()
     }
+}
+
+/// Two numbers in a list.
+fn pair(item: Option<&Item>) -> Option<[f32; 2]> {
+    let list = item?.as_array()?;
+    let number = |index: usize| Some(list.get(index)?.as_integer()? as f32);
+    Some([number(0)?, number(1)?])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::services::PlayRequest;
 
     #[test]
     fn preferences_are_read_back_and_invalid_values_ignored() {
@@ -97,6 +135,13 @@ mod tests {
             large_alerts: false,
             bell: true,
             best_s: Some(41.5),
+            tab: Tab::Signals,
+            size: Some([900.0, 640.0]),
+            pad_window: Some([1500.0, -20.0]),
+            last_game: LastGame::from_request(&PlayRequest {
+                user: Some("tremor".to_owned()),
+                ..PlayRequest::default()
+            }),
         };
         assert_eq!(Preferences::read(&saved.to_toml()), saved);
         assert_eq!(

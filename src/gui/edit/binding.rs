@@ -20,6 +20,10 @@ pub enum BindStep {
 impl EditView {
     /// Takes the press or the key that the binding waits for.
     pub(super) fn update_binding(&mut self, ui: &Ui, game: GameContext<'_>) {
+        let waits = self.bind_step != BindStep::No;
+        if waits && ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, egui::Key::Escape)) {
+            self.bind_step = BindStep::No;
+        }
         match self.bind_step.clone() {
             BindStep::No => {}
             BindStep::Region => {
@@ -55,8 +59,8 @@ impl EditView {
     pub(super) fn draw_bind_button(&mut self, ui: &mut Ui) {
         let label = match &self.bind_step {
             BindStep::No => "Bind: press the pad, then a key".to_owned(),
-            BindStep::Region => "… press the region on the pad".to_owned(),
-            BindStep::Key(region) => format!("… now press the key for `{region}`"),
+            BindStep::Region => "… press the region on the pad (Esc cancels)".to_owned(),
+            BindStep::Key(region) => format!("… now press the key for `{region}` (Esc cancels)"),
         };
         let waits = self.bind_step != BindStep::No;
         let clicked = if waits {

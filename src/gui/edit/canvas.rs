@@ -87,6 +87,10 @@ impl EditView {
         if let (Some(drag), Some(at)) = (self.drag.clone(), response.interact_pointer_pos())
             && response.dragged()
         {
+            if self.grid_blocks(&drag.region) {
+                self.drag = None;
+                return;
+            }
             match dragged(&drag.shape, drag.grip, canvas.offset(drag.from, at)) {
                 Some(numbers) => {
                     self.change(game, |document| document.set_region(&drag.region, &numbers))

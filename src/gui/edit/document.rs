@@ -23,7 +23,7 @@ pub enum EditError {
 /// A text under edit.
 #[derive(Clone, Debug)]
 pub struct Document {
-    document: DocumentMut,
+    pub(super) document: DocumentMut,
     undo: Vec<String>,
     redo: Vec<String>,
     /// The change that goes on, such as a slider's drag: one step to undo.
@@ -75,6 +75,21 @@ impl Document {
         } else {
             // Inserted below the last top-level key, before the first table.
             top_level.insert(key, number_item(number));
+        }
+    }
+
+    /// Gives the profile another name, which no undo takes back.
+    pub fn rename(&mut self, name: &str) {
+        self.current_change = None;
+        let set = |document: &mut DocumentMut| {
+            set_value(document.as_table_mut(), "name", Value::from(name));
+        };
+        set(&mut self.document);
+        for text in self.undo.iter_mut().chain(&mut self.redo) {
+            if let Ok(mut document) = text.parse() {
+                set(&mut document);
+                *text = document.to_string();
+            }
         }
     }
 
@@ -159,7 +174,7 @@ impl Document {
     }
 
     /// Remembers the text before a change, unless the same change goes on.
-    fn record_undo(&mut self, change: &str) {
+    pub(super) fn record_undo(&mut self, change: &str) {
         if self.current_change.as_deref() == Some(change) {
             return;
         }
@@ -171,7 +186,10 @@ impl Document {
         self.redo.clear();
     }
 
-    fn array_of_tables(&mut self, list: &'static str) -> Result<&mut ArrayOfTables, EditError> {
+    pub(super) fn array_of_tables(
+        &mut self,
+        list: &'static str,
+    ) -> Result<&mut ArrayOfTables, EditError> {
         self.document
             .entry(list)
             .or_insert(Item::ArrayOfTables(ArrayOfTables::new()))
@@ -194,12 +212,13 @@ impl Document {
     }
 }
 
-fn rounded(fraction: f64) -> f64 {
+/// In the steps in which fractions of the pad are written.
+pub(super) fn rounded(fraction: f64) -> f64 {
     (fraction * STEPS_PER_PAD).round() / STEPS_PER_PAD
 }
 
 /// A number without a decimal point if it is whole.
-fn number_item(number: f64) -> Item {
+pub(super) fn number_item(number: f64) -> Item {
     value(number_value(number, false))
 }
 

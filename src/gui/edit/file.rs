@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use super::document::Document;
 use super::{EditView, GameContext};
 use crate::app::file_watch::{FileWatcher, WatchedFile};
-use crate::app::services::PlayRequest;
+use crate::app::services::{AppServices, PlayRequest};
 use crate::files::{self, FileError};
-use crate::gui::play::{UiAction, file_name};
+use crate::gui::play::UiAction;
 use crate::profile::{Checked, Source};
 use crate::types::SourceErrors;
 
@@ -60,9 +60,17 @@ impl EditView {
             return;
         }
         self.argument.clone_from(profile);
-        (self.opened, self.watcher) = (None, None);
+        self.drafts.keep(self.opened.take());
+        self.watcher = None;
         (self.failed, self.selected) = (None, None);
-        if is_file(profile) {
+        (self.output_error, self.grid_question) = (None, None);
+        self.notice = None;
+        if let Some(draft) = self.drafts.take(profile) {
+            if is_file(profile) {
+                self.watch(ctx, Some(draft.saved.clone()));
+            }
+            self.opened = Some(draft);
+        } else if is_file(profile) {
             self.watch(ctx, None);
         } else {
             self.load(game.services.profile_text(profile), game);
@@ -122,41 +130,88 @@ impl EditView {
 
     /// Writes the text to its file; a shipped profile is written to the player's own folder, and that copy is played.
     pub(super) fn save(&mut self, ctx: &egui::Context, game: GameContext<'_>) -> Option<UiAction> {
-        let opened = self.opened.as_mut()?;
-        let text = opened.document.text();
-        let path = if opened.is_shipped() {
-            let Some(folder) = game.services.own_folder() else {
-                self.notice = Some("no folder for your own settings: set HOME".to_owned());
-                return None;
-            };
-            let name = format!("{}.toml", file_name(&opened.argument));
-            folder.join("profiles").join(name)
-        } else {
-            PathBuf::from(&opened.argument)
-        };
-        if let Err(error) = write_atomically(&path, &text) {
-            self.notice = Some(error.to_string());
+        if self.output_error.is_some() {
+            self.notice = Some("not saved: correct the red field first".to_owned());
             return None;
         }
-        opened.saved.clone_from(&text);
-        let argument = path.display().to_string();
+        let opened = self.opened.as_mut()?;
+        let before = opened.argument.clone();
+        if let Err(why) = opened.write(game.services) {
+            self.notice = Some(why);
+            return None;
+        }
+        opened.check(game);
+        let (argument, text) = (opened.argument.clone(), opened.saved.clone());
         self.notice = Some(format!("saved: {argument}"));
-        let is_copy = argument != opened.argument;
-        opened.argument.clone_from(&argument);
         self.argument.clone_from(&argument);
         // A new watcher: the old one may still report a text from before this save.
         self.watch(ctx, Some(text));
         // The game watches the file itself; only a copy has to be started.
-        is_copy.then(|| {
+        (argument != before).then(|| {
             UiAction::Play(PlayRequest {
                 profile: argument,
                 ..game.playing.request.clone()
             })
         })
     }
+
+    /// Saves every profile with unsaved changes, when the window closes.
+    ///
+    /// # Errors
+    /// The first that cannot be written, or that has mistakes.
+    pub fn save_all(&mut self, services: &dyn AppServices) -> Result<(), String> {
+        let opened = self.opened.iter_mut();
+        for profile in opened.chain(self.drafts.all_mut()) {
+            if profile.is_unsaved() {
+                profile.write(services)?;
+            }
+        }
+        Ok(())
+    }
 }
 
-fn is_file(argument: &str) -> bool {
+impl OpenProfile {
+    /// Writes the text to its file. A shipped profile becomes a file of its own, under a name that is free.
+    fn write(&mut self, services: &dyn AppServices) -> Result<(), String> {
+        if self.checked.is_err() {
+            return Err(format!(
+                "{} has mistakes: correct them first",
+                self.argument
+            ));
+        }
+        let path = if self.is_shipped() {
+            let Some(folder) = services.own_folder() else {
+                return Err("no folder for your own settings: set HOME".to_owned());
+            };
+            let (name, path) = free_file(&folder.join("profiles"), &self.argument);
+            self.document.rename(&name);
+            path
+        } else {
+            PathBuf::from(&self.argument)
+        };
+        let text = self.document.text();
+        write_atomically(&path, &text).map_err(|error| error.to_string())?;
+        self.saved = text;
+        self.argument = path.display().to_string();
+        Ok(())
+    }
+}
+
+/// A name and a file for the copy of a shipped profile: `my-NAME`, `my-NAME-2`, ...: no file is replaced.
+fn free_file(folder: &Path, shipped: &str) -> (String, PathBuf) {
+    let name = |number: usize| match number {
+        1 => format!("my-{shipped}"),
+        _ => format!("my-{shipped}-{number}"),
+    };
+    let file = |number| folder.join(format!("{}.toml", name(number)));
+    let mut number = 1;
+    while file(number).exists() {
+        number += 1;
+    }
+    (name(number), file(number))
+}
+
+pub(super) fn is_file(argument: &str) -> bool {
     argument.contains('/') || argument.ends_with(".toml")
 }
 

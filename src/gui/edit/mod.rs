@@ -7,8 +7,13 @@
 mod binding;
 mod canvas;
 pub mod document;
+mod drafts;
 mod file;
+pub mod grid;
+mod grid_question;
 pub mod keyboard;
+mod output_chooser;
+mod own_profile;
 mod region_card;
 pub mod shape;
 mod side;
@@ -20,8 +25,10 @@ use egui::{Pos2, Ui};
 
 pub use self::binding::BindStep;
 use self::document::{Document, EditError};
+use self::drafts::Drafts;
 use self::file::OpenProfile;
 use self::shape::Grip;
+use super::file_dialog::FileDialog;
 use super::picture::Picture;
 use super::play::UiAction;
 use super::playing::Playing;
@@ -70,6 +77,13 @@ pub struct EditView {
     output_text: String,
     output_error: Option<String>,
     notice: Option<String>,
+    /// Profiles with unsaved changes that are not shown now.
+    drafts: Drafts,
+    /// The grid that the player is asked to separate.
+    grid_question: Option<String>,
+    /// Whether the outputs to click are shown.
+    chooses_output: bool,
+    dialog: FileDialog,
 }
 
 impl EditView {
@@ -100,6 +114,9 @@ impl EditView {
                     wish = self.draw_side(ui, game);
                 });
         });
+        self.ask_about_grid(ui.ctx(), game);
+        self.draw_chooser(ui.ctx(), game);
+        wish = self.finish_file_dialog(ui.ctx(), game).or(wish);
         ui.advance_cursor_after_rect(room);
         wish
     }
@@ -114,6 +131,17 @@ impl EditView {
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
         self.opened.as_ref().is_some_and(OpenProfile::is_unsaved)
+    }
+
+    /// Names or paths of all profiles with unsaved changes, the one that is shown first.
+    #[must_use]
+    pub fn unsaved(&self) -> Vec<String> {
+        let shown = self.opened.iter().filter(|opened| opened.is_unsaved());
+        let shown = shown.map(|opened| opened.argument.as_str());
+        shown
+            .chain(self.drafts.arguments())
+            .map(str::to_owned)
+            .collect()
     }
 
     /// Edits the text and checks it.

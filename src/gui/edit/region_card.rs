@@ -22,6 +22,7 @@ impl EditView {
         let selected = self.selected.as_deref();
         match profile.regions.iter().find(|r| Some(&*r.name) == selected) {
             Some(region) => {
+                self.draw_grid_hint(ui, &region.name);
                 self.draw_numbers(ui, region, game);
                 self.draw_output(ui, &region.name, game);
             }
@@ -69,7 +70,7 @@ impl EditView {
                     info.label = Some(format!("{key} of {name}, percent of the pad"));
                     info
                 });
-                if response.changed() {
+                if response.changed() && !self.grid_blocks(name) {
                     self.change(game, |document| {
                         document.set_region(name, &[(key, percent / 100.0)])
                     });
@@ -83,13 +84,16 @@ impl EditView {
 
     /// The output that a press of the region drives, as text, with its error below.
     fn draw_output(&mut self, ui: &mut Ui, region: &str, game: GameContext<'_>) {
-        let response = ui.horizontal(|ui| {
+        let response = ui.horizontal_wrapped(|ui| {
             let label = ui.label("presses");
             let field = egui::TextEdit::singleline(&mut self.output_text)
-                .desired_width(130.0)
+                .desired_width(100.0)
                 .hint_text("key:space");
-            ui.add(field).labelled_by(label.id)
+            let field = ui.add(field).labelled_by(label.id);
+            self.draw_choose_button(ui);
+            field
         });
+        theme::keep_focus_on_enter(ui, &response.inner);
         if response.inner.changed() {
             match self.output_text.trim().parse::<Output>() {
                 Ok(output) => {

@@ -38,14 +38,23 @@ impl EditView {
             return None;
         };
         let unsaved = opened.is_unsaved();
-        ui.horizontal(|ui| {
-            ui.label(egui::RichText::new(file_name(&opened.argument)).size(18.0));
-            if unsaved {
-                ui.colored_label(palette.warn, "● not saved");
-            }
-        });
+        let name = egui::RichText::new(file_name(&opened.argument)).size(18.0);
+        ui.add(egui::Label::new(name).truncate())
+            .on_hover_text(&opened.argument);
+        if unsaved {
+            ui.colored_label(palette.warn, "● not saved");
+        }
         if opened.is_shipped() {
             ui.weak("A shipped profile: saving makes your own copy.");
+        }
+        let manages = self.draw_own_profile_buttons(ui, game);
+        if manages.is_some() {
+            return manages;
+        }
+        let others: Vec<String> = self.drafts.arguments().map(file_name).collect();
+        if !others.is_empty() {
+            let text = format!("Also not saved: {}", others.join(", "));
+            ui.add(egui::Label::new(egui::RichText::new(text).color(palette.warn)).wrap());
         }
         let command = self
             .draw_file_buttons(ui)

@@ -1,83 +1,10 @@
-//! Timing and tremor settings as sliders, beside what the player does right now.
+//! Timing and tremor settings of the edited profile as sliders.
 
 use egui::Ui;
 
 use super::{EditView, GameContext};
-use crate::gui::playing::Playing;
 use crate::gui::theme;
-use crate::profile::Settings;
-use crate::types::ms_from_nanos;
-
-/// A setting with a slider. Its unit, ms or mm, is the end of its key.
-struct TimingSetting {
-    key: &'static str,
-    label: &'static str,
-    hint: &'static str,
-    max: f64,
-    /// Value in the profile.
-    value: fn(&Settings) -> f64,
-    /// What the player does right now, in the same unit.
-    live: fn(&Playing) -> Option<f64>,
-}
-
-const SETTINGS: [TimingSetting; 7] = [
-    TimingSetting {
-        key: "min_hold_ms",
-        label: "Shortest press",
-        hint: "A key stays down at least this long, so that every game sees it.",
-        max: 200.0,
-        value: |s| ms_from_nanos(s.min_hold_ns),
-        live: last_press_ms,
-    },
-    TimingSetting {
-        key: "min_gap_ms",
-        label: "Shortest release",
-        hint: "A key stays up at least this long between two presses.",
-        max: 200.0,
-        value: |s| ms_from_nanos(s.min_gap_ns),
-        live: last_gap_ms,
-    },
-    TimingSetting {
-        key: "slow_keys_ms",
-        label: "Slow keys",
-        hint: "A touch counts only after it was held this long.",
-        max: 1000.0,
-        value: |s| ms_from_nanos(s.slow_keys_ns),
-        live: touch_age_ms,
-    },
-    TimingSetting {
-        key: "bounce_keys_ms",
-        label: "Bounce keys",
-        hint: "A new press this soon after the last one is ignored.",
-        max: 500.0,
-        value: |s| ms_from_nanos(s.bounce_keys_ns),
-        live: last_gap_ms,
-    },
-    TimingSetting {
-        key: "dwell_ms",
-        label: "Dwell",
-        hint: "A touch counts only after it stayed in one place this long.",
-        max: 2000.0,
-        value: |s| ms_from_nanos(s.dwell_ns),
-        live: touch_age_ms,
-    },
-    TimingSetting {
-        key: "tremor_mm",
-        label: "Tremor filter: distance",
-        hint: "Movements shorter than this are ignored.",
-        max: 20.0,
-        value: |s| s.tremor_mm,
-        live: moved_mm,
-    },
-    TimingSetting {
-        key: "tremor_ms",
-        label: "Tremor filter: time",
-        hint: "A finger that lifts and comes back within this time counts as held.",
-        max: 300.0,
-        value: |s| ms_from_nanos(s.tremor_ns),
-        live: last_gap_ms,
-    },
-];
+use crate::gui::timing_settings::{SETTINGS, draw_slider};
 
 impl EditView {
     pub(super) fn draw_timing(&mut self, ui: &mut Ui, game: GameContext<'_>) {
@@ -114,66 +41,4 @@ impl EditView {
             (written == key).then(|| fault.message.clone())
         })
     }
-}
-
-/// Draws a slider; returns its value and whether a drag has ended.
-fn draw_slider(ui: &mut Ui, setting: &TimingSetting, value: f64, live: Option<f64>) -> (f64, bool) {
-    let unit = if setting.key.ends_with("_mm") {
-        " mm"
-    } else {
-        " ms"
-    };
-    ui.horizontal(|ui| {
-        ui.label(setting.label).on_hover_text(setting.hint);
-        if let Some(live) = live {
-            let side = if live >= value { "above" } else { "below" };
-            let text = format!("you: {live:.0}{}, {side}", unit);
-            let text = egui::RichText::new(text)
-                .small()
-                .color(theme::palette_of(ui).weak);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(text);
-            });
-        }
-    });
-    ui.spacing_mut().slider_width = (ui.available_width() - 84.0).max(60.0);
-    let mut wanted = value;
-    let slider = egui::Slider::new(&mut wanted, 0.0..=setting.max)
-        .suffix(unit)
-        .max_decimals(1)
-        .step_by(if unit == " mm" { 0.5 } else { 1.0 });
-    let response = ui.add(slider);
-    response.widget_info(|| egui::WidgetInfo::slider(true, wanted, setting.label));
-    (wanted, response.drag_stopped())
-}
-
-fn last_press_ms(playing: &Playing) -> Option<f64> {
-    let press = playing.history.last_press()?;
-    Some(ms_from_nanos(press.length_ns(playing.history.now_ns)))
-}
-
-/// From the last release of an output to its next press.
-fn last_gap_ms(playing: &Playing) -> Option<f64> {
-    let presses = &playing.history.presses;
-    let last = presses.back()?;
-    let before = presses
-        .iter()
-        .rev()
-        .skip(1)
-        .find(|press| press.output == last.output)?;
-    Some(ms_from_nanos(last.from_ns.saturating_sub(before.until_ns?)))
-}
-
-fn touch_age_ms(playing: &Playing) -> Option<f64> {
-    let touch = playing.view.touches.last()?;
-    let age_ns = playing.view.t_ns.saturating_sub(touch.since_ns);
-    Some(ms_from_nanos(age_ns))
-}
-
-/// Distance of the newest touch from where it started.
-fn moved_mm(playing: &Playing) -> Option<f64> {
-    let stroke = playing.history.strokes.back()?;
-    let (first, last) = (stroke.moments.front()?, stroke.moments.back()?);
-    let [dx, dy] = [0, 1].map(|i| last.place_mm[i] - first.place_mm[i]);
-    Some(dx.hypot(dy))
 }

@@ -9,6 +9,7 @@ pub use super::request::{Names, UiAction, file_name};
 
 use egui::{Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
+use super::pad_nodes;
 use super::picture::{Picture, PictureLayers};
 use super::place::PadTransform;
 use super::playing::Playing;
@@ -106,6 +107,8 @@ pub fn pad(
             );
         });
     }
+    let view = &playing.view;
+    pad_nodes::add(ui, response.id, &place, &view.profile, &view.held);
     handle_input(ui, &response, &place, playing);
     (response, place)
 }

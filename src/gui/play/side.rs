@@ -1,9 +1,12 @@
 //! The side panel of the play view: what is played, held outputs, press lengths, the simulated pad, timing.
 
+use std::path::{Path, PathBuf};
+
 use egui::Ui;
 
 use super::{controller, presses};
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
+use crate::gui::choice;
 use crate::gui::playing::Playing;
 use crate::gui::problem::SHORTEST_PRESS_FRAMES;
 use crate::gui::request::{Names, UiAction, file_name};
@@ -11,7 +14,9 @@ use crate::gui::theme;
 use crate::runtime::PlayCommand;
 
 /// Width of the names before the lists, points.
-const NAME_WIDTH: f32 = 52.0;
+const NAME_WIDTH: f32 = 66.0;
+/// The label for no personal settings.
+const NOBODY: &str = "anyone";
 
 /// Draws the panel; returns what the player requested.
 pub(super) fn ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<UiAction> {
@@ -58,53 +63,105 @@ fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
 /// Lists of profiles, sources and outputs; returns the changed game.
 fn choose(ui: &mut Ui, request: &PlayRequest, names: &Names) -> Option<UiAction> {
     let mut chosen = request.clone();
-    list(ui, "Profile", &file_name(&request.profile), |ui| {
-        for name in &names.profiles {
-            ui.selectable_value(&mut chosen.profile, name.clone(), file_name(name));
+    let label = file_name(&request.profile);
+    let profiles = names.profiles.iter();
+    let entries = profiles.map(|name| (name.clone(), file_name(name)));
+    if let Some(profile) = list(ui, "Profile", &label, &request.profile, entries.collect()) {
+        chosen.profile = profile;
+    }
+    let label = request.source_label();
+    let sources = source_entries(names);
+    if let Some(source) = list(ui, "Source", &label, &request.source, sources) {
+        chosen.source = source;
+    }
+    let outputs = [
+        OutputChoice::Nothing,
+        OutputChoice::Auto,
+        OutputChoice::Keyboard,
+        OutputChoice::Gamepad,
+    ];
+    let entries = outputs.map(|output| (output, output_label(output).to_owned()));
+    let label = output_label(request.output);
+    if let Some(output) = list(ui, "Output", label, &request.output, entries.into()) {
+        chosen.output = output;
+    }
+    let label = request.user.as_deref().map_or(NOBODY.to_owned(), file_name);
+    let people = names.users.iter();
+    let people = people.map(|user| (Some(user.clone()), file_name(user)));
+    let people = std::iter::once((None, NOBODY.to_owned())).chain(people);
+    if let Some(user) = list(ui, "Person", &label, &request.user, people.collect()) {
+        chosen.user = user;
+    }
+    if !names.calibrations.is_empty() || request.calibration.is_some() {
+        let text = |file: &PathBuf| calibration_name(file);
+        let label = request.calibration.as_ref().map_or("none".to_owned(), text);
+        let files = names.calibrations.iter();
+        let files = files.map(|file| (Some(file.clone()), text(file)));
+        let files = std::iter::once((None, "none".to_owned())).chain(files);
+        let files = files.collect();
+        if let Some(file) = list(ui, "Calibrated", &label, &request.calibration, files) {
+            chosen.calibration = file;
         }
-    });
-    list(ui, "Source", &request.source_label(), |ui| {
-        let ports = names.ports.iter().cloned().map(SourceChoice::Serial);
-        for source in [SourceChoice::Simulated, SourceChoice::Level]
-            .into_iter()
-            .chain(ports)
-        {
-            let label = PlayRequest {
-                source: source.clone(),
-                ..PlayRequest::default()
-            }
-            .source_label();
-            ui.selectable_value(&mut chosen.source, source, label);
-        }
-    });
-    list(ui, "Output", output_label(request.output), |ui| {
-        for output in [OutputChoice::Nothing, OutputChoice::Auto] {
-            ui.selectable_value(&mut chosen.output, output, output_label(output));
-        }
-    });
+    }
     (chosen != *request).then_some(UiAction::Play(chosen))
 }
 
+/// The name of a calibration's file without its extension.
+fn calibration_name(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    name.trim_end_matches(".calibration.json").to_owned()
+}
+
+/// The simulated pad, the level, and all ports.
+fn source_entries(names: &Names) -> Vec<choice::Entry<SourceChoice>> {
+    let ports = names.ports.iter().cloned().map(SourceChoice::Serial);
+    let built_in = [SourceChoice::Simulated, SourceChoice::Level].into_iter();
+    built_in
+        .chain(ports)
+        .chain(std::iter::once(SourceChoice::Gamepad))
+        .map(|source| {
+            let request = PlayRequest {
+                source,
+                ..PlayRequest::default()
+            };
+            let label = request.source_label();
+            (request.source, label)
+        })
+        .collect()
+}
+
 /// A drop-down list after its name, as wide as the room.
-fn list(ui: &mut Ui, name: &str, chosen: &str, entries: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| {
+fn list<T: PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    shown: &str,
+    current: &T,
+    entries: Vec<choice::Entry<T>>,
+) -> Option<T> {
+    let row = ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y;
-        let label = egui::Label::new(name).halign(egui::Align::LEFT);
-        let label = ui.add_sized([NAME_WIDTH, height], label);
-        egui::ComboBox::from_id_salt(name)
+        let left = egui::Layout::left_to_right(egui::Align::Center);
+        let size = egui::Vec2::new(NAME_WIDTH, height);
+        let label = ui.allocate_ui_with_layout(size, left, |ui| {
+            ui.set_min_size(size);
+            ui.label(name)
+        });
+        let label = label.inner;
+        let combo = egui::ComboBox::from_id_salt(name)
             .width(ui.available_width())
             .truncate()
-            .selected_text(chosen)
-            .show_ui(ui, entries)
-            .response
-            .labelled_by(label.id);
+            .selected_text(shown);
+        choice::list(ui, combo, Some(&label), current, entries)
     });
+    row.inner
 }
 
 fn output_label(output: OutputChoice) -> &'static str {
     match output {
         OutputChoice::Nothing => "none (trial)",
-        _ => "your game",
+        OutputChoice::Keyboard => "keyboard",
+        OutputChoice::Gamepad => "gamepad",
+        OutputChoice::Auto | OutputChoice::Trace => "your game",
     }
 }
 
@@ -113,6 +170,8 @@ fn simulated_pad(ui: &mut Ui, playing: &mut Playing) {
     let force = playing.fingers.force();
     ui.horizontal(|ui| {
         ui.label("Force");
+        // The number stands beside the slider.
+        ui.spacing_mut().slider_width = (ui.available_width() - 60.0).clamp(40.0, 150.0);
         let mut chosen = force;
         let response = ui.add(egui::Slider::new(&mut chosen, 0.1..=1.0).fixed_decimals(1));
         response.widget_info(|| egui::WidgetInfo::slider(true, chosen, "Force of the next press"));

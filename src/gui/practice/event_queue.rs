@@ -35,6 +35,10 @@ impl EventQueue {
         self.waiting.push_back(event);
     }
 
+    pub(super) fn clear(&mut self) {
+        self.waiting.clear();
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.waiting.is_empty()
     }

@@ -106,6 +106,13 @@ impl Practice {
         self.queue.push(*event);
     }
 
+    /// Releases all buttons and forgets events that were not played.
+    pub fn release_all(&mut self) {
+        self.buttons = Buttons::default();
+        self.jump_pressed = false;
+        self.queue.clear();
+    }
+
     /// Plays for a time, s.
     pub fn advance(&mut self, dt_s: f64) {
         self.queue.advance(dt_s);

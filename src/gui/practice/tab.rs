@@ -34,6 +34,14 @@ impl PracticeTab {
         }
     }
 
+    /// Passes over the events so far, while the level is not shown: a press in another view must not jump here.
+    pub fn skip_events(&mut self, view: &View) {
+        if self.events_seen != view.events_so_far {
+            self.events_seen = view.events_so_far;
+            self.practice.release_all();
+        }
+    }
+
     /// Draws the level and the pad.
     pub fn ui(&mut self, ui: &mut Ui, picture: &mut Picture, playing: &mut Playing) {
         self.play_new_events(&playing.view);

@@ -1,5 +1,6 @@
 //! The record view: record the game, open a recording, and play it back.
 
+mod list;
 mod player;
 mod scrub_bar;
 
@@ -9,6 +10,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Key, Pos2, Rect, Ui, Vec2};
 
+use self::list::RecordingList;
 use self::player::Player;
 use super::picture::{Picture, PictureLayers};
 use super::playing::Playing;
@@ -26,6 +28,7 @@ pub struct RecordView {
     opening: Option<(PathBuf, Receiver<Result<RecordingTimeline, String>>)>,
     player: Option<Player>,
     picture: Picture,
+    list: RecordingList,
     path: String,
     notice: Option<String>,
 }
@@ -64,6 +67,13 @@ impl RecordView {
             });
             ui.advance_cursor_after_rect(room);
         } else {
+            if let Some(file) = self.list.ui(ui, services.as_ref()) {
+                self.suggest(&file);
+                self.open(&file, &playing.request, services);
+            }
+            if !self.list.is_empty() {
+                return head.inner;
+            }
             ui.add_space(30.0);
             ui.vertical_centered(|ui| {
                 ui.label(egui::RichText::new("No recording is open").size(18.0));
@@ -145,6 +155,7 @@ impl RecordView {
                 .desired_width((ui.available_width() - 90.0).max(80.0))
                 .hint_text("recording.mcap");
             let response = ui.add(field).labelled_by(label.id);
+            theme::keep_focus_on_enter(ui, &response);
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let ready = !self.path.trim().is_empty();
             if ui.add_enabled(ready, egui::Button::new("Open")).clicked() || (entered && ready) {

@@ -4,9 +4,10 @@ use egui::Ui;
 
 use super::paragraph;
 use crate::app::services::{AppServices, SourceChoice};
+use crate::gui::choice;
 use crate::gui::play::{Names, UiAction, file_name};
 use crate::gui::playing::Playing;
-use crate::gui::signals;
+use crate::gui::{signals, theme};
 
 /// Draws the step.
 pub(super) fn ui(
@@ -24,19 +25,26 @@ pub(super) fn ui(
     for port in &names.ports {
         ui.radio_value(&mut wanted.source, SourceChoice::Serial(port.clone()), port);
     }
+    if let SourceChoice::Serial(port) = &playing.request.source
+        && !names.ports.contains(port)
+    {
+        ui.radio_value(&mut wanted.source, SourceChoice::Serial(port.clone()), port);
+    }
+    if let Some(port) = other_port(ui) {
+        wanted.source = SourceChoice::Serial(port);
+    }
     if names.ports.is_empty() {
         ui.weak("No serial port found. If the board is plugged in, check that its cable carries data and not only power.");
     }
     if ui.button("⟲ Search again").clicked() {
         names.ports = services.ports();
     }
-    egui::ComboBox::from_label("Pad")
-        .selected_text(file_name(&playing.request.pad))
-        .show_ui(ui, |ui| {
-            for name in &names.pads {
-                ui.selectable_value(&mut wanted.pad, name.clone(), file_name(name));
-            }
-        });
+    let combo = egui::ComboBox::from_label("Pad").selected_text(file_name(&playing.request.pad));
+    let pads = names.pads.iter();
+    let pads = pads.map(|name| (name.clone(), file_name(name)));
+    if let Some(pad) = choice::list(ui, combo, None, &playing.request.pad, pads.collect()) {
+        wanted.pad = pad;
+    }
     if wanted != playing.request {
         // A calibration belongs to one pad.
         wanted.calibration = None;
@@ -50,4 +58,25 @@ pub(super) fn ui(
     );
     signals::health_table(ui, playing, &figures);
     None
+}
+
+/// A port to type: a pseudo-terminal, or a link that the system does not list.
+fn other_port(ui: &mut Ui) -> Option<String> {
+    let id = ui.scope_id().with("other port");
+    let mut port = ui.data_mut(|data| data.get_temp::<String>(id).unwrap_or_default());
+    let row = ui.horizontal(|ui| {
+        let label = ui.label("Other port");
+        let field = egui::TextEdit::singleline(&mut port)
+            .desired_width((ui.available_width() - 70.0).clamp(80.0, 220.0))
+            .hint_text("/dev/pts/3");
+        let field = ui.add(field).labelled_by(label.id);
+        theme::keep_focus_on_enter(ui, &field);
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let is_named = !port.trim().is_empty();
+        let used = ui.add_enabled(is_named, egui::Button::new("Use")).clicked();
+        is_named && (used || entered)
+    });
+    let chosen = row.inner.then(|| port.trim().to_owned());
+    ui.data_mut(|data| data.insert_temp(id, port));
+    chosen
 }

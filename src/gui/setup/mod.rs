@@ -3,7 +3,9 @@
 mod board;
 mod calibrate;
 mod check;
+mod new_pad;
 mod orientation;
+pub mod pad_form;
 pub mod presses;
 mod recommend;
 
@@ -88,6 +90,7 @@ pub struct SetUpView {
     calibrate: calibrate::CalibrationStep,
     recommend: recommend::RecommendStep,
     check: check::OutputCheck,
+    new_pad: new_pad::NewPad,
 }
 
 impl SetUpView {
@@ -142,7 +145,13 @@ impl SetUpView {
                         ui.set_width(ui.available_width());
                         ui.heading(self.step.title());
                         wish = match self.step {
-                            Step::Board => board::ui(ui, playing, services.as_ref(), names),
+                            Step::Board => {
+                                let chosen = board::ui(ui, playing, services.as_ref(), names);
+                                let form = ui.collapsing("Make a pad of your own", |ui| {
+                                    self.new_pad.ui(ui, playing, services.as_ref())
+                                });
+                                chosen.or(form.body_returned.flatten())
+                            }
                             Step::Orientation => self.way.ui(ui, playing, services.as_ref()),
                             Step::Zero => draw_zero(ui, playing),
                             Step::Calibrate => self.calibrate.ui(ui, playing, services.as_ref()),

@@ -75,7 +75,8 @@ impl RecommendStep {
         ui.horizontal(|ui| {
             let label = ui.label("Your name");
             let field = egui::TextEdit::singleline(&mut self.name).hint_text("anna");
-            ui.add(field.desired_width(140.0)).labelled_by(label.id);
+            let field = ui.add(field.desired_width(140.0)).labelled_by(label.id);
+            theme::keep_focus_on_enter(ui, &field);
         });
         let mut wish = None;
         let asked = self.session.as_ref().and_then(|session| {
@@ -167,10 +168,13 @@ impl RecommendStep {
                 .desired_width(f32::INFINITY),
         );
         let name = self.name.trim().to_owned();
-        let is_valid = !name.is_empty() && !name.contains(['/', '\\', '.']);
-        if !is_valid {
-            ui.weak("Enter your name above to save them.");
-        }
+        let is_valid = match name_problem(&name) {
+            Some(problem) => {
+                ui.colored_label(palette.warn, problem);
+                false
+            }
+            None => true,
+        };
         let save = ui.add_enabled(is_valid, egui::Button::new("Save and use"));
         if !save.clicked() {
             return None;
@@ -189,5 +193,32 @@ impl RecommendStep {
             user: Some(path.display().to_string()),
             ..playing.request.clone()
         }))
+    }
+}
+
+/// Why settings cannot be saved under a name; the name becomes that of a file.
+fn name_problem(name: &str) -> Option<String> {
+    if name.is_empty() {
+        return Some("Enter your name above to save them.".to_owned());
+    }
+    let wrong = name
+        .chars()
+        .find(|c| "/\\.:*?\"<>|".contains(*c) || c.is_control())?;
+    Some(format!(
+        "Your name cannot contain {wrong:?}: the settings are saved as a file of this name. Leave it out."
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_no_file_can_have_is_refused_with_the_reason() {
+        assert_eq!(name_problem("Anna Ż"), None);
+        for (name, why) in [("", "Enter your name"), ("a/b", "'/'"), ("a\\b", "'\\\\'")] {
+            let problem = name_problem(name).unwrap_or_default();
+            assert!(problem.contains(why), "{name}: {problem}");
+        }
     }
 }

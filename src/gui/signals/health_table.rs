@@ -23,8 +23,8 @@ pub fn health_table(ui: &mut Ui, playing: &Playing, figures: &Health) {
             ui.weak(name);
             ui.monospace(value);
             match good {
-                Some(true) => drop(ui.colored_label(palette.good, "✔")),
-                Some(false) => drop(ui.colored_label(palette.warn, "⚠")),
+                Some(true) => theme::mark(ui, palette.good, "✔", "good"),
+                Some(false) => theme::mark(ui, palette.warn, "⚠", "poor"),
                 None => {}
             }
             ui.end_row();
@@ -34,10 +34,13 @@ pub fn health_table(ui: &mut Ui, playing: &Playing, figures: &Health) {
 
 fn view_rows(playing: &Playing) -> Vec<Row> {
     let view = &playing.view;
-    let rate = view.frames_per_s;
+    let rate = playing.frames_per_s();
     let rate_is_good = (view.frames > 0).then_some(rate >= SLOW_FRAMES_PER_S);
     let lost = &view.lost_electrodes;
-    let lost_list = if lost.is_empty() {
+    let has_frames = view.frames > 0;
+    let lost_list = if !has_frames {
+        "not yet known".to_owned()
+    } else if lost.is_empty() {
         "none".to_owned()
     } else {
         electrode_list(lost)
@@ -48,9 +51,13 @@ fn view_rows(playing: &Playing) -> Vec<Row> {
         (
             "lost frames",
             view.lost_frames.to_string(),
-            Some(view.lost_frames == 0),
+            has_frames.then_some(view.lost_frames == 0),
         ),
-        ("lost electrodes", lost_list, Some(lost.is_empty())),
+        (
+            "lost electrodes",
+            lost_list,
+            has_frames.then_some(lost.is_empty()),
+        ),
     ]
 }
 

@@ -15,6 +15,9 @@ use super::picture::{Picture, PictureLayers};
 use super::playing::Playing;
 use super::theme;
 
+/// Width of the side panel: share of the window, minimum (that of its table) and maximum in points.
+const SIDE: (f32, f32, f32) = (0.32, 282.0, 400.0);
+
 /// The state of the view.
 #[derive(Default)]
 pub struct SignalsView {
@@ -30,7 +33,7 @@ impl SignalsView {
         let figures =
             health::from_signals(signals, &playing.first_reference, &playing.pad.protocol);
         let room = ui.available_rect_before_wrap();
-        let side = (room.width() * 0.32).clamp(220.0, 400.0);
+        let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
         let plot_room = Rect::from_min_max(
             room.min,
             egui::pos2(room.right() - side - 12.0, room.bottom()),

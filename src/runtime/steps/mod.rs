@@ -19,7 +19,7 @@ use crate::runtime::{
     Arrival, EngineReport, NAP, PlayCommand, SourceInput, SourceStatus, View, ViewWaker, nanos, now,
 };
 use crate::source::SourcePace;
-use crate::touch::SensingBuilder;
+use crate::touch::{Sensing, SensingBuilder};
 use crate::types::{Control, Event, Frame, Nanos};
 
 /// A board that sends no frame for this long is silent: all outputs are released until it sends again.
@@ -45,6 +45,10 @@ pub(in crate::runtime) struct EngineThread {
     engine: Engine,
     /// None if its thread could not be started: play then continues with the first matrix.
     rebuilder: Option<Rebuilder>,
+    /// A finished matrix that the engine has not taken yet.
+    built: Option<Arc<Sensing>>,
+    /// Whether the response table was sent and the engine does not use it yet.
+    awaits_table: bool,
     queues: EngineQueues,
     view: View,
     listeners: Vec<Box<dyn StepListener>>,
@@ -83,6 +87,8 @@ impl EngineThread {
         Self {
             engine,
             rebuilder: Rebuilder::start(builder, std::thread::current()).ok(),
+            built: None,
+            awaits_table: false,
             queues,
             view,
             listeners,
@@ -150,6 +156,13 @@ impl EngineThread {
                 PlayCommand::Profile(profile) => Input::Profile { t_ns, profile },
                 PlayCommand::Pause => Input::Pause { t_ns },
                 PlayCommand::Rezero => Input::Rezero { t_ns },
+                PlayCommand::Table(table) => {
+                    if let Some(rebuilder) = &mut self.rebuilder {
+                        rebuilder.add_table(table);
+                        self.awaits_table = true;
+                    }
+                    continue;
+                }
             };
             self.input(&input, None);
             self.publish();
@@ -225,6 +238,20 @@ impl EngineThread {
             rebuilder.request(deviations);
         }
         if let Some(sensing) = rebuilder.take_built() {
+            self.built = Some(sensing);
+        }
+        let Some(built) = &self.built else {
+            return;
+        };
+        let brings_table = self.awaits_table && built.locator_model.is_some();
+        let is_free =
+            self.engine.touches().down.is_empty() && self.engine.held_outputs().next().is_none();
+        if brings_table && !is_free {
+            // A touch would be found again at a slightly different place.
+            return;
+        }
+        if let Some(sensing) = self.built.take() {
+            self.awaits_table &= !brings_table;
             self.input(&Input::Matrix(sensing), None);
         }
     }

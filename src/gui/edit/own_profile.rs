@@ -1,0 +1,122 @@
+//! Own profiles: renamed, duplicated and deleted. The name in the text follows that of the file.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Context, Ui};
+
+use super::document::Document;
+use super::file::{is_file, write_atomically};
+use super::{EditView, GameContext};
+use crate::app::services::PlayRequest;
+use crate::gui::file_dialog::FileChange;
+use crate::gui::play::UiAction;
+use crate::profile::DEFAULT_PROFILE;
+
+impl EditView {
+    /// The buttons of a profile that is a file of the player.
+    pub(super) fn draw_own_profile_buttons(
+        &mut self,
+        ui: &mut Ui,
+        game: GameContext<'_>,
+    ) -> Option<UiAction> {
+        if !is_file(&self.argument) {
+            return None;
+        }
+        let path = PathBuf::from(&self.argument);
+        let row = ui.horizontal_wrapped(|ui| {
+            if ui.small_button("Rename").clicked() {
+                self.dialog.rename(&path);
+            }
+            let duplicates = ui.small_button("Duplicate").clicked();
+            if ui.small_button("Delete").clicked() {
+                self.dialog.delete(&path);
+            }
+            duplicates
+        });
+        if !row.inner {
+            return None;
+        }
+        match duplicate(&path) {
+            Ok(copy) => Some(play(&copy.display().to_string(), game)),
+            Err(why) => {
+                self.notice = Some(why);
+                None
+            }
+        }
+    }
+
+    /// Draws the open dialog. A renamed profile is played under its new name; instead of a deleted one, the default.
+    pub(super) fn finish_file_dialog(
+        &mut self,
+        ctx: &Context,
+        game: GameContext<'_>,
+    ) -> Option<UiAction> {
+        let (_, change) = self.dialog.show(ctx)?;
+        // Its unsaved changes would be written to the old file.
+        (self.opened, self.watcher) = (None, None);
+        match change {
+            FileChange::Renamed(path) => {
+                if let Err(why) = name_after_file(&path) {
+                    self.notice = Some(why);
+                }
+                Some(play(&path.display().to_string(), game))
+            }
+            FileChange::Deleted => Some(play(DEFAULT_PROFILE, game)),
+        }
+    }
+}
+
+fn play(profile: &str, game: GameContext<'_>) -> UiAction {
+    UiAction::Play(PlayRequest {
+        profile: profile.to_owned(),
+        ..game.playing.request.clone()
+    })
+}
+
+/// Copies a profile beside itself, as `NAME-2`, `NAME-3`, ...
+fn duplicate(path: &Path) -> Result<PathBuf, String> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let base = match stem.rsplit_once('-') {
+        Some((base, number)) if number.parse::<u32>().is_ok() => base,
+        _ => &stem,
+    };
+    let copy = (2..)
+        .map(|number| path.with_file_name(format!("{base}-{number}.toml")))
+        .find(|copy| !copy.exists())
+        .unwrap_or_default();
+    std::fs::copy(path, &copy).map_err(|error| format!("{}: {error}", copy.display()))?;
+    name_after_file(&copy)?;
+    Ok(copy)
+}
+
+/// Writes the name of the file into the text. A text with mistakes stays as it is.
+fn name_after_file(path: &Path) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", path.display());
+    let text = std::fs::read_to_string(path).map_err(failed)?;
+    let Ok(mut document) = Document::parse(&text) else {
+        return Ok(());
+    };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    document.rename(&stem);
+    write_atomically(path, &document.text()).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::{Profile, shipped_profile};
+
+    #[test]
+    fn a_duplicate_has_a_name_of_its_own() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.toml");
+        let mario = shipped_profile("super-mario").expect("shipped").toml;
+        std::fs::write(&path, mario).expect("written");
+        for name in ["mine-2", "mine-3"] {
+            let copy = duplicate(&path).expect("copied");
+            assert_eq!(copy, folder.path().join(format!("{name}.toml")));
+            let text = std::fs::read_to_string(&copy).expect("a file");
+            assert_eq!(Profile::from_toml("p", &text).expect("valid").name, name);
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The list of recordings: open, rename, delete.
+
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
+
+use egui::{ScrollArea, Ui};
+
+use crate::app::own_files::{self, OwnFile};
+use crate::app::services::AppServices;
+use crate::gui::file_dialog::FileDialog;
+
+/// How often the folder is read again while the list is shown, s.
+const REFRESH_S: f64 = 2.0;
+
+/// The recordings in the player's folder.
+#[derive(Default)]
+pub(super) struct RecordingList {
+    files: Vec<OwnFile>,
+    /// When the folder was read last, egui time, s.
+    read_at_s: Option<f64>,
+    dialog: FileDialog,
+}
+
+impl RecordingList {
+    /// Draws the list; returns the recording to open.
+    pub(super) fn ui(&mut self, ui: &mut Ui, services: &dyn AppServices) -> Option<PathBuf> {
+        let now_s = ui.ctx().time();
+        if self.read_at_s.is_none_or(|at| now_s - at > REFRESH_S) {
+            let folder = services.recordings_folder();
+            self.files = folder.map_or(Vec::new(), |folder| own_files::list(&folder, "mcap"));
+            self.read_at_s = Some(now_s);
+        }
+        if self.dialog.show(ui.ctx()).is_some() {
+            self.read_at_s = None;
+        }
+        let mut open = None;
+        let now = now();
+        ScrollArea::vertical().id_salt("recordings").show(ui, |ui| {
+            for file in &self.files {
+                let name = file.path.file_stem().unwrap_or_default();
+                let name = name.to_string_lossy().into_owned();
+                ui.horizontal_wrapped(|ui| {
+                    let button = ui.button(format!("▶ {name}"));
+                    if button
+                        .on_hover_text(file.path.display().to_string())
+                        .clicked()
+                    {
+                        open = Some(file.path.clone());
+                    }
+                    ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
+                    if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
+                        ui.weak(age_in_words(age));
+                    }
+                    let rename = ui.small_button("Rename");
+                    name_for_readers(&rename, format!("Rename {name}"));
+                    if rename.clicked() {
+                        self.dialog.rename(&file.path);
+                    }
+                    let delete = ui.small_button("Delete");
+                    name_for_readers(&delete, format!("Delete {name}"));
+                    if delete.clicked() {
+                        self.dialog.delete(&file.path);
+                    }
+                });
+            }
+        });
+        open
+    }
+
+    /// Whether there are no recordings.
+    pub(super) fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+}
+
+/// A label that says which file a button belongs to.
+fn name_for_readers(button: &egui::Response, label: String) {
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label.clone()));
+}
+
+#[allow(clippy::disallowed_methods, reason = "ages of files, for people")]
+fn now() -> SystemTime {
+    SystemTime::now()
+}
+
+/// How long ago, in words.
+fn age_in_words(age: Duration) -> String {
+    let (count, unit) = match age.as_secs() {
+        0..60 => return "just now".to_owned(),
+        seconds @ 60..3600 => (seconds / 60, "minute"),
+        seconds @ 3600..86_400 => (seconds / 3600, "hour"),
+        seconds => (seconds / 86_400, "day"),
+    };
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {unit}{plural} ago")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_are_rounded_down() {
+        let words = |seconds| age_in_words(Duration::from_secs(seconds));
+        assert_eq!(words(59), "just now");
+        assert_eq!(words(119), "1 minute ago");
+        assert_eq!(words(7200), "2 hours ago");
+        assert_eq!(words(200_000), "2 days ago");
+    }
+}
