@@ -25,11 +25,13 @@ pub(super) struct Predictor {
 }
 
 impl Predictor {
-    pub(super) fn new(value: i32) -> Self {
+    /// For values whose lowest `shift` bits were left out.
+    pub(super) fn new(value: i32, shift: u32) -> Self {
+        let error = (FIRST_ERROR >> shift) << FRACTION_BITS;
         Self {
             means: [i64::from(value) << FRACTION_BITS; 3],
-            errors: [FIRST_ERROR << FRACTION_BITS; 3],
-            scale: FIRST_ERROR << FRACTION_BITS,
+            errors: [error; 3],
+            scale: error,
             count: 1,
         }
     }
