@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::Read as _;
 
-use super::records::{MOST_RATIO, MOST_RECORD};
+use super::records::{MOST_CHUNK, MOST_RATIO, MOST_RECORD};
 
 /// Follows the name of what is compressed.
 const SUFFIX: &str = ".zst";
@@ -44,7 +44,7 @@ pub(super) fn restored<'a>(name: &'a str, bytes: &'a [u8]) -> Option<(&'a str, C
     };
     let most = (bytes.len() as u64)
         .saturating_mul(MOST_RATIO)
-        .min(MOST_RECORD as u64);
+        .clamp(MOST_CHUNK as u64, MOST_RECORD as u64);
     let mut whole = Vec::new();
     let mut decoder = zstd::stream::read::Decoder::new(bytes).ok()?.take(most + 1);
     decoder.read_to_end(&mut whole).ok()?;

@@ -23,7 +23,7 @@ use crate::{gelpad_ends, printed, said};
 const MOST_BYTES_A_FRAME: u64 = 480;
 /// Largest recordings of the session, bytes.
 const MOST_BYTES: u64 = 4_000_000;
-const MOST_BYTES_SLIM: u64 = 400_000;
+const MOST_BYTES_SLIM: u64 = 450_000;
 const SESSION: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/tests/data/lattice-presses/session.csv"

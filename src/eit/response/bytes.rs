@@ -181,6 +181,8 @@ impl ResponseTable {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::OnceLock;
+
     use super::*;
     use proptest::prelude::*;
 
@@ -265,7 +267,8 @@ mod tests {
     proptest! {
         #[test]
         fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
-            let mut bytes = rounded().to_bytes();
+            static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+            let mut bytes = BYTES.get_or_init(|| rounded().to_bytes()).clone();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
             prop_assert!(read(&bytes).is_err());
