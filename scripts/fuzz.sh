@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# Fuzzes every decoder: each wire format, recordings, files of frames (and profiles, where they are named). A line for
-# each: inputs, inputs a second, the most memory, the slowest input. Ends with 1 if one failed; what failed and the whole
-# output lie in target/fuzz, as do the inputs that led further, from which the next run begins. Needs cargo-fuzz
-# (`cargo install cargo-fuzz`).
+# Fuzzes every decoder: each wire format, recordings, files of frames. A line for each: inputs, inputs a second, the most
+# memory, the slowest input. Ends with 1 if one failed; what failed and the whole output lie in target/fuzz, as do the inputs
+# that led further, from which the next run begins. Needs cargo-fuzz (`cargo install cargo-fuzz`).
 #
 #   scripts/fuzz.sh [INPUTS] [NAME...]      10000000 inputs of each by default, as many at a time as there are cores:
 #                                           half an hour on two
+#   scripts/fuzz.sh 1000000 path reload     the slow ones, only where they are named: an engine plays each input (`path`: a
+#                                           board's bytes up to its keys; `reload`: a profile saved while a key is held)
+#   scripts/fuzz.sh 1000000 profile         profiles alone
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -36,7 +38,8 @@ fuzz() {
     wire) options+=(-max_len=600 "-dict=fuzz/wire.dict") ;;
     files) options+=(-max_len=1024 "-dict=fuzz/files.dict") ;;
     recording) options+=(-max_len=6144) ;;
-    profile) options+=(profiles users) ;;
+    path) options+=(-max_len=128) ;;
+    profile | reload) options+=(profiles users) ;;
   esac
   [ "$format" = "$target" ] || export GELPAD_FUZZ_FORMAT=$format
   local told=clean

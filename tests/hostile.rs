@@ -209,3 +209,40 @@ fn times_in_seconds_are_noticed() {
         assert_eq!(noticed, is_noticed, "{step}: {}", said(&output));
     }
 }
+
+/// A board that was unplugged for a while has the frame rate that it has while it sends.
+#[test]
+fn time_without_frames_is_no_part_of_the_frame_rate() {
+    const AWAY_MS: f64 = 3500.0;
+    const FRAMES: usize = 60;
+    let folder = tempfile::tempdir().expect("a folder");
+    let session = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/lattice-presses/session.csv"
+    );
+    let session = fs::read_to_string(session).expect("a session");
+    let mut lines = session.lines();
+    let mut text = format!("{}\n", lines.next().expect("a header"));
+    for (index, line) in lines.take(2 * FRAMES).enumerate() {
+        let (t_ms, volts) = line.split_once(',').expect("a time");
+        let away_ms = if index < FRAMES { 0.0 } else { AWAY_MS };
+        let t_ms = t_ms.parse::<f64>().expect("a number") + away_ms;
+        let _ = writeln!(text, "{t_ms},{volts}");
+    }
+    fs::write(folder.path().join("s.csv"), text).expect("written");
+    let arguments = [
+        "play",
+        "--source",
+        "replay:s.csv",
+        "--output",
+        "trace",
+        "--headless",
+    ];
+    let said = said(&gelpad(folder.path(), &arguments, b""));
+    let sent = format!("{} frames,", 2 * FRAMES);
+    assert!(said.contains(&sent), "{said}");
+    assert!(
+        said.contains(" 100 frames/s\nShortest press detected: 20 ms"),
+        "{said}"
+    );
+}

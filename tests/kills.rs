@@ -26,6 +26,8 @@ mod inside;
 mod process;
 #[path = "game/server.rs"]
 mod server;
+#[path = "kills/signals.rs"]
+mod signals;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -84,6 +86,12 @@ fn main() -> ExitCode {
         trial("end_of_the_source", end_of_the_source),
         trial("profile_switch", profile_switch),
         trial("endings_of_an_adversary", endings::endings),
+        trial("each_signal", signals::each_signal),
+        trial("closed_pipes", signals::closed_pipes),
+        trial("a_scope_of_a_watcher", signals::scope_of_a_watcher),
+        trial("a_killed_terminal", signals::killed_emulator),
+        trial("a_killed_shell", signals::killed_shell),
+        trial_with("a_killed_tmux", signals::no_tmux(), signals::killed_tmux),
         trial("a_display_that_is_killed", killed_display),
         trial("another_gelpad_keeps_its_keys", keys_of_another_gelpad),
         trial("keys_of_another_keyboard_stay_down", keys_of_others),
@@ -95,8 +103,14 @@ fn main() -> ExitCode {
 }
 
 fn trial(name: &str, run: fn(&Stage) -> Result<()>) -> Trial {
+    trial_with(name, None, run)
+}
+
+/// A trial that may need more than a display.
+fn trial_with(name: &str, missing: Option<String>, run: fn(&Stage) -> Result<()>) -> Trial {
     let xvfb = xvfb();
-    let missing = xvfb.is_none().then(|| "not installed: Xvfb".to_owned());
+    let no_xvfb = xvfb.is_none().then(|| "not installed: Xvfb".to_owned());
+    let missing = missing.or(no_xvfb);
     needing(missing, name, move || {
         on_stage(&xvfb.context("no Xvfb")?, run)
     })

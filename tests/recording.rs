@@ -70,6 +70,7 @@ fn main() -> ExitCode {
         trial("a_damaged_table", damage::damaged_table),
         trial("bombs_and_lies", forged::refused),
         trial("csv_and_evemu", exports::texts),
+        trial("a_part_within_a_press", exports::part_within_a_press),
         trial("touches_by_udp", tuio::by_udp),
         trial("version_1", version_1::replays),
         trial("an_hour", replays::hour).with_ignored_flag(true),

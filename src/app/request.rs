@@ -112,7 +112,8 @@ pub struct PlayRequest {
     pub calibration: Option<PathBuf>,
     /// Where the recording goes, if one is made.
     pub record: Option<PathBuf>,
-    /// Whether the recording only names matrix and response table, which each machine solves.
+    /// Whether readings are rounded to a part of their noise, and the recording only names matrix and response table, which each
+    /// machine solves.
     pub slim: bool,
     /// What happens to a file that stands there.
     pub existing: ExistingFile,

@@ -9,8 +9,8 @@ use super::{AppError, services::PlayRequest};
 use crate::pad::Pad;
 use crate::source::serial::SerialSource;
 use crate::source::{
-    DisturbedSource, LEVEL_SCRIPT, LiveFingers, LiveSource, Noise, Script, SimulatedSource, Source,
-    SourceError, open_file,
+    DisturbedSource, LEVEL_SCRIPT, LiveFingers, LiveSource, Noise, RoundedSource, Script,
+    SimulatedSource, Source, SourceError, open_file,
 };
 
 /// Opens the source of a request; the simulated pad that the window presses comes with its [`LiveFingers`].
@@ -33,14 +33,19 @@ pub(super) fn open_requested(
     }
 }
 
-/// The source with the disturbances of the request.
+/// The source with the disturbances of the request, rounded for a slim recording.
 fn disturbed(source: Box<dyn Source>, request: &PlayRequest, pad: &Pad) -> Box<dyn Source> {
-    if request.disturbances.is_empty() {
-        return source;
+    let source = if request.disturbances.is_empty() {
+        source
+    } else {
+        let list = request.disturbances.clone();
+        let seed = request.noise.seed;
+        Box::new(DisturbedSource::new(source, list, &pad.protocol, seed))
+    };
+    match request.slim {
+        true => Box::new(RoundedSource::new(source)),
+        false => source,
     }
-    let list = request.disturbances.clone();
-    let seed = request.noise.seed;
-    Box::new(DisturbedSource::new(source, list, &pad.protocol, seed))
 }
 
 /// Opens a source of frames.

@@ -5,6 +5,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::pad::Pad;
 use crate::profile::Profile;
@@ -170,11 +171,13 @@ impl RecordingTimeline {
         touched
     }
 
-    /// A range of frames as CSV for `gelpad replay`; times start at 0.
+    /// A range of frames as CSV for `gelpad replay`; times start at 0. A range that begins within a touch begins at the rest
+    /// before it instead: a replay takes its reference from the first frames.
     #[must_use]
     pub fn csv(&self, frames: std::ops::RangeInclusive<usize>) -> String {
         let mut text = String::from("t_ms");
-        let Some(first) = self.frames.get(*frames.start()) else {
+        let start = self.rest_before(*frames.start());
+        let Some(first) = self.frames.get(start) else {
             return text;
         };
         for channel in 0..first.volts.len() {
@@ -183,7 +186,7 @@ impl RecordingTimeline {
         }
         text.push('\n');
         let last = (*frames.end()).min(self.frames.len() - 1);
-        for state in &self.frames[*frames.start()..=last.max(*frames.start())] {
+        for state in &self.frames[start..=last.max(start)] {
             let _ = write!(text, "{}", ms_from_nanos(state.t_ns - first.t_ns));
             for volt in &state.volts {
                 let _ = write!(text, ",{volt}");
@@ -191,6 +194,18 @@ impl RecordingTimeline {
             text.push('\n');
         }
         text
+    }
+
+    /// The last frame up to this one at which a replay finds its reference: no touch is down in it and those that follow. The
+    /// first frame if there is none.
+    fn rest_before(&self, frame: usize) -> usize {
+        let is_rest = |start: &usize| {
+            self.frames[*start..]
+                .first_chunk::<REFERENCE_FRAMES>()
+                .is_some_and(|states| states.iter().all(|state| state.touches.is_empty()))
+        };
+        let last = frame.min(self.frames.len().saturating_sub(1));
+        (0..=last).rev().find(is_rest).unwrap_or(0)
     }
 }
 

@@ -8,6 +8,7 @@
 //! This part handles bytes and messages; `tape` turns them into engines and inputs. Invariant: whatever the file contains,
 //! reading it takes bounded memory and terminates.
 
+mod attachment;
 pub mod export;
 mod lines;
 mod message;

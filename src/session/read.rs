@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{Read, Seek};
 
+use super::attachment;
 use super::message::{Message, TOPICS};
 use super::records::{self, RecordError, Records, op};
 use super::setup::{
@@ -198,18 +199,22 @@ impl<R: Read + Seek> Reader<R> {
                 Ok(())
             }
             op::ATTACHMENT => {
-                let Some((name, bytes)) = records::parse_attachment(&self.records.body) else {
+                let stored = records::parse_attachment(&self.records.body);
+                let restored = stored
+                    .as_ref()
+                    .and_then(|(name, bytes)| attachment::restored(name, bytes));
+                let Some((name, bytes)) = restored else {
                     return self.report_damage("an attachment is damaged".to_owned());
                 };
                 let parts = &mut self.setup;
-                match name.as_str() {
-                    PAD => parts.pad = String::from_utf8(bytes.to_vec()).ok(),
-                    PROFILE => parts.profile = serde_json::from_slice(bytes).ok(),
-                    CALIBRATION => parts.calibration = Some(bytes.to_vec()),
-                    SENSING => parts.sensing = Some(bytes.to_vec()),
-                    RESPONSES => parts.responses = Some(bytes.to_vec()),
-                    SLIM => parts.slim = serde_json::from_slice(bytes).ok(),
-                    _ => self.attachment = Some((name, bytes.to_vec())),
+                match name {
+                    PAD => parts.pad = String::from_utf8(bytes.into_owned()).ok(),
+                    PROFILE => parts.profile = serde_json::from_slice(&bytes).ok(),
+                    CALIBRATION => parts.calibration = Some(bytes.into_owned()),
+                    SENSING => parts.sensing = Some(bytes.into_owned()),
+                    RESPONSES => parts.responses = Some(bytes.into_owned()),
+                    SLIM => parts.slim = serde_json::from_slice(&bytes).ok(),
+                    _ => self.attachment = Some((name.to_owned(), bytes.into_owned())),
                 }
                 Ok(())
             }

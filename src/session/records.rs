@@ -13,11 +13,11 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::types::ByteReader;
 
 /// Most bytes of a record. A response table takes 15 MB, one of 256 channels 60.
-const MOST_RECORD: usize = 128 << 20;
+pub(super) const MOST_RECORD: usize = 128 << 20;
 /// Most bytes of an unpacked chunk; those written here take a twentieth.
 pub(super) const MOST_CHUNK: usize = 8 << 20;
 /// Largest ratio of unpacked to packed size. Frames pack to a half, an empty session to a hundredth.
-const MOST_RATIO: u64 = 1000;
+pub(super) const MOST_RATIO: u64 = 1000;
 
 /// Why the next record cannot be read.
 #[derive(Debug)]

@@ -1,12 +1,12 @@
 //! Writes a recording: live, message by message, or packed.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
+use super::attachment;
 use super::message::{MatrixName, Message, TOPICS};
 use super::schema::SCHEMAS;
 use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, SLIM, Setup, VERSION};
@@ -130,12 +130,13 @@ impl<W: Write + Seek> Writer<W> {
     }
 
     fn attach(&mut self, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
+        let (name, media_type, data) = attachment::stored(name, bytes).map_err(McapError::from)?;
         self.file.attach(&Attachment {
             log_time: self.latest_ns,
             create_time: self.latest_ns,
-            name: name.to_owned(),
-            media_type: media_type(name).to_owned(),
-            data: Cow::Borrowed(bytes),
+            name,
+            media_type: media_type.to_owned(),
+            data,
         })?;
         Ok(())
     }
@@ -256,14 +257,6 @@ impl<W: Write + Seek> Writer<W> {
         };
         self.sequence = self.sequence.wrapping_add(1);
         Ok(self.file.write_to_known_channel(&header, &payload)?)
-    }
-}
-
-fn media_type(name: &str) -> &'static str {
-    match name.rsplit_once('.') {
-        Some((_, "json")) => "application/json",
-        Some((_, "toml")) => "application/toml",
-        _ => "application/octet-stream",
     }
 }
 
@@ -398,8 +391,8 @@ mod tests {
             .windows(7)
             .position(|part| part == b"version")
             .expect("a version");
-        assert_eq!(bytes[key + 11], b'1');
-        bytes[key + 11] = b'2';
+        assert_eq!(bytes[key + 11], b'0' + VERSION as u8);
+        bytes[key + 11] += 1;
         let error = Reader::open(Cursor::new(bytes)).err().expect("refused");
         assert!(error.to_string().contains("use a newer gelpad"), "{error}");
     }

@@ -2,12 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::fs;
+use std::fs::{self, File};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
+use gelpad::app::timeline::RecordingTimeline;
+use gelpad::tape::{RecordedItem, RecordingPlayer};
 
 use crate::process::Process;
 use crate::sessions::straight;
@@ -67,6 +70,37 @@ pub fn texts() -> Result<()> {
         1,
     )?);
     ensure!(text.contains("not a recording"), "{text}");
+    Ok(())
+}
+
+/// A part that begins within a press contains the press, and one that begins at rest only itself.
+pub fn part_within_a_press() -> Result<()> {
+    /// First and last frame, and presses: the finger is down from frame 100 to 120 and from 140 to 160.
+    const PARTS: [(usize, usize, usize); 3] = [(110, 170, 2), (104, 130, 1), (125, 135, 0)];
+    let folder = tempfile::tempdir()?;
+    let path = folder.path();
+    straight(&path.join("s.mcap"), 200, true)?;
+    let file = BufReader::new(File::open(path.join("s.mcap"))?);
+    let (mut player, config) = RecordingPlayer::open(file)?;
+    let mut timeline = RecordingTimeline::new(config.pad.clone(), config.engine());
+    while let Some(item) = player.next()? {
+        if let RecordedItem::Input(input) = item {
+            timeline.add_input(&input);
+        }
+    }
+    for (from, to, presses) in PARTS {
+        let text = timeline.csv(from..=to);
+        if presses == 0 {
+            ensure!(text.lines().count() == to - from + 2, "only the part");
+        }
+        fs::write(path.join("part.csv"), text)?;
+        let events = printed(&gelpad_ends(path, &["replay", "part.csv"], 0)?);
+        let found = events.matches(" press key:f").count();
+        ensure!(
+            found == presses,
+            "{found} presses in the part from {from} to {to}, not {presses}:\n{events}"
+        );
+    }
     Ok(())
 }
 

@@ -10,8 +10,8 @@ use std::thread;
 
 use anyhow::{Context, Result, ensure};
 use gelpad::engine::Input;
-use gelpad::session::{Message, Reader};
-use gelpad::source::{FramesCsv, Source as _, SourceReading};
+use gelpad::session::{Message, Reader, Setup};
+use gelpad::source::{FramesCsv, RoundedSource, Source, SourceError, SourcePace, SourceReading};
 use gelpad::tape::{EngineConfig, SessionWriter};
 use gelpad::touch::correction::Component;
 use gelpad::touch::{Correction, CorrectionData};
@@ -21,6 +21,9 @@ use crate::{gelpad_ends, printed, said};
 
 /// Largest size of a frame of 208 channels, bytes. The noise of session.csv alone takes 402.
 const MOST_BYTES_A_FRAME: u64 = 480;
+/// Largest recordings of the session, bytes.
+const MOST_BYTES: u64 = 4_000_000;
+const MOST_BYTES_SLIM: u64 = 450_000;
 const SESSION: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/tests/data/lattice-presses/session.csv"
@@ -318,32 +321,49 @@ pub fn as_source() -> Result<()> {
     Ok(())
 }
 
+/// A session of 30 s at 100 frames/s, half of them with fingers: sizes, and every frame to the bit.
 pub fn size() -> Result<()> {
+    let setup = config().to_setup();
+    let source = FramesCsv::open(Path::new(SESSION), config().pad.channels())?;
+    let (whole, frames) = recorded_size(&setup, Box::new(source))?;
+    let (empty, _) = recorded_size(&setup, Box::new(Nothing))?;
+    let a_frame = (whole - empty) / frames;
+    println!("session.csv: {whole} bytes, {a_frame} a frame, with touches, events and index");
+    ensure!(a_frame <= MOST_BYTES_A_FRAME, "{a_frame} bytes a frame");
+    ensure!(whole <= MOST_BYTES, "{whole} bytes for {frames} frames");
+    let source = FramesCsv::open(Path::new(SESSION), config().pad.channels())?;
+    let rounded = Box::new(RoundedSource::new(Box::new(source)));
+    let (slim, frames) = recorded_size(&setup.into_slim("noser"), rounded)?;
+    println!("session.csv: {slim} bytes slim");
+    ensure!(slim <= MOST_BYTES_SLIM, "{slim} bytes for {frames} frames");
+    Ok(())
+}
+
+/// A source that has ended.
+struct Nothing;
+
+impl Source for Nothing {
+    fn pace(&self) -> SourcePace {
+        SourcePace::ByStamp
+    }
+
+    fn read(&mut self) -> Result<SourceReading, SourceError> {
+        Ok(SourceReading::End)
+    }
+}
+
+/// Records a source: bytes of the packed file without matrices that replace the first, and frames.
+fn recorded_size(setup: &Setup, mut source: Box<dyn Source>) -> Result<(u64, u64)> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("s.mcap");
-    let config = config();
-    let setup = config.to_setup();
-    let attached = (setup.sensing.len() + setup.responses.as_ref().map_or(0, Vec::len)) as u64;
-    let mut writer = SessionWriter::packed(BufWriter::new(File::create(&path)?), &setup)?;
-    let mut engine = config.engine();
-    let mut source = FramesCsv::open(Path::new(SESSION), config.pad.channels())?;
+    let mut writer = SessionWriter::packed(BufWriter::new(File::create(&path)?), setup)?;
+    let mut engine = config().engine();
     let mut frames = Vec::new();
-    let mut matrices = 0;
     while let SourceReading::Frame(frame) = source.read()? {
         frames.push(frame.clone());
         step(&mut engine, &Input::Frame(frame), &mut writer)?;
-        if let Some(deviations) = engine.wanted() {
-            let sensing = Arc::new(crate::sessions::builder().build(deviations)?);
-            matrices += sensing.to_bytes().len() as u64;
-            step(&mut engine, &Input::Matrix(sensing), &mut writer)?;
-        }
     }
     writer.finish()?;
-    // Everything but matrices and table: frames, touches, events, profile, schemas and index.
-    let bytes = fs::metadata(&path)?.len() - attached - matrices;
-    let a_frame = bytes / frames.len() as u64;
-    println!("session.csv: {a_frame} bytes a frame, with touches, events and index");
-    ensure!(a_frame <= MOST_BYTES_A_FRAME, "{a_frame} bytes a frame");
     let (mut reader, _) = Reader::open(BufReader::new(File::open(&path)?))?;
     let mut back = Vec::new();
     while let Some(message) = reader.next()? {
@@ -352,7 +372,7 @@ pub fn size() -> Result<()> {
         }
     }
     ensure!(back == frames, "the frames come back to the bit");
-    Ok(())
+    Ok((fs::metadata(&path)?.len(), frames.len() as u64))
 }
 
 const GUEST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");

@@ -56,7 +56,8 @@ pub(in crate::cli) struct PlayArgs {
     /// Record the session, to replay and export it: every input, touch and event
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// Record without matrix and response table (6 MB): they are named, and solved again to replay
+    /// Record a quarter as much: readings are rounded to a part of their noise before they are played, and matrix and
+    /// response table are only named, and solved again to replay
     #[arg(long, requires = "record")]
     pub slim: bool,
     /// Replace the file of --record if it exists

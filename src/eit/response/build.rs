@@ -8,6 +8,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use super::places::{Places, RADII};
+use super::quantized;
 use super::scatter::Scatterer;
 use super::symmetry::Orbits;
 use super::table::{HALF_RISE, LANES, POWERS, ResponseTable, SIGNS, TERMS};
@@ -15,7 +16,7 @@ use crate::eit::SetupError;
 use crate::pad::Pad;
 
 /// Part of the key; raised whenever the same pad gives another table.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
 /// Radii that are solved; the outermost two are extrapolated.
@@ -139,7 +140,10 @@ impl ResponseBuilder {
         let basis: Vec<f32> = (0..rank)
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
-        let terms = terms.map(|solved| self.orbits.expand(&solved, TERMS, &basis));
+        let terms = terms.map(|mut solved| {
+            quantized::round(&mut solved, &self.places, rank);
+            self.orbits.expand(&solved, TERMS, &basis)
+        });
         ResponseTable {
             key: self.key,
             channels: self.channels,

@@ -1,21 +1,24 @@
 //! The response table as bytes, for the cache on disk and for recordings.
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
-//! mm (f64); the key; basis and terms (f32) of both signs at the places from which the others follow by symmetry; CRC-32 of
-//! everything before it. The first version, of older recordings, holds one sign at all places, and no places beyond the edge but
-//! those that the interpolation needs.
+//! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
+//! `quantized.rs`); CRC-32 of everything before it. Two versions remain for older recordings: the second holds the terms
+//! as f32; the first, too, of one sign at all places, and no places beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 use super::places::Places;
+use super::quantized;
 use super::symmetry::Orbits;
 use super::table::{LANES, ResponseTable, SIGNS, TERMS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
-const MAGIC: &[u8; 8] = b"gelpadR2";
+const MAGIC: &[u8; 8] = b"gelpadR3";
+/// Terms as f32.
+const FLOAT_MAGIC: &[u8; 8] = b"gelpadR2";
 const OLD_MAGIC: &[u8; 8] = b"gelpadR1";
 /// Sixteen bytes per step: a table of fifteen megabytes is checked at every start.
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
@@ -45,12 +48,14 @@ impl ResponseTable {
     /// The table as bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(4 * (self.terms.len() + self.basis.len()) + 4096);
-        bytes.extend_from_slice(if self.has_both_signs() {
-            MAGIC
-        } else {
-            OLD_MAGIC
-        });
+        let packed = quantized::pack(self.solved_terms(), &self.places, self.rank);
+        let packed = packed.filter(|_| self.has_both_signs());
+        let magic = match packed {
+            Some(_) => MAGIC,
+            None if self.has_both_signs() => FLOAT_MAGIC,
+            None => OLD_MAGIC,
+        };
+        let mut bytes = magic.to_vec();
         let dimensions = [
             self.key.len(),
             self.channels,
@@ -64,8 +69,13 @@ impl ResponseTable {
         }
         bytes.extend_from_slice(&self.places.pitch_mm.to_le_bytes());
         bytes.extend_from_slice(self.key.as_bytes());
-        for value in self.basis.iter().chain(self.solved_terms()) {
-            bytes.extend_from_slice(&value.to_le_bytes());
+        let mut floats = |values: &mut dyn Iterator<Item = &f32>| {
+            values.for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+        };
+        floats(&mut self.basis.iter());
+        match packed {
+            Some(packed) => bytes.extend_from_slice(&packed),
+            None => floats(&mut self.solved_terms()),
         }
         let sum = CRC.checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
@@ -98,7 +108,7 @@ impl ResponseTable {
         }
     }
 
-    /// Reads a table with the given places and number of signs, after a magic of either version.
+    /// Reads a table with the given places and number of signs, after the magic of any version.
     fn read(
         bytes: &[u8],
         places: Places,
@@ -106,7 +116,7 @@ impl ResponseTable {
         signs: usize,
         channels: usize,
     ) -> Result<Self, TableError> {
-        let rest = [MAGIC, OLD_MAGIC]
+        let rest = [MAGIC, FLOAT_MAGIC, OLD_MAGIC]
             .iter()
             .find_map(|magic| bytes.strip_prefix(*magic))
             .ok_or(TableError::NotATable)?;
@@ -132,10 +142,18 @@ impl ResponseTable {
         if rank == 0 || rank % LANES != 0 || rank > channels.next_multiple_of(LANES) {
             return Err(TableError::OutOfRange);
         }
+        let read_terms = |count: usize, reader: &mut ByteReader<'_>| {
+            if bytes.starts_with(MAGIC) {
+                let packed = reader.bytes(count.checked_mul(4)?)?;
+                Some(quantized::unpack(packed, &places, rank))
+            } else {
+                reader.f32s(count)
+            }
+        };
         let (Some(key), Some(basis), Some(terms), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
-            reader.f32s(signs * orbits.solved() * TERMS * rank),
+            read_terms(signs * orbits.solved() * TERMS * rank, &mut reader),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);
@@ -163,6 +181,8 @@ impl ResponseTable {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::OnceLock;
+
     use super::*;
     use proptest::prelude::*;
 
@@ -181,10 +201,20 @@ mod tests {
         bytes
     }
 
+    /// The small table with terms as a solver rounds them.
+    fn rounded() -> ResponseTable {
+        let mut table = ResponseTable::small();
+        quantized::round(&mut table.terms, &table.places, table.rank);
+        table
+    }
+
     #[test]
     fn a_table_is_read_as_it_was_written() {
-        let table = ResponseTable::small();
-        assert_eq!(read(&table.to_bytes()), Ok(table));
+        for (table, magic) in [(rounded(), MAGIC), (ResponseTable::small(), FLOAT_MAGIC)] {
+            let bytes = table.to_bytes();
+            assert!(bytes.starts_with(magic));
+            assert_eq!(read(&bytes), Ok(table));
+        }
     }
 
     #[test]
@@ -237,7 +267,8 @@ mod tests {
     proptest! {
         #[test]
         fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
-            let mut bytes = ResponseTable::small().to_bytes();
+            static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+            let mut bytes = BYTES.get_or_init(|| rounded().to_bytes()).clone();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
             prop_assert!(read(&bytes).is_err());

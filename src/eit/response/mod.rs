@@ -7,6 +7,7 @@ mod build;
 mod bytes;
 mod interpolate;
 mod places;
+mod quantized;
 mod scatter;
 mod symmetry;
 mod table;

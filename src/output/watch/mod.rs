@@ -3,7 +3,7 @@
 //! Displays keep a key down when the client that pressed it is killed (X11) or stopped (X11 and Wayland). Therefore
 //! gelpad starts two small processes, `gelpad watch` and `gelpad guard`, each of which keeps a list of the outputs that are
 //! down. Each is in a session and process group of its own, so that whoever kills gelpad and one of them leaves the other;
-//! one that ends or stops answering is replaced. (Devices of the kernel are released by the kernel, they need no watcher.)
+//! one that ends or stops answering is replaced. The second asks for a systemd scope of its own (`scope.rs`). (Devices of the kernel are released by the kernel, they need no watcher.)
 //!
 //! ```text
 //! gelpad ──"press key:f", "beat", "release key:f"──▶ watcher
@@ -31,6 +31,7 @@
 
 mod link;
 mod process;
+mod scope;
 mod slot;
 mod state;
 

@@ -18,6 +18,7 @@ use signal_hook::consts::{
     SIGUSR2, SIGVTALRM, SIGXCPU,
 };
 
+use super::scope;
 use super::state::{self, StateFile};
 use super::{BEAT_LINE, READY, RELEASED, ReleaseMethod, STOPPED};
 use crate::output::{HeldOutputs, OutputDevice as _, OutputError, X11, now};
@@ -54,6 +55,7 @@ pub fn run_watcher(way: ReleaseMethod) -> Result<(), OutputError> {
     let mut line = UnixStream::from(line);
     line.write_all(format!("{READY}\n").as_bytes())
         .map_err(socket_error)?;
+    scope::request();
     let mut parent_state = ParentState::default();
     loop {
         match parent_state.read_lines(&mut line).map_err(socket_error)? {

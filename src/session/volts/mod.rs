@@ -3,7 +3,8 @@
 //! Consecutive readings of a channel differ by noise, so their bits, taken as integers in the order of the numbers, are close
 //! together. Each channel's next integer is predicted from its past, and the error of the prediction is written as a Rice
 //! code whose parameter follows the channel's recent errors. Noise cannot be compressed, and predicting from a mean costs
-//! little more than the noise: session.csv takes 427 bytes a frame of 208 channels, its noise alone 402.
+//! little more than the noise: session.csv takes 427 bytes a frame of 208 channels, its noise alone 402. Readings that were
+//! rounded (`--slim`) end in zero bits, which are left out.
 //!
 //! Invariant: every f32 is decoded with its exact bits, and a block with a wrong check sum is refused.
 
@@ -26,6 +27,12 @@ const PLAIN: u8 = 0;
 const FIRST: u8 = 1;
 /// A packed block that continues the one before.
 const NEXT: u8 = 2;
+/// Like [`FIRST`], with the number of lowest bits of each channel that are left out, one byte each, before the first frame.
+const ROUNDED: u8 = 3;
+/// Most bits that are left out: those of the mantissa.
+const MOST_SHIFT: u32 = 23;
+/// Bits saved in each value that are worth a block that stands alone.
+const WORTH_A_START: u32 = 2;
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes that are not a block of frames.
@@ -51,6 +58,8 @@ pub fn plain(frames: &[&[f32]]) -> Vec<u8> {
 #[derive(Debug, Default)]
 pub struct VoltsEncoder {
     predictors: Vec<Predictor>,
+    /// Number of lowest bits of each channel that are left out, all zero.
+    shifts: Vec<u32>,
 }
 
 impl VoltsEncoder {
@@ -67,20 +76,28 @@ impl VoltsEncoder {
         let channels = frames[0].len();
         let mut rest = frames;
         let mut bytes = Vec::new();
-        if self.predictors.len() == channels {
+        let shifts = zero_bits(frames);
+        let continues = self.predictors.len() == channels && self.fits(&shifts);
+        if continues {
             bytes.push(NEXT);
         } else {
-            bytes.push(FIRST);
+            self.shifts = shifts;
+            let is_rounded = self.shifts.iter().any(|shift| *shift > 0);
+            bytes.push(if is_rounded { ROUNDED } else { FIRST });
             bytes.extend_from_slice(&(channels as u16).to_le_bytes());
+            if is_rounded {
+                bytes.extend(self.shifts.iter().map(|shift| *shift as u8));
+            }
             push_plain(&mut bytes, frames[0]);
-            self.predictors = predictors(frames[0]);
+            self.predictors = predictors(frames[0], &self.shifts);
             rest = &frames[1..];
         }
         let mut bits = BitWriter::new(bytes);
         for frame in rest {
             assert_eq!(frame.len(), channels, "frames of one pad");
-            for (predictor, value) in self.predictors.iter_mut().zip(*frame) {
-                let value = ordered(*value);
+            let channels = self.predictors.iter_mut().zip(&self.shifts);
+            for ((predictor, shift), value) in channels.zip(*frame) {
+                let value = ordered(*value) >> shift;
                 let error = value.wrapping_sub(predictor.predicted());
                 bits.put_rice(error, predictor.rice_parameter());
                 predictor.update(value, error);
@@ -88,12 +105,23 @@ impl VoltsEncoder {
         }
         append_check_sum(bits.finish(), frames)
     }
+
+    /// Whether a block in which so many bits are zero continues the one before: what was left out is zero there too, and a new
+    /// start would save little.
+    fn fits(&self, zero_bits: &[u32]) -> bool {
+        let sum = |shifts: &[u32]| shifts.iter().sum::<u32>();
+        let mut channels = self.shifts.iter().zip(zero_bits);
+        channels.all(|(left_out, zero)| left_out <= zero)
+            && sum(zero_bits) <= sum(&self.shifts) + WORTH_A_START * zero_bits.len() as u32
+    }
 }
 
 /// Decodes what [`plain`] and [`VoltsEncoder`] made.
 #[derive(Debug, Default)]
 pub struct VoltsDecoder {
     predictors: Vec<Predictor>,
+    /// As in the encoder.
+    shifts: Vec<u32>,
 }
 
 impl VoltsDecoder {
@@ -109,7 +137,8 @@ impl VoltsDecoder {
         let (kind, body) = body.split_first().ok_or(DamagedVolts)?;
         let frames = match *kind {
             PLAIN => decode_plain(count, body)?,
-            FIRST => self.decode_first(count, body)?,
+            FIRST => self.decode_first(count, body, false)?,
+            ROUNDED => self.decode_first(count, body, true)?,
             NEXT if !self.predictors.is_empty() => {
                 let mut frames = Vec::new();
                 self.decode_predicted(count, body, &mut frames)?;
@@ -127,15 +156,30 @@ impl VoltsDecoder {
         }
     }
 
-    fn decode_first(&mut self, count: usize, body: &[u8]) -> Result<Vec<Vec<f32>>, DamagedVolts> {
+    fn decode_first(
+        &mut self,
+        count: usize,
+        body: &[u8],
+        is_rounded: bool,
+    ) -> Result<Vec<Vec<f32>>, DamagedVolts> {
         let (channels, body) = body.split_first_chunk::<2>().ok_or(DamagedVolts)?;
         let channels = usize::from(u16::from_le_bytes(*channels));
         if channels == 0 || channels > MOST_CHANNELS {
             return Err(DamagedVolts);
         }
+        let (shifts, body) = match is_rounded {
+            true => body.split_at_checked(channels).ok_or(DamagedVolts)?,
+            false => (&[][..], body),
+        };
         let (first, body) = body.split_at_checked(4 * channels).ok_or(DamagedVolts)?;
         let first = read_plain(first);
-        self.predictors = predictors(&first);
+        let mut shifts: Vec<u32> = shifts.iter().map(|shift| u32::from(*shift)).collect();
+        shifts.resize(channels, 0);
+        if shifts.iter().any(|shift| *shift > MOST_SHIFT) {
+            return Err(DamagedVolts);
+        }
+        self.shifts = shifts;
+        self.predictors = predictors(&first, &self.shifts);
         let mut frames = vec![first];
         self.decode_predicted(count - 1, body, &mut frames)?;
         Ok(frames)
@@ -150,13 +194,13 @@ impl VoltsDecoder {
         let mut bits = BitReader::new(body);
         for _ in 0..count {
             let mut frame = Vec::with_capacity(self.predictors.len());
-            for predictor in &mut self.predictors {
+            for (predictor, shift) in self.predictors.iter_mut().zip(&self.shifts) {
                 let error = bits
                     .get_rice(predictor.rice_parameter())
                     .ok_or(DamagedVolts)?;
                 let value = predictor.predicted().wrapping_add(error);
                 predictor.update(value, error);
-                frame.push(f32::from_bits(unordered(value)));
+                frame.push(f32::from_bits(unordered(lengthened(value, *shift))));
             }
             frames.push(frame);
         }
@@ -173,8 +217,29 @@ fn decode_plain(count: usize, body: &[u8]) -> Result<Vec<Vec<f32>>, DamagedVolts
     Ok(frames.collect())
 }
 
-fn predictors(first: &[f32]) -> Vec<Predictor> {
-    first.iter().map(|v| Predictor::new(ordered(*v))).collect()
+fn predictors(first: &[f32], shifts: &[u32]) -> Vec<Predictor> {
+    let channels = first.iter().zip(shifts);
+    channels
+        .map(|(volt, shift)| Predictor::new(ordered(*volt) >> shift, *shift))
+        .collect()
+}
+
+/// The number of lowest bits that are zero in all values of a channel, for each channel.
+fn zero_bits(frames: &[&[f32]]) -> Vec<u32> {
+    let mut least = vec![MOST_SHIFT; frames[0].len()];
+    for frame in frames {
+        for (least, volt) in least.iter_mut().zip(*frame) {
+            *least = volt.to_bits().trailing_zeros().min(*least);
+        }
+    }
+    least
+}
+
+/// The integer of a value from which the lowest bits, all zero, were left out.
+fn lengthened(shortened: i32, shift: u32) -> i32 {
+    // The bits of a negative value are inverted in its integer.
+    let left_out = if shortened < 0 { (1 << shift) - 1 } else { 0 };
+    (shortened << shift) | left_out
 }
 
 /// A float's bits as an integer in the order of the numbers.
@@ -240,6 +305,8 @@ mod tests {
         prop_oneof![
             any::<u32>(),
             (0..100_000u32).prop_map(|near| 1.25f32.to_bits() + near),
+            // Rounded readings around zero.
+            (-50..50i32).prop_map(|steps| (steps as f32 / 1024.0).to_bits()),
             proptest::sample::select(special.map(f32::to_bits).to_vec()),
         ]
     }
@@ -292,6 +359,24 @@ mod tests {
         encoder.encode(&[&[1.0, 2.0]]);
         let next = encoder.encode(&[&[1.0, 2.0]]);
         assert_eq!(VoltsDecoder::default().decode(1, &next), Err(DamagedVolts));
+    }
+
+    #[test]
+    fn bits_that_are_zero_are_left_out_as_soon_as_there_are_some() {
+        let mut encoder = VoltsEncoder::default();
+        let mut lengths = Vec::new();
+        for block in 0..8 {
+            let frames: Vec<Vec<f32>> = (0..16)
+                .map(|frame| {
+                    let value = |c: usize| ((frame * 7 + c * 13 + block) % 8) as f32 / 1024.0;
+                    let whole = |c| 1.0 + value(c) + if block == 0 { 1e-7 } else { 0.0 };
+                    (0..50).map(whole).collect()
+                })
+                .collect();
+            let frames: Vec<&[f32]> = frames.iter().map(Vec::as_slice).collect();
+            lengths.push(encoder.encode(&frames).len());
+        }
+        assert!(lengths[7] * 3 < lengths[0], "{lengths:?}");
     }
 
     #[test]

@@ -20,16 +20,21 @@ pub(super) struct Predictor {
     errors: [i64; 3],
     /// Mean recent error of the chosen one.
     scale: i64,
+    /// Whether the lowest bits of the values were left out: errors are then small, and half a unit counts.
+    is_rounded: bool,
     /// Values so far, at most 16: until then all means are plain averages.
     count: i64,
 }
 
 impl Predictor {
-    pub(super) fn new(value: i32) -> Self {
+    /// For values whose lowest `shift` bits were left out.
+    pub(super) fn new(value: i32, shift: u32) -> Self {
+        let error = (FIRST_ERROR >> shift) << FRACTION_BITS;
         Self {
             means: [i64::from(value) << FRACTION_BITS; 3],
-            errors: [FIRST_ERROR << FRACTION_BITS; 3],
-            scale: FIRST_ERROR << FRACTION_BITS,
+            errors: [error; 3],
+            scale: error,
+            is_rounded: shift > 0,
             count: 1,
         }
     }
@@ -45,12 +50,14 @@ impl Predictor {
             2
         };
         // The mean of i32 values fits an i32.
-        (self.means[best] >> FRACTION_BITS) as i32
+        let half = i64::from(self.is_rounded) << (FRACTION_BITS - 1);
+        ((self.means[best] + half) >> FRACTION_BITS) as i32
     }
 
-    /// The Rice parameter: a code of mean 2 |error| is shortest near log2(1.6 |error|).
+    /// The Rice parameter: a code of mean 2 |error| is shortest near log2(1.6 |error|), for small errors a little above.
     pub(super) fn rice_parameter(&self) -> u32 {
-        let scaled = (self.scale * 13 / 8) >> FRACTION_BITS;
+        let factor = if self.is_rounded { 18 } else { 13 };
+        let scaled = (self.scale * factor / 8) >> FRACTION_BITS;
         scaled.max(1).ilog2().min(31)
     }
 
