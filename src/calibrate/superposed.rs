@@ -237,7 +237,11 @@ fn without(places: &[usize], which: usize) -> Vec<usize> {
 /// Indices of the coarse grid's places in the fine grid.
 fn coarse_places() -> Vec<usize> {
     (0..FINE * FINE)
-        .filter(|place| place / FINE % COARSE_STEP == 0 && place % FINE % COARSE_STEP == 0)
+        .filter(|place| {
+            [place / FINE, place % FINE]
+                .iter()
+                .all(|step| step.is_multiple_of(COARSE_STEP))
+        })
         .collect()
 }
 
