@@ -139,6 +139,11 @@ fn presses_of_any_instrument_are_evaluated_as_one_json_object() {
     let mean = found["mean_mm"].as_f64().expect("a number");
     assert!(mean < 2.0, "{found}");
     assert!(found["median_mm"].as_f64() <= found["p95_mm"].as_f64());
+    let single = &found["by_count"]["1"];
+    assert_eq!(single["mean_mm"], found["mean_mm"]);
+    assert!(single["region_mm"].as_f64() > single["median_mm"].as_f64());
+    let share = single["region_share"].as_f64().expect("a number");
+    assert!((0.7..=1.0).contains(&share), "{found}");
 
     let words = gelpad(folder.path(), &["calibrate", "--presses", "train.csv"]);
     assert!(words.status.success());
@@ -153,6 +158,95 @@ fn presses_of_any_instrument_are_evaluated_as_one_json_object() {
     );
     assert_eq!(saved.status.code(), Some(1));
     assert!(stderr(&saved).contains("only voltages"));
+}
+
+/// The rows of `presses`, each added to a row elsewhere on the pad.
+fn pairs(count: usize) -> String {
+    let text = presses(2 * count, 300);
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| {
+            line.split(',')
+                .map(|v| v.parse().expect("a number"))
+                .collect()
+        })
+        .collect();
+    let mut text = String::from("x_mm,y_mm,x2_mm,y2_mm,d0,d1,d2,d3,d4,d5,d6,d7,d8\n");
+    for (a, b) in rows[..count].iter().zip(&rows[count..]) {
+        if (a[0] - b[0]).hypot(a[1] - b[1]) < 25.0 {
+            continue;
+        }
+        text.push_str(&format!("{},{},{},{}", a[0], a[1], b[0], b[1]));
+        for (a, b) in a[2..].iter().zip(&b[2..]) {
+            text.push_str(&format!(",{}", a + b));
+        }
+        text.push('\n');
+    }
+    // One row with a single press.
+    let last: Vec<String> = rows[0].iter().map(f64::to_string).collect();
+    text + &format!("{},{},,,{}\n", last[0], last[1], last[2..].join(","))
+}
+
+#[test]
+fn two_touches_are_located_with_maps_from_single_presses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("train.csv"), presses(80, 0)).expect("train");
+    std::fs::write(folder.path().join("pairs.csv"), pairs(30)).expect("pairs");
+    let output = gelpad(
+        folder.path(),
+        &[
+            "calibrate",
+            "--presses",
+            "train.csv",
+            "--evaluate",
+            "pairs.csv",
+        ],
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert_eq!(found["by_count"]["1"]["n_test"], 1);
+    let two = &found["by_count"]["2"];
+    assert!(two["n_test"].as_u64() > Some(10), "{found}");
+    assert!(two["mean_mm"].as_f64().expect("a number") < 4.0, "{found}");
+}
+
+#[test]
+fn presses_whose_places_do_not_belong_to_their_readings_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = presses(60, 0);
+    let rows: Vec<(&str, &str)> = text
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let readings = line.match_indices(',').nth(1).expect("two places").0;
+            line.split_at(readings)
+        })
+        .collect();
+    // Each place with the readings of another one.
+    let mut mixed = String::from(text.lines().next().expect("a header"));
+    for (index, (place, _)) in rows.iter().enumerate() {
+        mixed.push_str(&format!("\n{place}{}", rows[(index * 37 + 11) % 60].1));
+    }
+    std::fs::write(folder.path().join("mixed.csv"), mixed).expect("mixed");
+    std::fs::write(folder.path().join("test.csv"), presses(20, 100)).expect("test");
+    let output = gelpad(
+        folder.path(),
+        &[
+            "calibrate",
+            "--presses",
+            "mixed.csv",
+            "--evaluate",
+            "test.csv",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(output.stdout.is_empty());
+    assert!(
+        stderr(&output).contains("the presses disagree"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::AppError;
 use super::texts::{is_path, read_limited};
-use crate::calibrate::Presses;
+use crate::calibrate::{Presses, TouchRows};
 use crate::files::{self, FileError};
 use crate::pad::Pad;
 use crate::touch::{Correction, CorrectionData};
@@ -35,6 +35,17 @@ struct CalibrationFile {
 pub(crate) fn load_presses(path: &Path) -> Result<Presses, AppError> {
     let text = read_limited(path, MAX_FILE_BYTES)?;
     Ok(Presses::from_csv(&path.display().to_string(), &text)?)
+}
+
+/// Reads rows of one or several touches; a file of single presses counts as such, too.
+pub(crate) fn load_touch_rows(path: &Path) -> Result<TouchRows, AppError> {
+    let text = read_limited(path, MAX_FILE_BYTES)?;
+    let name = path.display().to_string();
+    if TouchRows::has_header(&text) {
+        return Ok(TouchRows::from_csv(&name, &text)?);
+    }
+    let presses = Presses::from_csv(&name, &text)?;
+    Ok(TouchRows::from_presses(&presses))
 }
 
 /// Reads a calibration of a pad.

@@ -7,6 +7,9 @@ const SWEEPS: usize = 200;
 /// Smaller shares are dropped: they cost a fit and hardly change the blend.
 const LEAST_SHARE: f64 = 0.01;
 
+/// With this many presses the shares are pulled together as strongly as the members' errors tell them apart.
+const FEW_PRESSES: f64 = 25.0;
+
 /// The best shares of members; `predicted` has one list of places for each member.
 pub(super) fn shares(predicted: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> {
     let members = predicted.len();
@@ -22,6 +25,7 @@ pub(super) fn shares(predicted: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> 
     let gram: Vec<Vec<f64>> = (0..members)
         .map(|a| (0..members).map(|b| product(a, b)).collect())
         .collect();
+    let gram = ridged(gram, truth.len());
     let mut shares = vec![1.0 / members as f64; members];
     for _ in 0..SWEEPS {
         for a in 0..members {
@@ -37,6 +41,17 @@ pub(super) fn shares(predicted: &[Vec<PointMm>], truth: &[PointMm]) -> Vec<f64> 
     }
     let sum: f64 = shares.iter().sum();
     shares.iter().map(|share| share / sum).collect()
+}
+
+/// Adds to the diagonal what pulls the shares together: those fitted to few presses are mostly chance.
+fn ridged(mut gram: Vec<Vec<f64>>, presses: usize) -> Vec<Vec<f64>> {
+    let members = gram.len();
+    let mean = (0..members).map(|k| gram[k][k]).sum::<f64>() / members as f64;
+    let few = FEW_PRESSES / presses as f64;
+    for (k, row) in gram.iter_mut().enumerate() {
+        row[k] += few * few * mean;
+    }
+    gram
 }
 
 /// Moves share between two members so that the error is least.
@@ -80,10 +95,10 @@ mod tests {
             errors in proptest::collection::vec(-1.0..1.0f64, 60),
             other in proptest::collection::vec(0.01..1.0f64, 3),
         ) {
-            let truth: Vec<PointMm> = (0..10).map(|i| [i as f64, 1.0]).collect();
+            let truth: Vec<PointMm> = (0..1000).map(|i| [i as f64, 1.0]).collect();
             let guesses: Vec<Vec<PointMm>> = (0..3)
-                .map(|m| (0..10).map(|i| {
-                    let at = 20 * m + 2 * i;
+                .map(|m| (0..1000).map(|i| {
+                    let at = 20 * m + 2 * (i % 10);
                     [truth[i][0] + errors[at], truth[i][1] + errors[at + 1]]
                 }).collect())
                 .collect();
@@ -96,7 +111,7 @@ mod tests {
             prop_assert!(best.iter().all(|share| *share >= 0.0));
             let sum: f64 = other.iter().sum();
             let other: Vec<f64> = other.iter().map(|share| share / sum).collect();
-            // Dropping shares below 0.01 may cost a little.
+            // Dropping shares below 0.01, and pulling them together, may cost a little.
             prop_assert!(cost(&best) <= cost(&other) * 1.01);
         }
     }

@@ -11,6 +11,11 @@ pub enum CalibrateError {
         "the presses are too similar to learn from: press different places, and release the pad between presses"
     )]
     Alike,
+    /// Presses left out are located no better than by guessing.
+    #[error(
+        "the presses disagree: from their readings they are located no better than by guessing. Check that each place belongs to its row, that all presses come from one pad, and that the untouched readings were taken just before each press"
+    )]
+    Disagree,
     /// The presses lack the places that the pad's model found.
     #[error(
         "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`"

@@ -61,7 +61,7 @@ impl Maps {
             process::leave_one_out(&process::squared_distances(&near, &near), &shown, hyper)?;
         let whitening = whitening(&left_out)?;
         let maps = Process::fit(places.clone(), &values, hyper)?;
-        let grid = grid(places);
+        let grid = grid(places, GRID);
         let variance = maps.variance(&grid)?;
         Ok(Self {
             power,
@@ -103,7 +103,10 @@ impl Maps {
 }
 
 /// The length and noise with the highest likelihood of the left-out readings, each channel with its own variance.
-fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyperparameters, CalibrateError> {
+pub(super) fn choose(
+    values: &Mat<f64>,
+    places: &Mat<f64>,
+) -> Result<Hyperparameters, CalibrateError> {
     let some = subset(places.nrows(), MOST_FOR_CHOICE);
     let (places, values) = (rows(places, &some), rows(values, &some));
     let distances2 = process::squared_distances(&places, &places);
@@ -118,8 +121,8 @@ fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyperparameters, Calib
             let left_out = process::leave_one_out(&distances2, &values, hyper)?;
             let count = left_out.variance.len() as f64;
             let loss = mean(
-                standard_variances(&left_out)
-                    .into_iter()
+                (0..values.ncols())
+                    .map(|channel| left_out.scale(channel))
                     .filter(|v| *v > 0.0)
                     .map(libm::log),
             ) + left_out.variance.iter().map(|v| libm::log(*v)).sum::<f64>() / count;
@@ -129,22 +132,6 @@ fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Hyperparameters, Calib
         }
     }
     best.map(|(_, hyper)| hyper).ok_or(CalibrateError::Alike)
-}
-
-/// For each channel, the mean squared residual over the variance that the process predicts.
-fn standard_variances(left_out: &process::LeaveOneOut) -> Vec<f64> {
-    (0..left_out.residuals.ncols())
-        .map(|channel| {
-            mean(
-                left_out
-                    .residuals
-                    .col(channel)
-                    .iter()
-                    .zip(&left_out.variance)
-                    .map(|(r, v)| r * r / v),
-            )
-        })
-        .collect()
 }
 
 /// The map (channels by directions) after which standardised residuals are independent with variance 1.
@@ -175,7 +162,8 @@ fn whitening(left_out: &process::LeaveOneOut) -> Result<Mat<f64>, CalibrateError
     }))
 }
 
-fn grid(places: &Mat<f64>) -> Mat<f64> {
+/// Places of a grid over the box around the presses, `side` along each side: side² by 2, mm.
+pub(super) fn grid(places: &Mat<f64>, side: usize) -> Mat<f64> {
     let [x, y] = [0, 1].map(|axis| {
         let values = || places.col(axis).iter().copied();
         let (low, high) = (
@@ -185,12 +173,12 @@ fn grid(places: &Mat<f64>) -> Mat<f64> {
         let margin = MARGIN * (high - low);
         (low - margin, high - low + 2.0 * margin)
     });
-    Mat::from_fn(GRID * GRID, 2, |place, axis| {
+    Mat::from_fn(side * side, 2, |place, axis| {
         let ((low, length), step) = match axis {
-            0 => (x, place / GRID),
-            _ => (y, place % GRID),
+            0 => (x, place / side),
+            _ => (y, place % side),
         };
-        low + length * step as f64 / (GRID - 1) as f64
+        low + length * step as f64 / (side - 1) as f64
     })
 }
 

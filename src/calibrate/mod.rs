@@ -5,6 +5,7 @@
 //! cross-validation; nothing is random.
 
 mod blend;
+mod component_maps;
 mod correct;
 mod curve;
 mod error;
@@ -16,7 +17,10 @@ mod press_recorder;
 mod presses;
 mod process;
 pub mod recommend;
+mod region;
 mod regression;
+mod superposed;
+mod touch_rows;
 
 pub use correct::{FittedCorrection, fit_correction};
 pub use curve::{LearningCurve, learning_curve};
@@ -25,3 +29,5 @@ pub use file_name::calibration_file_name;
 pub use press_recorder::{PressRecorder, RecordedPress, Touching};
 pub use presses::{FEWEST_PRESSES, ModelPrediction, Press, Presses, PressesError};
 pub use regression::Regression;
+pub use superposed::{MOST_PLACES, SuperposedMaps};
+pub use touch_rows::{TouchRow, TouchRows};

@@ -51,6 +51,15 @@ pub(super) struct LeaveOneOut {
     pub variance: Vec<f64>,
 }
 
+impl LeaveOneOut {
+    /// The mean squared residual of an output over the variance that the process predicts: the variance of its prior.
+    pub(super) fn scale(&self, output: usize) -> f64 {
+        let residuals = self.residuals.col(output).iter();
+        let sum: f64 = residuals.zip(&self.variance).map(|(r, v)| r * r / v).sum();
+        sum / self.variance.len() as f64
+    }
+}
+
 impl Process {
     /// Fits the weights.
     pub(super) fn fit(

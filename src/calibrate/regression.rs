@@ -8,11 +8,13 @@
 use faer::Mat;
 
 use super::blend;
+use super::component_maps::{ComponentMaps, ComponentSpec};
 use super::error::{CalibrateError, PlaceErrors};
 use super::features::{Compression, FeatureSpec, Features, channel_weights, stretch};
 use super::maps::{Maps, rows, subset};
 use super::presses::{Presses, shuffled};
 use super::process::{self, Hyperparameters, Process};
+use super::region::Region;
 use crate::types::PointMm;
 
 /// Most presses for the choice of lengths, noises and channel weights.
@@ -26,6 +28,11 @@ const MANY: usize = 1000;
 /// Candidate factors on length and noise, where these were chosen from a part of the presses.
 const REFINEMENTS: [(f64, f64); 4] = [(1.0, 1.0), (0.7, 1.0), (1.0, 0.3), (0.7, 0.3)];
 
+/// Presses are refused if their expected error is more than this share of that of guessing the middle every time.
+const MOST_OF_GUESSING: f64 = 0.8;
+/// Fewer presses are not judged: their expected error is too uncertain.
+const ENOUGH_TO_JUDGE: usize = 20;
+
 /// How a member is made.
 #[derive(Clone, Copy, Debug)]
 enum MemberSpec {
@@ -36,6 +43,8 @@ enum MemberSpec {
     },
     /// Maps of the changes' signed roots.
     Maps { power: f64 },
+    /// Maps of the changes' principal components.
+    Components(ComponentSpec),
 }
 
 const fn process(
@@ -54,8 +63,21 @@ const fn process(
     }
 }
 
+const fn components(power: f64, unit: bool, components: usize, limit: Option<f64>) -> MemberSpec {
+    MemberSpec::Components(ComponentSpec {
+        power,
+        unit,
+        components,
+        limit,
+    })
+}
+
+/// With more presses than this, the last [`FOR_FEW`] members are left out: they take long and have no share.
+const FEW_PRESSES: usize = 200;
+const FOR_FEW: usize = 5;
+
 /// The members; the blend decides their shares on a pad.
-const MEMBERS: [MemberSpec; 8] = [
+const MEMBERS: [MemberSpec; 13] = [
     process(Compression::Root(0.7), false, false, false),
     process(Compression::Log, false, false, false),
     process(Compression::Log, false, true, false),
@@ -64,6 +86,11 @@ const MEMBERS: [MemberSpec; 8] = [
     process(Compression::Root(0.7), true, false, true),
     MemberSpec::Maps { power: 0.5 },
     MemberSpec::Maps { power: 0.75 },
+    components(0.6, false, 15, None),
+    components(0.6, true, 15, None),
+    components(0.6, false, 25, Some(3.0)),
+    components(0.7, true, 25, Some(2.0)),
+    components(0.6, false, 60, Some(3.0)),
 ];
 
 /// Hyperparameters of a member: of its process, and of the process in the learned metric.
@@ -82,6 +109,7 @@ enum FittedMember {
         process: Process,
     },
     Maps(Maps),
+    Components(ComponentMaps),
 }
 
 /// A fitted regression.
@@ -90,6 +118,7 @@ pub struct Regression {
     /// Members with their shares.
     members: Vec<(f64, FittedMember)>,
     expected: PlaceErrors,
+    region: Region,
 }
 
 impl Regression {
@@ -103,24 +132,38 @@ impl Regression {
         let data = Data { changes, places };
         let weights = data.channel_weights()?;
         let few = data.rows(&subset(order.len(), MOST_FOR_CHOICE));
+        let members = members_for(order.len());
         let mut chosen = Vec::new();
-        for (index, spec) in MEMBERS.iter().enumerate() {
+        for (index, spec) in members.iter().enumerate() {
             report(&format!(
                 "settings of member {} of {}",
                 index + 1,
-                MEMBERS.len()
+                members.len()
             ));
             chosen.push(choose(*spec, &few, &weights)?);
         }
-        let (shares, expected) = cross_validate(&data, &mut chosen, report)?;
-        let mut members = Vec::new();
-        for ((spec, chosen), share) in MEMBERS.iter().zip(&chosen).zip(shares) {
+        let CrossValidation {
+            shares,
+            expected,
+            region,
+        } = cross_validate(&data, &mut chosen, report)?;
+        if order.len() >= ENOUGH_TO_JUDGE
+            && expected.mean_mm > MOST_OF_GUESSING * guessing_mm(&data.places)
+        {
+            return Err(CalibrateError::Disagree);
+        }
+        let mut fitted = Vec::new();
+        for ((spec, chosen), share) in members.iter().zip(&chosen).zip(shares) {
             if share > 0.0 {
                 report("all presses");
-                members.push((share, FittedMember::fit(*spec, *chosen, &data, &weights)?));
+                fitted.push((share, FittedMember::fit(*spec, *chosen, &data, &weights)?));
             }
         }
-        Ok(Self { members, expected })
+        Ok(Self {
+            members: fitted,
+            expected,
+            region,
+        })
     }
 
     /// Errors of the presses left out in the cross-validation.
@@ -129,17 +172,21 @@ impl Regression {
         self.expected
     }
 
-    /// Predicts the places of presses, mm: presses by 2.
+    /// Predicts the places of presses and the radii of the circles that hold each with a probability of 90 %, mm.
     ///
     /// # Panics
     /// If there are other channels than were learned from.
     #[must_use]
-    pub fn predict(&self, changes: &Mat<f64>) -> Mat<f64> {
-        let mut places = Mat::zeros(changes.nrows(), 2);
-        for (share, member) in &self.members {
-            places += member.predict(changes) * faer::Scale(*share);
-        }
-        places
+    pub fn predict_with_region(&self, changes: &Mat<f64>) -> (Vec<PointMm>, Vec<f64>) {
+        let predicted: Vec<Vec<PointMm>> = self
+            .members
+            .iter()
+            .map(|(_, member)| points(&member.predict(changes)))
+            .collect();
+        let shares: Vec<f64> = self.members.iter().map(|(share, _)| *share).collect();
+        let places = blend::blended(&predicted, &shares);
+        let radii_mm = self.region.radii_mm(&predicted, &shares, &places);
+        (places, radii_mm)
     }
 
     /// Errors of the predicted places of presses.
@@ -149,7 +196,7 @@ impl Regression {
     #[must_use]
     pub fn evaluate(&self, presses: &Presses) -> PlaceErrors {
         let all: Vec<usize> = (0..presses.len()).collect();
-        let predicted = points(&self.predict(&presses.changes(&all)));
+        let (predicted, _) = self.predict_with_region(&presses.changes(&all));
         let truth: Vec<[f64; 2]> = presses.list().iter().map(|press| press.place_mm).collect();
         PlaceErrors::between(&predicted, &truth)
     }
@@ -182,16 +229,38 @@ fn points(places: &Mat<f64>) -> Vec<PointMm> {
         .collect()
 }
 
+/// The members for a number of presses.
+fn members_for(presses: usize) -> &'static [MemberSpec] {
+    let left_out = if presses > FEW_PRESSES { FOR_FEW } else { 0 };
+    &MEMBERS[..MEMBERS.len() - left_out]
+}
+
+/// Mean distance of places from their middle, mm.
+fn guessing_mm(places: &Mat<f64>) -> f64 {
+    let count = places.nrows() as f64;
+    let [x, y] = [0, 1].map(|axis| places.col(axis).iter().sum::<f64>() / count);
+    let distance = |row| libm::hypot(places[(row, 0)] - x, places[(row, 1)] - y);
+    (0..places.nrows()).map(distance).sum::<f64>() / count
+}
+
+/// What presses left out show.
+struct CrossValidation {
+    shares: Vec<f64>,
+    expected: PlaceErrors,
+    region: Region,
+}
+
 /// Shares of the members, and the errors of their blend on presses left out. With many presses, also refines `chosen`.
 fn cross_validate(
     data: &Data,
     chosen: &mut [MemberHyperparameters],
     report: &mut dyn FnMut(&str),
-) -> Result<(Vec<f64>, PlaceErrors), CalibrateError> {
+) -> Result<CrossValidation, CalibrateError> {
     let count = data.places.nrows();
+    let members = members_for(count);
     let folds = if count > MANY { FOLDS_OF_MANY } else { FOLDS };
     let mut truth: Vec<PointMm> = Vec::new();
-    let mut predicted: Vec<Vec<PointMm>> = vec![Vec::new(); MEMBERS.len()];
+    let mut predicted: Vec<Vec<PointMm>> = vec![Vec::new(); members.len()];
     for fold in 0..folds {
         report(&format!("cross-validation {} of {folds}", fold + 1));
         let (out, rest): (Vec<usize>, Vec<usize>) =
@@ -199,7 +268,7 @@ fn cross_validate(
         let (seen, unseen) = (data.rows(&rest), data.rows(&out));
         // The weights depend on places, too.
         let weights = seen.channel_weights()?;
-        for ((spec, chosen), predicted) in MEMBERS.iter().zip(&mut *chosen).zip(&mut predicted) {
+        for ((spec, chosen), predicted) in members.iter().zip(&mut *chosen).zip(&mut predicted) {
             if fold == 0 && count > MOST_FOR_CHOICE {
                 refine(*spec, chosen, [&seen, &unseen], &weights)?;
             }
@@ -209,8 +278,12 @@ fn cross_validate(
         truth.extend(points(&unseen.places));
     }
     let shares = blend::shares(&predicted, &truth);
-    let expected = PlaceErrors::between(&blend::blended(&predicted, &shares), &truth);
-    Ok((shares, expected))
+    let places = blend::blended(&predicted, &shares);
+    Ok(CrossValidation {
+        expected: PlaceErrors::between(&places, &truth),
+        region: Region::fit(&predicted, &shares, &places, &truth)?,
+        shares,
+    })
 }
 
 fn choose(
@@ -294,6 +367,9 @@ impl FittedMember {
             MemberSpec::Maps { power } => {
                 return Maps::fit(power, &data.changes, &data.places).map(Self::Maps);
             }
+            MemberSpec::Components(spec) => {
+                return ComponentMaps::fit(spec, &data.changes, &data.places).map(Self::Components);
+            }
             MemberSpec::Process { features, .. } => features,
         };
         let features = Features::fit(features, &data.changes, weights);
@@ -320,6 +396,7 @@ impl FittedMember {
     fn predict(&self, changes: &Mat<f64>) -> Mat<f64> {
         match self {
             Self::Maps(maps) => maps.predict(changes),
+            Self::Components(maps) => maps.predict(changes),
             Self::Process {
                 features,
                 stretch,

@@ -21,7 +21,8 @@ Examples:
   gelpad calibrate --source serial:/dev/ttyACM0 --recommend anna
     asks for short, long and double presses, then writes settings for this user
 
-Presses are CSV: x_mm,y_mm,d0,d1,... with the differences pressed - unpressed in any unit. Presses recorded by gelpad
+Presses are CSV: x_mm,y_mm,d0,d1,... with the differences pressed - unpressed in any unit. For --evaluate, rows may hold
+the places of two or three touches: x_mm,y_mm,x2_mm,y2_mm,x3_mm,y3_mm,d0,d1,... (empty where there are fewer). Presses recorded by gelpad
 have force,model_x_mm,model_y_mm before d0; only these give a calibration.")]
 pub(in crate::cli) struct CalibrateArgs {
     /// A shipped pad, or a file (contains `/` or ends in `.toml`)

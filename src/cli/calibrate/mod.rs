@@ -1,15 +1,13 @@
 //! `gelpad calibrate`: records presses at shown places, learns a calibration, prints the expected error.
 
+mod evaluate;
 mod recommend;
 mod record;
 mod source;
 
-use std::io::Write as _;
-use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::bail;
-use serde::Serialize;
 
 use super::args::CalibrateArgs;
 use super::exit::Ending;
@@ -36,53 +34,13 @@ pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
     }
     match (&args.source, &args.presses, &args.evaluate) {
         (Some(source), _, _) => record(args, source),
-        (None, Some(presses), Some(test)) => evaluate(presses, test),
+        (None, Some(presses), Some(test)) => evaluate::evaluate(presses, test),
         (None, Some(presses), None) => {
             let presses = load_presses(presses)?;
             learn(args, &presses, None)
         }
         (None, None, _) => bail!("no presses: give --presses FILE or --source"),
     }
-}
-
-/// The line of `--evaluate`.
-#[derive(Serialize)]
-struct Evaluation {
-    n_train: usize,
-    n_test: usize,
-    mean_mm: f64,
-    median_mm: f64,
-    p95_mm: f64,
-}
-
-fn evaluate(train: &Path, test: &Path) -> anyhow::Result<Ending> {
-    let (presses, unseen) = (load_presses(train)?, load_presses(test)?);
-    if presses.channels() != unseen.channels() {
-        bail!(
-            "{}: {} channels, but {} has {}: both must come from the same pad",
-            test.display(),
-            unseen.channels(),
-            train.display(),
-            presses.channels()
-        );
-    }
-    let spinner = Spinner::new();
-    let regression = Regression::fit(&presses, &mut |stage| spinner.show(stage))?;
-    drop(spinner);
-    let errors = regression.evaluate(&unseen);
-    let line = serde_json::to_string(&Evaluation {
-        n_train: presses.len(),
-        n_test: unseen.len(),
-        mean_mm: errors.mean_mm,
-        median_mm: errors.median_mm,
-        p95_mm: errors.p95_mm,
-    })?;
-    writeln!(std::io::stdout(), "{line}")?;
-    say(&format!(
-        "cross-validation predicted {}",
-        error_text(regression.expected())
-    ));
-    Ok(Ending::Done)
 }
 
 fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending> {
