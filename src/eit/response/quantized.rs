@@ -10,9 +10,9 @@
 use super::places::Places;
 use super::table::{POWERS, TERMS};
 
-/// The step of a response at strength 1, as a power of two: 61e-6 of a reading. The error of a response, below 20e-6 (root mean
-/// square), is a fifth of the noise at 80 dB.
-const STEP_LOG2: f64 = -14.0;
+/// The step of a response at strength 1, as a power of two: 15e-6 of a reading. The error of a response, below 5e-6 (root mean
+/// square), is a twentieth of the noise at 80 dB.
+const STEP_LOG2: f64 = -16.0;
 /// Bytes of an integer.
 const BYTES: usize = 4;
 
