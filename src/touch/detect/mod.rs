@@ -14,5 +14,7 @@ mod renumbered;
 mod repeats;
 mod shift;
 mod sign;
+mod views;
 
-pub use detector::{Detector, FrameTouches};
+pub use detector::Detector;
+pub use views::FrameTouches;

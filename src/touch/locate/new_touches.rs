@@ -232,7 +232,8 @@ impl Locator {
             if energy(&self.best.residual) > well && self.best.touches.len() > 1 {
                 self.whole.clone_from(&self.best);
                 self.try_all_splits();
-                if self.is_odd_finger(noise) {
+                // A split may only add a shadow of a strong touch: the fit without it still counts.
+                if self.is_odd_finger(noise) || !self.justifies_touch(least_gain) {
                     std::mem::swap(&mut self.whole, &mut self.best);
                 }
             }

@@ -4,7 +4,6 @@
 //! For a response r, readings x and variances v, a part adds sum r x / v and sum r r / v. Over the last parts, the response with
 //! amplitude a = B / A explains B B / A squared deviations: a likelihood ratio for every place and every moment of onset.
 
-use super::onset::OnsetModel;
 use super::readings::PartReadings;
 use crate::touch::Detector;
 use crate::types::Part;
@@ -21,6 +20,9 @@ struct PartSums {
     square: Vec<f32>,
     /// Sum of x x / v.
     energy: f64,
+    /// Sum of x / v, and the share of its square that shared noise explains.
+    mean: f32,
+    shared_share: f32,
 }
 
 /// The parts since the detector last ran.
@@ -106,11 +108,11 @@ impl Evidence {
         &self.parts[self.count - parts.min(self.count)..self.count]
     }
 
-    /// Adds a part. `expected` is the relative change of a channel by the touches that are down.
-    pub(super) fn add(
+    /// Adds a part, with the `responses` of a finger at many places. `expected` is the relative change of a channel by the touches that are down.
+    pub(super) fn add<'a>(
         &mut self,
         detector: &Detector,
-        model: &OnsetModel,
+        responses: impl Iterator<Item = &'a [f32]>,
         part: &Part,
         expected: impl Fn(usize) -> f32,
     ) {
@@ -125,10 +127,10 @@ impl Evidence {
         let held = std::mem::take(&mut self.held);
         let sums = &mut self.parts[self.count];
         sums.readings.take(detector, part, expected);
-        self.parts[self.count].sum(
-            model.responses().chain(held.iter().map(Vec::as_slice)),
-            detector,
-        );
+        let sums = &mut self.parts[self.count];
+        sums.project(detector);
+        responses.for_each(|response| sums.add_response(response));
+        held.iter().for_each(|response| sums.add_response(response));
         self.held = held;
         self.count += 1;
         self.find_best();
@@ -187,8 +189,8 @@ impl Evidence {
 }
 
 impl PartSums {
-    /// Sums for every response. Noise that the readings of a part share is projected out.
-    fn sum<'a>(&mut self, responses: impl Iterator<Item = &'a [f32]>, detector: &Detector) {
+    /// Starts the sums. Noise that the readings of a part share is projected out.
+    fn project(&mut self, detector: &Detector) {
         let shared = detector.reference().shared_noise();
         let shared = shared.gain + shared.drive;
         let PartReadings {
@@ -197,24 +199,26 @@ impl PartSums {
             ..
         } = &self.readings;
         let precision: f64 = precisions.iter().map(|p| f64::from(*p)).sum();
-        let share = shared / (1.0 + shared * precision);
+        self.shared_share = (shared / (1.0 + shared * precision)) as f32;
         let weighted = changes.iter().zip(precisions);
-        let mean: f64 = weighted.clone().map(|(x, p)| f64::from(x * p)).sum();
+        self.mean = weighted.clone().map(|(x, p)| x * p).sum();
         let energy: f64 = weighted.map(|(x, p)| f64::from(x * x * p)).sum();
-        self.energy = energy - share * mean * mean;
+        self.energy = energy - f64::from(self.shared_share * self.mean * self.mean);
         self.along.clear();
         self.square.clear();
-        let span = self.readings.span();
-        for response in responses {
-            let (mut along, mut square, mut sum) = (0.0f32, 0.0f32, 0.0f32);
-            for ((r, x), p) in response[span.clone()].iter().zip(changes).zip(precisions) {
-                along += r * x * p;
-                square += r * r * p;
-                sum += r * p;
-            }
-            self.along.push(along - share as f32 * sum * mean as f32);
-            self.square
-                .push((square - share as f32 * sum * sum).max(0.0));
+    }
+
+    /// Adds the sums of a response, one relative change per channel of the pad.
+    fn add_response(&mut self, response: &[f32]) {
+        let (mut along, mut square, mut sum) = (0.0f32, 0.0f32, 0.0f32);
+        let readings = self.readings.changes.iter().zip(&self.readings.precisions);
+        for (r, (x, p)) in response[self.readings.span()].iter().zip(readings) {
+            along += r * x * p;
+            square += r * r * p;
+            sum += r * p;
         }
+        self.along.push(along - self.shared_share * sum * self.mean);
+        self.square
+            .push((square - self.shared_share * sum * sum).max(0.0));
     }
 }

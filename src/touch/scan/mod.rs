@@ -26,6 +26,8 @@ use onset::OnsetModel;
 
 /// While a touch moves, places are found once in so many parts.
 const MOVING_PARTS: usize = 2;
+/// So many frames may end amid a change before they count as they are: an electrode may have gone.
+const UNCLEAR_FRAMES: u32 = 3;
 
 /// The readings of the last frame, and what they are believed to contain.
 #[derive(Clone, Debug, Default)]
@@ -54,8 +56,8 @@ pub struct Scan {
     read: usize,
     /// Parts since the detector last ran.
     parts: usize,
-    /// The last frame ended amid a change that was not yet clear.
-    is_postponed: bool,
+    /// Frames in a row that ended amid a change that was not yet clear.
+    unclear_frames: u32,
     completed: Frame,
 }
 
@@ -118,11 +120,16 @@ impl Scan {
         if self.landing.is_some() {
             self.run(detector, t_ns, Run::Between, changed);
         } else if ends_frame {
-            let waits = is_unclear && !is_touched && !self.is_postponed;
-            if waits {
-                self.is_postponed = true;
+            // A change that is under way is no fault of an electrode, nor the untouched pad.
+            self.unclear_frames = if is_unclear {
+                self.unclear_frames + 1
             } else {
-                self.run(detector, t_ns, Run::Whole, changed);
+                0
+            };
+            match self.unclear_frames {
+                1 if !is_touched => {}
+                1..=UNCLEAR_FRAMES => self.run(detector, t_ns, Run::Landing, changed),
+                _ => self.run(detector, t_ns, Run::Whole, changed),
             }
         } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.rates.is_empty())
         {
@@ -184,7 +191,8 @@ impl Scan {
             let rate = self.rates.get(channel).copied().unwrap_or(0.0);
             self.expected[channel] + elapsed_s * rate
         };
-        self.evidence.add(detector, model, part, expected);
+        self.evidence
+            .add(detector, model.responses(), part, expected);
     }
 
     /// A finger that went down, and how many parts ago. While one lands, no other is looked for.
@@ -253,28 +261,6 @@ impl Scan {
             Run::Between => detector.process_between(&self.completed, 0, changed),
             Run::Landing => detector.process_between(&self.completed, 1, changed),
         }
-        if std::env::var("GELPAD_DBG").is_ok() {
-            eprintln!(
-                "DBG {:.1} ms {run:?} down {:?} sign {:?} retaken {} changed {:?} unclear {} landing {:?}",
-                t_ns as f64 * 1e-6,
-                detector
-                    .frame_touches()
-                    .down
-                    .iter()
-                    .map(|t| t.contact.centre_mm.map(|x| (10.0 * x).round() / 10.0))
-                    .collect::<Vec<_>>(),
-                detector.touch_sign(),
-                detector.references_retaken(),
-                changed.iter().map(|t| t.phase).collect::<Vec<_>>(),
-                self.evidence.is_unclear(),
-                self.landing.as_ref().map(|l| (
-                    l.fitted.touch.centre_mm,
-                    l.fitted.place_mm,
-                    l.fitted.rest,
-                    l.fitted.energy
-                ))
-            );
-        }
         self.expected.fill(0.0);
         if !detector.frame_touches().down.is_empty() {
             self.expected.copy_from_slice(detector.explained());
@@ -301,7 +287,6 @@ impl Scan {
         }
         if run != Run::Between {
             self.evidence.clear();
-            self.is_postponed = false;
         }
         self.evidence.set_held(detector);
         self.parts = 0;
