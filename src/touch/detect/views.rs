@@ -15,7 +15,7 @@ pub struct FrameTouches<'a> {
 }
 
 impl Detector {
-    /// The contacts that are down, at the places that the model found: before any [`Correction`].
+    /// The contacts that are down, at the places that the model found: before any [`crate::touch::Correction`].
     #[must_use]
     pub fn uncorrected_contacts(&self) -> &[Contact] {
         if self.tracker.down().is_empty() {

@@ -1,7 +1,7 @@
 //! `gelpad accuracy --scan`: presses on a pad whose drives are read one after another.
 //!
 //! A board reads a frame drive by drive, so a press begins and ends within frames. Each session is played twice: its frames as
-//! moments at their ends, and part by part ([`Scan`]). Counted are presses that are found, touches that nobody made, how late a
+//! moments at their ends, and part by part ([`crate::touch::Scan`]). Counted are presses that are found, touches that nobody made, how late a
 //! press and its end are seen, and the error of place.
 
 mod play;
