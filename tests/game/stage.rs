@@ -32,10 +32,10 @@ const WINDOW_STARTS: Duration = Duration::from_secs(6);
 #[cfg(feature = "gui")]
 const SEND: (&str, &str) = ("853", "33");
 #[cfg(feature = "gui")]
-const PAD_WINDOW: (&str, &str) = ("1150", "145");
-/// On the screen: the jump region of the pad's own window, which opens at (40, 40).
+const PAD_WINDOW: (&str, &str) = ("1130", "181");
+/// In the pad's own window: the jump region.
 #[cfg(feature = "gui")]
-const PAD_JUMP: (&str, &str) = ("282", "208");
+const PAD_JUMP: (&str, &str) = ("239", "168");
 /// Number of frames before play starts: the game draws itself in three.
 const WARM_UP_FRAMES: usize = 60;
 
@@ -115,7 +115,15 @@ impl Stage {
         self.focus(tools)?;
         thread::sleep(JUMP_END_WAIT);
         let seen = read_log(&self.log)?.frames().len();
-        self.xdotool(tools, &["mousemove", PAD_JUMP.0, PAD_JUMP.1])?;
+        let jump = [
+            "^gelpad pad$",
+            "mousemove",
+            "--window",
+            "%1",
+            PAD_JUMP.0,
+            PAD_JUMP.1,
+        ];
+        self.xdotool(tools, &[&search[..], &jump].concat())?;
         for press_ms in presses_ms {
             self.xdotool(tools, &["mousedown", "1"])?;
             thread::sleep(Duration::from_millis((*press_ms).into()));
