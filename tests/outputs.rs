@@ -202,12 +202,12 @@ fn a_recording_replaces_no_file_without_force() {
         .spawn()
         .expect("gelpad starts");
     let length = || fs::metadata(folder.join("two.mcap")).map_or(0, |file| file.len());
-    // Long enough for the ten frames of the reference.
-    let (mut set_up, start) = (0, length());
-    while set_up == start || length() < set_up + 40_000 {
+    // Setup and table come first; then long enough for the ten frames of the reference.
+    let start = length();
+    while length() == start {
         std::thread::sleep(std::time::Duration::from_millis(10));
-        set_up = if set_up == start { length() } else { set_up };
     }
+    std::thread::sleep(std::time::Duration::from_secs(3));
     let output = record(&["two.mcap", "--force"], 1);
     first.kill().expect("killed");
     first.wait().expect("ended");
