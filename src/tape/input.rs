@@ -7,7 +7,8 @@ use crate::profile::{Profile, Source, Texts};
 use crate::session::{LostFrames, Message, NamedText, ProfileTexts, TimeOnly};
 use crate::types::Nanos;
 
-/// The message of an input; `None` for a matrix, which is an attachment.
+/// The message of an input; `None` for a matrix, which is an attachment, and for a part: only files are read in parts, and
+/// playing a file in parts records nothing.
 #[must_use]
 pub fn message_from_input(input: &Input) -> Option<Message> {
     Some(match input {
