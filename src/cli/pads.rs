@@ -68,8 +68,8 @@ fn facts(pad: &Pad, linearised: &Linearised) -> String {
         ),
     };
     let sign = match pad.touch_sign {
-        TouchSign::Rise => "conducts better",
-        TouchSign::Fall => "conducts worse",
+        TouchSign::Rise => "conducts better, as far as is known: the first touches tell",
+        TouchSign::Fall => "conducts worse, as far as is known: the first touches tell",
     };
     [
         format!("name         {}", pad.name),

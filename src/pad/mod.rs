@@ -75,7 +75,8 @@ pub struct Pad {
     pub contact_impedance_ohm_m2: f64,
     /// Drives and measurements, in the order of a frame.
     pub protocol: Protocol,
-    /// How a touch changes the conductivity.
+    /// How a touch is expected to change the conductivity. Play learns it from the first touches where the pad's response table
+    /// holds both signs; simulated touches have this one.
     pub touch_sign: TouchSign,
     /// Reconstruction method, unless the profile or the command line sets one.
     pub method: Option<Method>,

@@ -193,3 +193,40 @@ fn a_board_that_is_plugged_in_turned_or_mirrored_is_recognised() {
     }
     assert_eq!(bench.detector.board_numbering().0, Numbering::default());
 }
+
+/// The finger under which the reference was taken is at about the mirrored place next, as if the board were plugged in mirrored.
+#[test]
+fn a_finger_that_jumps_to_a_mirrored_place_is_no_mirrored_board() {
+    for off_mm in [1.0, 2.0, 3.0] {
+        let mut bench = Bench::located(60.0, 10);
+        bench.play(&[finger([30.0, 60.0], 7.0, 1.2)], 60);
+        bench.play(&[finger([70.0, 60.0 + off_mm], 7.0, 1.2)], 60);
+        bench.play(&[], 50);
+        assert_eq!(bench.detector.board_numbering().1, 0, "{off_mm} mm off");
+        play_once_more(&mut bench);
+    }
+}
+
+#[test]
+fn a_finger_that_lies_there_at_the_start_and_slides_away_leaves_no_ghost() {
+    for steps in [10, 60] {
+        let mut bench = Bench::located(60.0, 11);
+        bench.play(&[finger([30.0, 60.0], 7.0, 1.2)], 60);
+        for step in 0..steps {
+            let x_mm = 30.0 + 45.0 * f64::from(step) / f64::from(steps);
+            bench.play(&[finger([x_mm, 60.0 - 0.3 * x_mm], 7.0, 1.2)], 1);
+        }
+        bench.play(&[], 50);
+        play_once_more(&mut bench);
+    }
+}
+
+/// Nothing is down, and another press is found in its place.
+fn play_once_more(bench: &mut Bench) {
+    assert_eq!(bench.down(), []);
+    assert_eq!(bench.play(&[finger([40.0, 25.0], 7.0, 1.2)], 20).0, 1);
+    let [x, y] = bench.down()[0].contact.centre_mm;
+    assert!((x - 40.0).hypot(y - 25.0) < 1.0, "({x:.1}, {y:.1})");
+    bench.play(&[], 50);
+    assert_eq!(bench.down(), []);
+}

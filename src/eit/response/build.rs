@@ -7,15 +7,16 @@ use faer::linalg::solvers::SelfAdjointEigen;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::places::{Places, RADII};
-use super::quantized;
-use super::scatter::Scatterer;
+use super::places::{self, Places, RADII};
+use super::quantized::{self, STEP_LOG2};
+use super::scatter::{self, Scatterer};
 use super::symmetry::Orbits;
 use super::table::{HALF_RISE, LANES, POWERS, ResponseTable, SIGNS, TERMS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
-/// Part of the key; raised whenever the same pad gives another table.
+/// Part of the key; raised whenever the same pad gives another table for another reason than a changed constant, which is
+/// part of the key too ([`solver_constants`]).
 const VERSION: u32 = 3;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
@@ -39,6 +40,15 @@ pub struct ResponseBuilder {
     orbits: Orbits,
     channels: usize,
     key: String,
+}
+
+/// What a table depends on beside its pad, for its key: after a change of one of these, no table solved before is read.
+fn solver_constants() -> String {
+    format!(
+        "{STRENGTHS:?} {LEAST_SHARE} {USUAL_DIMENSIONS} {LARGEST_REST} {HALF_RISE} {:?} {:?} {STEP_LOG2}",
+        places::CONSTANTS,
+        scatter::CONSTANTS,
+    )
 }
 
 /// One row of places, solved; the others follow by symmetry.
@@ -75,8 +85,11 @@ impl ResponseBuilder {
             ..
         } = pad;
         format!(
-            "{VERSION} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {protocol:?}",
-            pad.thickness_mm, pad.background_s_per_m, pad.contact_impedance_ohm_m2,
+            "{VERSION} {} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {protocol:?}",
+            solver_constants(),
+            pad.thickness_mm,
+            pad.background_s_per_m,
+            pad.contact_impedance_ohm_m2,
         )
     }
 

@@ -14,6 +14,14 @@ pub(super) const RADIUS_STEP: f64 = 1.22;
 const MARGIN: usize = 3;
 /// The same in tables of the first version: what the cubic interpolation needs.
 const OLD_MARGIN: usize = 1;
+/// What the grid of a table depends on beside the pad.
+pub(super) const CONSTANTS: [f64; 5] = [
+    PLACES_ALONG,
+    RADII as f64,
+    LEAST_RADIUS_SHARE,
+    RADIUS_STEP,
+    MARGIN as f64,
+];
 
 /// The grid of places. It extends beyond the pad's box on each side; the outermost places only support the cubic
 /// interpolation.

@@ -12,7 +12,7 @@ use super::table::{POWERS, TERMS};
 
 /// The step of a response at strength 1, as a power of two: 15e-6 of a reading. The error of a response, below 5e-6 (root mean
 /// square), is a twentieth of the noise at 80 dB.
-const STEP_LOG2: f64 = -16.0;
+pub(super) const STEP_LOG2: f64 = -16.0;
 /// Bytes of an integer.
 const BYTES: usize = 4;
 

@@ -24,6 +24,8 @@ const MOST_NODES: usize = 4500;
 const COARSE_SCALE: f64 = 2.0;
 /// ... which grow by this factor until it has few enough nodes.
 const COARSER: f64 = 1.15;
+/// What the solution depends on beside the pad.
+pub(super) const CONSTANTS: [f64; 3] = [MOST_NODES as f64, COARSE_SCALE, COARSER];
 
 /// A pad prepared for touches at any place.
 #[derive(Clone, Debug)]

@@ -36,7 +36,9 @@ struct PadSpec {
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum SignSpec {
+    /// A rise is expected until the first touch says otherwise.
     #[default]
+    Either,
     Rise,
     Fall,
 }
@@ -154,7 +156,7 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
         )?,
         protocol,
         touch_sign: match spec.touch_sign {
-            SignSpec::Rise => TouchSign::Rise,
+            SignSpec::Either | SignSpec::Rise => TouchSign::Rise,
             SignSpec::Fall => TouchSign::Fall,
         },
         method: spec.method,

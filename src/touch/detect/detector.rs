@@ -287,7 +287,9 @@ impl Detector {
             return;
         }
         let rest = locator.locate(frame.t_ns, noise, steady).rest;
-        if self.is_contradicted(rest, changed) {
+        if self.is_contradicted(rest, changed)
+            || self.is_lift_after_all(locator, rest, frame, changed)
+        {
             return;
         }
         if rest > UNEXPLAINED_REST && outside > SUSPICIOUS_OUTSIDE {
@@ -316,7 +318,7 @@ impl Detector {
             // The gel springs back.
             self.reference.skip_frame();
         }
-        if self.learn_sign(were_down, frame, changed) {
+        if self.learn_sign(were_down, rest, frame, changed) {
             return;
         }
         if let Some(electrodes) = &mut self.electrodes {

@@ -1,8 +1,9 @@
 //! A board that was plugged in again, turned or mirrored: it numbers the electrodes from another place.
 //!
 //! The untouched readings show it: no pad is as symmetric as its drawing, so only one numbering makes them agree with the
-//! reference. From then on frames are brought into the
-//! pad's order before anything else sees them, so the reference, the noise and the places of touches stay valid.
+//! reference. From then on frames are brought into the pad's order before anything else sees them, so the reference, the
+//! noise and the places of touches stay valid. Nearly all readings must agree, not just most: a finger that moves from the place
+//! under which the reference was taken to about the mirrored one changes few of them.
 //!
 //! Invariant: another numbering is taken only if it explains several frames in a row far better than the present one.
 
@@ -14,11 +15,13 @@ use crate::types::{Frame, Touch};
 /// A frame is compared if its median change exceeds this many deviations of the noise.
 const LEAST_CHANGE: f64 = 4.0;
 /// Another numbering must leave less than this share of what the present one leaves, ...
-const BETTER: f64 = 0.25;
+const BETTER: f32 = 0.25;
 /// ... and no more than this many deviations of the noise: a turned board is recognised while no finger is down, ...
-const LEFT: f64 = 1.2;
+const LEFT: f32 = 2.4;
 /// ... for this many frames in a row.
 const FRAMES: usize = 3;
+/// What a numbering leaves is the deviation that this share of the readings stays below: of noise alone 1.96.
+const NEARLY_ALL: f64 = 0.95;
 
 /// The numberings that a board may have, and the present one.
 #[derive(Clone, Debug, Default)]
@@ -76,27 +79,30 @@ impl BoardNumbering {
         let others = self.orders.iter().enumerate();
         let misfits = others.filter_map(|(index, (_, order))| Some((index, misfit_of(order)?)));
         let (index, least) = misfits.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        let limit = (LEFT * reference.change_noise()).min(BETTER * f64::from(present));
-        (f64::from(least) < limit).then_some(index)
+        (least < LEFT.min(BETTER * present)).then_some(index)
     }
 }
 
-/// Median deviation of the readings from the reference, as a share, after their common gain. `None` if most are no numbers.
+/// Deviation of nearly all readings from the reference, after their common gain, in deviations of their noise. `None` if most
+/// are no numbers.
 fn misfit(volts: &[f32], reference: &Reference, ratios: &mut Vec<f32>) -> Option<f32> {
     ratios.clear();
-    let used = (0..volts.len()).filter(|channel| !reference.is_muted(*channel));
-    ratios.extend(used.map(|channel| volts[channel] / reference.volts()[channel] as f32));
-    let gain = middle(ratios)?;
-    for ratio in ratios.iter_mut() {
-        *ratio = (*ratio / gain - 1.0).abs();
-    }
-    middle(ratios).filter(|misfit| misfit.is_finite())
+    let used = || (0..volts.len()).filter(|channel| !reference.is_muted(*channel));
+    let ratio = |channel: usize| volts[channel] / reference.volts()[channel] as f32;
+    ratios.extend(used().map(ratio));
+    let gain = quantile(ratios, 0.5)?;
+    ratios.clear();
+    ratios.extend(used().map(|channel| {
+        let [noise, doubt] = reference.variances(channel);
+        (ratio(channel) / gain - 1.0).abs() / ((noise + doubt) as f32).sqrt()
+    }));
+    quantile(ratios, NEARLY_ALL).filter(|misfit| misfit.is_finite())
 }
 
-/// The median; reorders the values.
-fn middle(values: &mut [f32]) -> Option<f32> {
-    let half = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(half, f32::total_cmp).1)
+/// The value that a share of the values stays below; reorders them.
+fn quantile(values: &mut [f32], share: f64) -> Option<f32> {
+    let index = (values.len() as f64 * share) as usize;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(index, f32::total_cmp).1)
 }
 
 impl Detector {
@@ -139,7 +145,7 @@ impl Detector {
         let used = (0..self.changes.len()).filter(|channel| !self.reference.is_muted(*channel));
         ratios.extend(used.map(|channel| self.changes[channel].abs()));
         let limit = LEAST_CHANGE * self.reference.change_noise();
-        middle(ratios).is_some_and(|median| f64::from(median) > limit)
+        quantile(ratios, 0.5).is_some_and(|median| f64::from(median) > limit)
     }
 
     /// The place of the board's electrode 0 and its direction, relative to those of the start, and how often they changed.

@@ -14,7 +14,7 @@ use super::Detector;
 use crate::eit::{REFERENCE_FRAMES, Reference};
 use crate::pad::TouchSign;
 use crate::touch::Sensing;
-use crate::touch::locate::Onset;
+use crate::touch::locate::{Locator, Onset};
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
 
 /// A finger that lies on the pad when play begins is likely to lift within this time; ...
@@ -30,6 +30,13 @@ const BACK_SHARE: f64 = 0.1;
 /// A frame with a touch of unexpected sign is contradicted by another touch if this many times noise and model error are left,
 /// ...
 const CONTRADICTED_REST: f64 = 4.0;
+
+/// Touches on a pad whose reference is not confirmed yet are questioned every so many frames, ...
+const QUESTIONED_FRAMES: u64 = 8;
+/// ... if they leave more than this many times noise and model error, ...
+const QUESTIONED_REST: f64 = 1.0;
+/// ... and were none if the lift of all fingers leaves less than this share of that.
+const LIFT_SHARE: f64 = 0.5;
 
 /// What a change of the untouched pad is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,16 +194,17 @@ impl Detector {
         true
     }
 
-    /// Learns the sign from an explained frame before which `were_down` touches were down. Returns whether a touch of unexpected
-    /// sign stays too long to be one: then the reference is taken again.
+    /// Learns the sign from a frame that touches explain up to `rest` times noise and model error, and before which `were_down`
+    /// touches were down. Returns whether a touch of unexpected sign stays too long to be one: then the reference is taken again.
     pub(super) fn learn_sign(
         &mut self,
         were_down: usize,
+        rest: f64,
         frame: &Frame,
         changed: &mut Vec<Touch>,
     ) -> bool {
         let down = self.tracker.down().len();
-        if down < were_down {
+        if down < were_down && rest < CONTRADICTED_REST {
             self.sign.decide(self.sign.expected);
         }
         let Some(Tried::Touch { since_ns, frames }) = &mut self.sign.tried else {
@@ -225,6 +233,37 @@ impl Detector {
             return true;
         }
         false
+    }
+
+    /// Whether a frame that touches explain up to `rest` times noise and model error is the untouched pad instead, because the
+    /// reference was taken under fingers that have moved and lifted since. Then the reference is taken again.
+    pub(super) fn is_lift_after_all(
+        &mut self,
+        locator: &Locator,
+        rest: f64,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) -> bool {
+        let is_questioned = !self.sign.is_known
+            && self.sign.has_both
+            && !self.is_between
+            && rest > QUESTIONED_REST
+            && !self.tracker.down().is_empty()
+            && self.frames.is_multiple_of(QUESTIONED_FRAMES);
+        if !is_questioned {
+            return false;
+        }
+        let noise = self.noise().0;
+        let (as_lift, sign) = locator.rest_as_lift(&self.changes, noise);
+        if as_lift > LIFT_SHARE * rest {
+            return false;
+        }
+        self.tracker.lift_all(changed);
+        // The locator follows with the next frame.
+        self.sign.expected = sign;
+        self.sign.tried = None;
+        self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
+        true
     }
 
     /// What was taken for a touch of unexpected sign was the lift of a finger: its last frames are the untouched pad.

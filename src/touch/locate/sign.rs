@@ -68,6 +68,24 @@ impl Locator {
         onset
     }
 
+    /// What the lift of all fingers that the reference was taken under leaves of a frame, as a multiple of noise and model error,
+    /// and the sign of those fingers. The touches of the fit stay as they are.
+    #[must_use]
+    pub fn rest_as_lift(&self, changes: &[f32], noise: f64) -> (f64, TouchSign) {
+        let before = reference_seen_from(changes);
+        let rest = |sign| {
+            let mut copy = self.clone();
+            copy.bounds.sign = sign;
+            (copy.explain_alone(&before, noise).1, sign)
+        };
+        let [expected, opposite] = [self.sign(), self.sign().opposite()].map(rest);
+        if opposite.0 < expected.0 {
+            opposite
+        } else {
+            expected
+        }
+    }
+
     fn judge_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
         self.take_frame(changes, noise);
         let before = energy(&self.frame.coordinates);
@@ -82,12 +100,7 @@ impl Locator {
         self.bounds.sign = sign.opposite();
         let (as_touches, _) = self.explain_alone(changes, noise);
         self.bounds.sign = sign;
-        // Seen from the untouched pad, the reference changed by 1 / (1 + change) - 1.
-        let from_untouched: Vec<f32> = changes
-            .iter()
-            .map(|change| (-change / (1.0 + change)).clamp(-1.0, 1.0))
-            .collect();
-        let (as_lift, _) = self.explain_alone(&from_untouched, noise);
+        let (as_lift, _) = self.explain_alone(&reference_seen_from(changes), noise);
         let best = as_touches.min(as_lift);
         let gain = before - best;
         if best < RIVAL_SHARE * expected && gain > RIVAL_GAINS * DOWN_GAIN * noise {
@@ -124,4 +137,10 @@ impl Locator {
         self.forget_touches();
         (left, quality.rest * left / found.max(f64::MIN_POSITIVE))
     }
+}
+
+/// The relative changes of the reference, seen from a frame with these changes that is the untouched pad.
+fn reference_seen_from(changes: &[f32]) -> Vec<f32> {
+    let seen = |change: &f32| (-change / (1.0 + change)).clamp(-1.0, 1.0);
+    changes.iter().map(seen).collect()
 }
