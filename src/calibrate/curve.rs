@@ -1,7 +1,8 @@
 //! Learning curve: the error against the number of presses, extrapolated to twice as many.
 
 use super::error::CalibrateError;
-use super::presses::{FEWEST_PRESSES, Presses, shuffled};
+use super::error::FEWEST_PRESSES;
+use super::presses::{Presses, shuffled};
 
 /// Least predicted ratio of the error after doubling the presses; a curve of three points is weak evidence.
 const LEAST_RATIO: f64 = 0.5;

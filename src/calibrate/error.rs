@@ -1,4 +1,4 @@
-//! What a calibration reports: why it failed, or how far places are off.
+//! What a calibration reports: why presses are refused, why it failed, or how far places are off.
 
 use crate::stats::quantile;
 use crate::types::PointMm;
@@ -21,6 +21,46 @@ pub enum CalibrateError {
         "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`"
     )]
     NotModelled,
+}
+
+/// Least number of presses to learn from.
+pub const FEWEST_PRESSES: usize = 8;
+
+/// Why presses are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PressesError {
+    /// The header is wrong.
+    #[error("{name}:1: not a file of presses: the header must be x_mm,y_mm,d0,d1,...")]
+    Header {
+        /// The file.
+        name: String,
+    },
+    /// A row is wrong.
+    #[error("{name}:{line}: {problem}")]
+    Row {
+        /// The file.
+        name: String,
+        /// The line, from 1.
+        line: u64,
+        /// The reason.
+        problem: String,
+    },
+    /// Too few to learn from.
+    #[error("{name}: {found} presses, but at least {FEWEST_PRESSES} are needed: press more places")]
+    TooFew {
+        /// The file.
+        name: String,
+        /// Number of presses.
+        found: usize,
+    },
+    /// The presses do not span the pad, or no channel changes.
+    #[error("{name}: {problem}")]
+    Flat {
+        /// The file.
+        name: String,
+        /// What does not vary.
+        problem: &'static str,
+    },
 }
 
 /// Distances of predicted places from the true ones, mm.

@@ -7,6 +7,7 @@
 mod blend;
 mod component_maps;
 mod correct;
+mod csv_rows;
 mod curve;
 mod error;
 mod features;
@@ -24,10 +25,10 @@ mod touch_rows;
 
 pub use correct::{FittedCorrection, fit_correction};
 pub use curve::{LearningCurve, learning_curve};
-pub use error::{CalibrateError, PlaceErrors};
+pub use error::{CalibrateError, FEWEST_PRESSES, PlaceErrors, PressesError};
 pub use file_name::calibration_file_name;
 pub use press_recorder::{PressRecorder, RecordedPress, Touching};
-pub use presses::{FEWEST_PRESSES, ModelPrediction, Press, Presses, PressesError};
+pub use presses::{ModelPrediction, Press, Presses};
 pub use regression::Regression;
 pub use superposed::{MOST_PLACES, SuperposedMaps};
 pub use touch_rows::{TouchRow, TouchRows};

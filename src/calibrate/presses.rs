@@ -6,10 +6,10 @@
 
 use faer::Mat;
 
+use super::csv_rows::{self, CsvRow};
+use super::error::{FEWEST_PRESSES, PressesError};
 use crate::types::PointMm;
 
-/// Least number of presses to learn from.
-pub const FEWEST_PRESSES: usize = 8;
 /// Columns of files recorded by gelpad.
 const MODEL_COLUMNS: [&str; 3] = ["force", "model_x_mm", "model_y_mm"];
 
@@ -38,43 +38,6 @@ pub struct Press {
 pub struct Presses {
     list: Vec<Press>,
     channels: usize,
-}
-
-/// Why presses are refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PressesError {
-    /// The header is wrong.
-    #[error("{name}:1: not a file of presses: the header must be x_mm,y_mm,d0,d1,...")]
-    Header {
-        /// The file.
-        name: String,
-    },
-    /// A row is wrong.
-    #[error("{name}:{line}: {problem}")]
-    Row {
-        /// The file.
-        name: String,
-        /// The line, from 1.
-        line: u64,
-        /// The reason.
-        problem: String,
-    },
-    /// Too few to learn from.
-    #[error("{name}: {found} presses, but at least {FEWEST_PRESSES} are needed: press more places")]
-    TooFew {
-        /// The file.
-        name: String,
-        /// Number of presses.
-        found: usize,
-    },
-    /// The presses do not span the pad, or no channel changes.
-    #[error("{name}: {problem}")]
-    Flat {
-        /// The file.
-        name: String,
-        /// What does not vary.
-        problem: &'static str,
-    },
 }
 
 impl Presses {
@@ -132,32 +95,7 @@ impl Presses {
     /// # Errors
     /// The first row that is wrong; see [`Self::new`].
     pub fn from_csv(name: &str, text: &str) -> Result<Self, PressesError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let columns = reader.headers().ok().and_then(Columns::from_header);
-        let Some(columns) = columns else {
-            return Err(PressesError::Header {
-                name: name.to_owned(),
-            });
-        };
-        let mut list = Vec::new();
-        for record in reader.records() {
-            let position = match &record {
-                Ok(record) => record.position(),
-                Err(error) => error.position(),
-            };
-            let line = position.map_or(0, csv::Position::line);
-            let press = match &record {
-                Ok(record) => columns.press(record),
-                Err(_) => Err("not valid UTF-8".to_owned()),
-            };
-            list.push(press.map_err(|problem| PressesError::Row {
-                name: name.to_owned(),
-                line,
-                problem,
-            })?);
-        }
+        let (_, list) = csv_rows::read(name, text, Columns::from_header, Columns::press)?;
         Self::new(name, list)
     }
 
@@ -237,52 +175,37 @@ impl Presses {
 
 /// The columns of a file.
 struct Columns {
-    titles: Vec<String>,
     is_modelled: bool,
 }
 
 impl Columns {
     /// `None` if this is not the header of a file of presses.
-    fn from_header(header: &csv::StringRecord) -> Option<Self> {
-        let titles: Vec<String> = header.iter().map(|title| title.trim().to_owned()).collect();
-        let is_modelled = titles.get(2..5).is_some_and(|some| some == MODEL_COLUMNS);
+    fn from_header(titles: &[String]) -> Option<Self> {
         let columns = Self {
-            titles,
-            is_modelled,
+            is_modelled: titles.get(2..5).is_some_and(|some| some == MODEL_COLUMNS),
         };
-        let first = columns.titles.get(columns.first_channel())?;
-        (columns.titles[..2] == ["x_mm", "y_mm"] && first == "d0").then_some(columns)
+        let first = titles.get(columns.first_channel())?;
+        (titles[..2] == ["x_mm", "y_mm"] && first == "d0").then_some(columns)
     }
 
     fn first_channel(&self) -> usize {
         if self.is_modelled { 5 } else { 2 }
     }
 
-    fn press(&self, record: &csv::StringRecord) -> Result<Press, String> {
-        let (values, columns) = (record.len(), self.titles.len());
-        if values != columns {
-            return Err(format!("{values} values where the header has {columns}"));
-        }
-        let mut row = Vec::with_capacity(values);
-        for (column, (text, title)) in record.iter().zip(&self.titles).enumerate() {
-            match text.trim().parse::<f64>() {
-                Ok(value) if value.is_finite() => row.push(value),
-                _ => {
-                    let text: String = text.chars().take(20).collect();
-                    let number = column + 1;
-                    return Err(format!(
-                        "column {number} ({title}): `{text}` is not a number"
-                    ));
-                }
-            }
-        }
+    fn press(&self, row: &CsvRow) -> Result<Press, String> {
+        let place = |column| -> Result<PointMm, String> {
+            Ok([row.number(column)?, row.number(column + 1)?])
+        };
+        let model = || -> Result<ModelPrediction, String> {
+            Ok(ModelPrediction {
+                force: row.number(2)?,
+                place_mm: place(3)?,
+            })
+        };
         Ok(Press {
-            place_mm: [row[0], row[1]],
-            modelled: self.is_modelled.then(|| ModelPrediction {
-                force: row[2],
-                place_mm: [row[3], row[4]],
-            }),
-            changes: row.split_off(self.first_channel()),
+            place_mm: place(0)?,
+            modelled: self.is_modelled.then(model).transpose()?,
+            changes: row.numbers_from(self.first_channel())?,
         })
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! The header is `x_mm,y_mm[,x2_mm,y2_mm[,x3_mm,y3_mm]],d0,d1,...`; the second and third places may be empty in a row.
 
-use super::presses::{Presses, PressesError};
+use super::csv_rows::{self, CsvRow};
+use super::error::PressesError;
+use super::presses::Presses;
 use super::superposed::MOST_PLACES;
 use crate::types::PointMm;
 
@@ -38,27 +40,7 @@ impl TouchRows {
     /// # Errors
     /// The first row that is wrong, or a file without rows.
     pub fn from_csv(name: &str, text: &str) -> Result<Self, PressesError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let columns = reader.headers().ok().and_then(Columns::from_header);
-        let Some(columns) = columns else {
-            return Err(PressesError::Header {
-                name: name.to_owned(),
-            });
-        };
-        let mut list = Vec::new();
-        for (index, record) in reader.records().enumerate() {
-            let row = match &record {
-                Ok(record) => columns.row(record),
-                Err(_) => Err("not valid UTF-8".to_owned()),
-            };
-            list.push(row.map_err(|problem| PressesError::Row {
-                name: name.to_owned(),
-                line: index as u64 + 2,
-                problem,
-            })?);
-        }
+        let (columns, list) = csv_rows::read(name, text, Columns::from_header, Columns::row)?;
         let channels = columns.channels;
         if list.is_empty() {
             return Err(PressesError::Flat {
@@ -104,52 +86,34 @@ struct Columns {
 
 impl Columns {
     /// `None` if this is not the header of such a file.
-    fn from_header(header: &csv::StringRecord) -> Option<Self> {
+    fn from_header(titles: &[String]) -> Option<Self> {
         const TITLES: [[&str; 2]; MOST_PLACES] =
             [["x_mm", "y_mm"], ["x2_mm", "y2_mm"], ["x3_mm", "y3_mm"]];
-        let titles: Vec<&str> = header.iter().map(str::trim).collect();
         let places = TITLES
             .iter()
             .zip(titles.chunks_exact(2))
             .take_while(|(wanted, found)| wanted[..] == **found)
             .count();
-        let first = *titles.get(2 * places)?;
+        let first = titles.get(2 * places)?;
         (places > 0 && first == "d0").then(|| Self {
             places,
             channels: titles.len() - 2 * places,
         })
     }
 
-    fn row(&self, record: &csv::StringRecord) -> Result<TouchRow, String> {
-        let columns = 2 * self.places + self.channels;
-        if record.len() != columns {
-            return Err(format!(
-                "{} values where the header has {columns}",
-                record.len()
-            ));
-        }
-        let number = |column: usize| -> Result<f64, String> {
-            let text = record.get(column).unwrap_or_default().trim();
-            match text.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
-                _ => {
-                    let text: String = text.chars().take(20).collect();
-                    Err(format!("column {}: `{text}` is not a number", column + 1))
-                }
-            }
-        };
-        let is_empty = |column: usize| record.get(column).is_none_or(|text| text.trim().is_empty());
+    fn row(&self, row: &CsvRow) -> Result<TouchRow, String> {
+        let first_channel = 2 * self.places;
         let mut places_mm = Vec::new();
-        for place in 0..self.places {
-            if place > 0 && (2 * place..2 * self.places).all(is_empty) {
+        for column in (0..first_channel).step_by(2) {
+            if column > 0 && (column..first_channel).all(|column| row.is_empty(column)) {
                 break;
             }
-            places_mm.push([number(2 * place)?, number(2 * place + 1)?]);
+            places_mm.push([row.number(column)?, row.number(column + 1)?]);
         }
-        let changes = (2 * self.places..columns)
-            .map(number)
-            .collect::<Result<_, _>>()?;
-        Ok(TouchRow { places_mm, changes })
+        Ok(TouchRow {
+            places_mm,
+            changes: row.numbers_from(first_channel)?,
+        })
     }
 }
 
@@ -175,7 +139,10 @@ mod tests {
     fn a_wrong_row_is_refused_with_its_line() {
         let header = "x_mm,y_mm,x2_mm,y2_mm,d0\n";
         for (rows, message) in [
-            ("1,2,3,4,5\n1,2,3,,5\n", "t:3: column 4: `` is not a number"),
+            (
+                "1,2,3,4,5\n1,2,3,,5\n",
+                "t:3: column 4 (y2_mm): `` is not a number",
+            ),
             ("1,2,3,4\n", "t:2: 4 values where the header has 5"),
             ("", "t: there are no rows"),
         ] {
