@@ -6,31 +6,27 @@
 
 #![no_main]
 
-use std::sync::{Arc, OnceLock};
+mod common;
 
-use gelpad::eit::Press;
+use std::sync::OnceLock;
+
+use common::{FRAME_NS, down, engine, pad, readings, tick};
 use gelpad::engine::{Engine, Input};
-use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
-use gelpad::profile::{Profile, shipped_profile};
+use gelpad::pad::Pad;
+use gelpad::source::Arrangement;
 use gelpad::source::board::{Board, BoardSettings};
 use gelpad::source::wire::{Auto, Decoded, Dialect, WireFormat, Wiring};
-use gelpad::source::{Arrangement, Noise, SimulatedPad};
-use gelpad::touch::{Sensing, SensingBuilder};
-use gelpad::types::{Action, Event, Frame, Method};
+use gelpad::types::{Event, Frame};
 use libfuzzer_sys::fuzz_target;
 
-const FRAME_NS: u64 = 10_000_000;
 /// Frames that must agree on their number of values before they are trusted.
 const SURE_FRAMES: usize = 3;
 /// Frames of rest, with a finger, and of rest again.
 const FRAMES: [usize; 3] = [14, 6, 4];
-/// More ticks than any profile needs in the time that is played: the engine is in a loop.
-const MOST_TICKS: usize = 10_000;
-
 struct World {
     pad: Pad,
-    sensing: Arc<Sensing>,
-    profile: Arc<Profile>,
+    /// Before the first frame.
+    engine: Engine,
     /// For each format, what an undamaged board sends: a message for each frame, after that of its reset.
     streams: Vec<Vec<Vec<u8>>>,
 }
@@ -38,18 +34,11 @@ struct World {
 fn world() -> &'static World {
     static WORLD: OnceLock<World> = OnceLock::new();
     WORLD.get_or_init(|| {
-        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
-        let pad = Pad::from_toml(DEFAULT_PAD, text).expect("sound");
-        let profile = shipped_profile("super-mario").expect("shipped");
-        let profile = Profile::from_toml(profile.name, profile.toml).expect("sound");
-        let sensing = SensingBuilder::new(&pad, Method::default())
-            .and_then(|builder| builder.build_initial())
-            .expect("solvable");
+        let pad = pad();
         let volts = volts(&pad);
         let streams = WireFormat::ALL.map(|kind| stream(kind, &pad, &volts));
         World {
-            sensing: Arc::new(sensing),
-            profile: Arc::new(profile),
+            engine: engine(&pad),
             streams: streams.to_vec(),
             pad,
         }
@@ -57,20 +46,9 @@ fn world() -> &'static World {
 }
 
 fn volts(pad: &Pad) -> Vec<Vec<f32>> {
-    let simulated = SimulatedPad::new(pad).expect("solvable");
-    let finger = Press {
-        centre_mm: [80.0, 50.0],
-        radius_mm: 7.0,
-        rise: 1.2,
-    };
-    let states =
-        [vec![], vec![finger]].map(|presses| simulated.volts(&presses).expect("solvable"));
-    let mut noise = Noise::new(60.0, 1);
-    let states = FRAMES.iter().enumerate().flat_map(|(part, count)| {
-        let state = &states[part % 2];
-        std::iter::repeat_n(state, *count)
-    });
-    states.map(|state| noise.read(state)).collect()
+    let parts = FRAMES.iter().enumerate();
+    let is_pressed = parts.flat_map(|(part, count)| std::iter::repeat_n(part % 2 == 1, *count));
+    readings(pad, is_pressed)
 }
 
 /// What a board sends, after the commands of its dialect.
@@ -129,9 +107,8 @@ struct Player {
 
 impl Player {
     fn new(world: &World) -> Self {
-        let (sensing, profile) = (Arc::clone(&world.sensing), Arc::clone(&world.profile));
         Self {
-            engine: Engine::new(&world.pad, sensing, profile),
+            engine: world.engine.clone(),
             arrangement: None,
             sure: (0, 0),
             t_ns: 0,
@@ -139,25 +116,21 @@ impl Player {
         }
     }
 
-    fn tick(&mut self) {
-        for _ in 0..MOST_TICKS {
-            match self.engine.next_due() {
-                Some(due_ns) if due_ns <= self.t_ns => {
-                    self.engine.input(&Input::Tick { due_ns }, &mut self.events);
-                }
-                _ => return,
-            }
-        }
-        panic!("more than {MOST_TICKS} ticks");
-    }
-
     fn take(&mut self, one: Decoded, pad: &Pad) {
         let Decoded::Frame(frame) = one else {
-            self.engine.input(&Input::Lost { frames: 1 }, &mut self.events);
+            self.engine
+                .input(&Input::Lost { frames: 1 }, &mut self.events);
             return;
         };
         let count = frame.values.len();
-        self.sure = (count, if self.sure.0 == count { self.sure.1 + 1 } else { 1 });
+        self.sure = (
+            count,
+            if self.sure.0 == count {
+                self.sure.1 + 1
+            } else {
+                1
+            },
+        );
         if self.sure.1 >= SURE_FRAMES && self.arrangement.is_none() {
             let listing = frame.listing.as_deref();
             self.arrangement = Arrangement::find(&frame.values, listing, None, pad).ok();
@@ -168,32 +141,14 @@ impl Player {
             assert_eq!(volts.len(), pad.channels());
             assert!(volts.iter().all(|volt| volt.is_finite()));
             self.t_ns += FRAME_NS;
-            self.tick();
+            tick(&mut self.engine, self.t_ns, &mut self.events);
             let t_ns = self.t_ns;
-            self.engine.input(&Input::Frame(Frame { t_ns, volts }), &mut self.events);
+            self.engine
+                .input(&Input::Frame(Frame { t_ns, volts }), &mut self.events);
             let mut down = self.engine.touches().down.iter();
             assert!(down.all(|touch| touch.contact.centre_mm.iter().all(|at| at.is_finite())));
         }
     }
-}
-
-/// Checks that presses and releases alternate and end with a release.
-fn check_balance(events: &[Event]) {
-    let mut down = Vec::new();
-    for event in events {
-        match event.action {
-            Action::Press(output) => {
-                assert!(!down.contains(&output), "{output} is pressed twice");
-                down.push(output);
-            }
-            Action::Release(output) => {
-                assert!(down.contains(&output), "{output} was not down");
-                down.retain(|pressed| *pressed != output);
-            }
-            _ => {}
-        }
-    }
-    assert_eq!(down, []);
 }
 
 fuzz_target!(|bytes: &[u8]| {
@@ -226,10 +181,15 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
     let t_ns = player.t_ns + FRAME_NS;
-    player.engine.input(&Input::End { t_ns }, &mut player.events);
+    player
+        .engine
+        .input(&Input::End { t_ns }, &mut player.events);
     assert_eq!(player.engine.held_outputs().count(), 0);
-    check_balance(&player.events);
+    assert_eq!(down(&player.events), []);
     if edits.is_empty() && choice & 56 == 0 {
-        assert!(!player.events.is_empty(), "an undamaged board plays, format {format}");
+        assert!(
+            !player.events.is_empty(),
+            "an undamaged board plays, format {format}"
+        );
     }
 });

@@ -1,6 +1,6 @@
 //! `gelpad profile`: lists, checks, shows and draws profiles.
 
-use std::io::Write as _;
+use std::io::Write;
 use std::path::Path;
 
 use super::args::{ProfileCommand, ShowArgs};
@@ -19,23 +19,7 @@ use crate::types::{ms_from_nanos, printable};
 pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
     match command {
-        ProfileCommand::List => {
-            for path in own_texts("profiles") {
-                // One with mistakes is listed too: `check` names them.
-                let about = load_profile(&path, None).map(|checked| checked.profile.about);
-                let about = about.unwrap_or_else(|_| "has mistakes".to_owned());
-                let name = Path::new(&path).file_stem().unwrap_or_default();
-                let name = name.to_string_lossy();
-                let name = printable(&name);
-                writeln!(stdout, "{name:24} {} (yours)", printable(&about))?;
-            }
-            for shipped in SHIPPED_PROFILES {
-                let profile = Profile::from_toml(shipped.name, shipped.toml)?;
-                writeln!(stdout, "{:24} {}", profile.name, profile.about)?;
-            }
-            let users: Vec<&str> = SHIPPED_USERS.iter().map(|user| user.name).collect();
-            writeln!(stdout, "\nwith --user: {}", users.join(", "))?;
-        }
+        ProfileCommand::List => list(&mut stdout)?,
         ProfileCommand::Check {
             profile: argument,
             user,
@@ -76,6 +60,26 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
         }
     }
     Ok(Ending::Done)
+}
+
+/// Lists own profiles, shipped ones and the settings of shipped users.
+fn list(stdout: &mut impl Write) -> anyhow::Result<()> {
+    for path in own_texts("profiles") {
+        // One with mistakes is listed too: `check` names them.
+        let about = load_profile(&path, None).map(|checked| checked.profile.about);
+        let about = about.unwrap_or_else(|_| "has mistakes".to_owned());
+        let name = Path::new(&path).file_stem().unwrap_or_default();
+        let name = name.to_string_lossy();
+        let name = printable(&name);
+        writeln!(stdout, "{name:24} {} (yours)", printable(&about))?;
+    }
+    for shipped in SHIPPED_PROFILES {
+        let profile = Profile::from_toml(shipped.name, shipped.toml)?;
+        writeln!(stdout, "{:24} {}", profile.name, profile.about)?;
+    }
+    let users: Vec<&str> = SHIPPED_USERS.iter().map(|user| user.name).collect();
+    writeln!(stdout, "\nwith --user: {}", users.join(", "))?;
+    Ok(())
 }
 
 /// Writes the requested drawings; returns whether there were any.

@@ -11,6 +11,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use crate::gelpad::{Gelpad, Random, watcher_processes};
 use crate::server::PATIENCE;
+use crate::signals::{FATAL, HANDLED};
 use crate::{RELEASED, STOPPED, Stage};
 
 /// Longest time until all keys are up, on a busy computer.
@@ -54,24 +55,6 @@ const KINDS: [Kind; 10] = [
     Kind::Stopped,
     Kind::InAStormOfReloads,
     Kind::WithEverything,
-];
-
-/// Signals that gelpad reacts to; the shell's exit code is 128 and their number.
-const ENDING: [Signal; 5] = [
-    Signal::INT,
-    Signal::TERM,
-    Signal::HUP,
-    Signal::QUIT,
-    Signal::XCPU,
-];
-const CRASHES: [Signal; 7] = [
-    Signal::KILL,
-    Signal::ABORT,
-    Signal::SEGV,
-    Signal::BUS,
-    Signal::FPE,
-    Signal::ILL,
-    Signal::SYS,
 ];
 
 pub fn endings(stage: &Stage) -> Result<()> {
@@ -123,7 +106,7 @@ fn one(stage: &Stage, kind: Kind, random: &mut Random) -> Result<()> {
     match kind {
         Kind::Signal => {
             pause(random, 300);
-            let signal = ENDING[random.below(ENDING.len() as u32) as usize];
+            let signal = HANDLED[random.below(HANDLED.len() as u32) as usize];
             gelpad.signal(signal)?;
             stage.all_up()?;
             let code = gelpad.ended(PATIENCE)?.code();
@@ -132,7 +115,7 @@ fn one(stage: &Stage, kind: Kind, random: &mut Random) -> Result<()> {
         }
         Kind::Crash => {
             pause(random, 300);
-            gelpad.signal(CRASHES[random.below(CRASHES.len() as u32) as usize])?;
+            gelpad.signal(FATAL[random.below(FATAL.len() as u32) as usize])?;
         }
         Kind::WithOneWatcher => {
             pause(random, 300);

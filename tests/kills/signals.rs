@@ -19,7 +19,7 @@ use crate::server::PATIENCE;
 use crate::{RELEASED, Stage};
 
 /// Signals that gelpad ends by, with 128 and their number.
-const HANDLED: [Signal; 5] = [
+pub const HANDLED: [Signal; 5] = [
     Signal::INT,
     Signal::TERM,
     Signal::HUP,
@@ -27,7 +27,7 @@ const HANDLED: [Signal; 5] = [
     Signal::XCPU,
 ];
 /// Signals that end it wherever it is.
-const FATAL: [Signal; 7] = [
+pub const FATAL: [Signal; 7] = [
     Signal::KILL,
     Signal::ABORT,
     Signal::SEGV,

@@ -116,16 +116,7 @@ impl ResponseTable {
         signs: usize,
         channels: usize,
     ) -> Result<Self, TableError> {
-        let rest = [MAGIC, FLOAT_MAGIC, OLD_MAGIC]
-            .iter()
-            .find_map(|magic| bytes.strip_prefix(*magic))
-            .ok_or(TableError::NotATable)?;
-        let (body, _) = rest
-            .split_last_chunk::<4>()
-            .filter(|(body, sum)| {
-                CRC.checksum(&bytes[..MAGIC.len() + body.len()]) == u32::from_le_bytes(**sum)
-            })
-            .ok_or(TableError::Damaged)?;
+        let body = checked_body(bytes)?;
         let mut reader = ByteReader::new(body);
         let dimensions = reader.u32s(6).ok_or(TableError::Damaged)?;
         let stored = |index: usize| dimensions[index] as usize;
@@ -177,6 +168,21 @@ impl ResponseTable {
             terms,
         })
     }
+}
+
+/// The bytes between the format's name and a checksum that is right.
+fn checked_body(bytes: &[u8]) -> Result<&[u8], TableError> {
+    let rest = [MAGIC, FLOAT_MAGIC, OLD_MAGIC]
+        .iter()
+        .find_map(|magic| bytes.strip_prefix(*magic))
+        .ok_or(TableError::NotATable)?;
+    let (body, _) = rest
+        .split_last_chunk::<4>()
+        .filter(|(body, sum)| {
+            CRC.checksum(&bytes[..MAGIC.len() + body.len()]) == u32::from_le_bytes(**sum)
+        })
+        .ok_or(TableError::Damaged)?;
+    Ok(body)
 }
 
 #[cfg(test)]

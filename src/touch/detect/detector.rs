@@ -298,6 +298,17 @@ impl Detector {
             return;
         }
         self.follow_deformation(locator, frame);
+        self.follow_touches(locator, rest, frame, changed);
+    }
+
+    /// Follows the touches that explain a frame up to `rest` times noise and model error.
+    fn follow_touches(
+        &mut self,
+        locator: &mut Locator,
+        rest: f64,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) {
         self.explained_ns = frame.t_ns;
         locator.explain(&mut self.explained);
         self.contacts.clear();

@@ -150,11 +150,8 @@ pub(super) fn session(
             session.played.stuck += usize::from(pause == STUCK_FRAMES && is_down);
         }
     }
-    session.played.false_touches = session
-        .matched
-        .values()
-        .filter(|matched| !**matched)
-        .count();
+    let matched = session.matched.values();
+    session.played.false_touches = matched.filter(|matched| !**matched).count();
     session.played.seconds = session.frame as f64 * FRAME_NS as f64 * 1e-9;
     Ok(session.played)
 }
