@@ -408,3 +408,47 @@ fn signals_release_all_keys_and_end_with_their_code() {
         assert_eq!(child.wait().expect("ended").code(), Some(code));
     }
 }
+
+/// Root may raise its threads, so the capability is taken away first, which other users have not got.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_the_right_to_raise_threads_realtime_kit_is_asked() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let touches = folder.path().join("touches.txt");
+    fs::write(&touches, "t:300 down 1 80 30\nt:400 up 1\n").expect("written");
+    let asked = folder.path().join("asked");
+    let tool = folder.path().join("busctl");
+    let script = format!("#!/bin/sh\necho \"$*\" >>{}\n", asked.display());
+    fs::write(&tool, script).expect("written");
+    fs::set_permissions(&tool, fs::Permissions::from_mode(0o700)).expect("ours");
+    let path = std::env::var("PATH").expect("a path");
+    let mut gelpad = Command::new("setpriv")
+        .args(["--bounding-set=-sys_nice", "--inh-caps=-sys_nice"])
+        .arg(env!("CARGO_BIN_EXE_gelpad"))
+        .args(["play", "--source"])
+        .arg(format!("simulated:{}", touches.display()))
+        .args(["--output", "trace", "--headless"])
+        .env("PATH", format!("{}:{path}", folder.path().display()))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("setpriv of util-linux");
+    let pid = gelpad.id();
+    assert!(gelpad.wait().expect("ended").success());
+    let asked = fs::read_to_string(asked).expect("something was asked");
+    let wanted = format!("MakeThreadHighPriorityWithPID tti {pid} ");
+    let mut threads: Vec<&str> = asked
+        .lines()
+        .map(|line| line.split_once(&wanted).expect("the method").1)
+        .collect();
+    threads.sort_unstable();
+    threads.dedup();
+    // Source, engine and output.
+    assert_eq!(threads.len(), 3, "{asked}");
+    assert!(
+        threads.iter().all(|thread| thread.ends_with(" -- -10")),
+        "{asked}"
+    );
+}

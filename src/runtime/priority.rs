@@ -1,7 +1,9 @@
 //! The priority of the threads between a frame and its events.
 //!
 //! On a busy computer a game and gelpad compete for the processor, and an event waits for the other's turn (12 ms at the 99th
-//! percentile with two busy programs on two cores, 4 ms with this). Root and users with a limit of `nice` may ask for more.
+//! percentile with two busy programs on two cores, 4 ms with this). Root and users with a limit of `nice` may ask for more; for
+//! all others RealtimeKit does, where a desktop has it for its sound server. It is asked through `busctl`, and nothing waits for
+//! its answer.
 
 /// What is asked for; what the desktop's own sound server has.
 const NICENESS: i32 = -10;
@@ -10,9 +12,36 @@ const NICENESS: i32 = -10;
 #[cfg(target_os = "linux")]
 pub(super) fn raise() {
     // On Linux, none stands for the calling thread.
-    if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
-        tracing::debug!("no higher priority: {error}");
+    if rustix::process::setpriority_process(None, NICENESS).is_err() {
+        if let Err(error) = ask_realtime_kit() {
+            tracing::debug!("no higher priority: {error}");
+        }
     }
+}
+
+/// Asks RealtimeKit to raise the calling thread.
+#[cfg(target_os = "linux")]
+fn ask_realtime_kit() -> std::io::Result<()> {
+    use std::process::{Command, Stdio};
+    // PROCESS/task/THREAD
+    let own = std::fs::read_link("/proc/thread-self")?;
+    let thread = own.file_name().ok_or(std::io::ErrorKind::NotFound)?;
+    let mut request = Command::new("busctl")
+        .args(["--system", "call", "org.freedesktop.RealtimeKit1"])
+        .args([
+            "/org/freedesktop/RealtimeKit1",
+            "org.freedesktop.RealtimeKit1",
+        ])
+        .args(["MakeThreadHighPriorityWithPID", "tti"])
+        .arg(std::process::id().to_string())
+        .arg(thread)
+        .args(["--", &NICENESS.to_string()])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()?;
+    let waiting = std::thread::Builder::new().name("priority".to_owned());
+    waiting.spawn(move || request.wait()).map(drop)
 }
 
 /// What threads that solve pads have: they give way to play and to games.
