@@ -4,12 +4,15 @@
 
 mod comfort;
 mod edit;
+mod edit_text;
+mod names;
 mod play;
 mod record;
 mod services;
 mod set_up;
 mod signals;
 mod views;
+mod walks;
 
 use std::sync::Arc;
 
