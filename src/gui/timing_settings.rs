@@ -142,9 +142,13 @@ fn clicked_steps(ui: &mut Ui, label: &str) -> f64 {
     steps
 }
 
-/// Notches of the wheel over a slider; the page does not scroll then.
+/// Notches of the wheel over a slider that was clicked before; the page does not scroll then. Other sliders leave the wheel to the
+/// page: scrolling past one changes nothing.
 fn wheel_notches(ui: &Ui, slider: &egui::Response) -> f64 {
-    if !slider.hovered() {
+    if slider.clicked() || slider.drag_started() {
+        slider.request_focus();
+    }
+    if !slider.hovered() || !slider.has_focus() {
         return 0.0;
     }
     ui.input_mut(|input| {

@@ -106,6 +106,18 @@ impl Stage {
         }
     }
 
+    /// Repaints until something is so, 30 s at most.
+    pub fn wait_until(&mut self, is_so: impl Fn(&mut Self) -> bool) {
+        for _ in 0..1500 {
+            if is_so(self) {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            self.steps(1);
+        }
+        panic!("not within 30 s");
+    }
+
     pub fn button(&mut self, label: &str) {
         self.click(Role::Button, label);
     }

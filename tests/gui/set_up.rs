@@ -264,13 +264,7 @@ fn a_port_that_cannot_be_opened_is_explained() {
     stage.app().playing.request.source = SourceChoice::Serial("/dev/none".to_owned());
     stage.steps(2);
     stage.button("Diagnose this port");
-    for _ in 0..400 {
-        if !stage.shows("listening to") {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        stage.steps(1);
-    }
+    stage.wait_until(|stage| !stage.shows("listening to"));
     assert!(stage.shows("/dev/none: "), "{:?}", stage.window);
 }
 

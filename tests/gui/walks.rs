@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
@@ -55,15 +55,8 @@ impl Walk {
 
     /// Waits until frames of the board are shown.
     fn wait_for_frames(&mut self) {
-        let start = Instant::now();
-        while self.stage.app().playing.view.frames == 0 {
-            assert!(
-                start.elapsed() < Duration::from_secs(30),
-                "no frame arrives"
-            );
-            std::thread::sleep(Duration::from_millis(20));
-            self.stage.steps(1);
-        }
+        self.stage
+            .wait_until(|stage| stage.app().playing.view.frames > 0);
     }
 }
 
@@ -85,11 +78,13 @@ impl Board {
             .stderr(Stdio::null())
             .spawn()
             .expect("gelpad starts");
-        let start = Instant::now();
-        while !port.exists() {
-            assert!(start.elapsed() < Duration::from_secs(30), "no port");
+        for _ in 0..1500 {
+            if port.exists() {
+                break;
+            }
             std::thread::sleep(Duration::from_millis(20));
         }
+        assert!(port.exists(), "the board did not start within 30 s");
         Self {
             process,
             port,
@@ -139,16 +134,7 @@ fn a_board_on_a_typed_port_plays_after_three_actions() {
 /// The diagnosis of a board that plays: format, values and order; one more click plays it again.
 fn diagnose(walk: &mut Walk) {
     walk.click(Role::Button, "Diagnose this port");
-    let start = Instant::now();
-    while !walk.stage.shows("frames arrive") {
-        assert!(
-            start.elapsed() < Duration::from_secs(30),
-            "{:?}",
-            walk.stage.window
-        );
-        std::thread::sleep(Duration::from_millis(20));
-        walk.stage.steps(1);
-    }
+    walk.stage.wait_until(|stage| stage.shows("frames arrive"));
     for words in ["--format openeit", "values a frame", "192", "order"] {
         assert!(walk.stage.shows(words), "{words}: {:?}", walk.stage.window);
     }
@@ -220,7 +206,8 @@ fn a_tester_records_replays_and_checks_in_six_clicks() {
     walk.click(Role::Button, "⏺ recording: stop");
     assert_eq!(walk.played().record, None);
     walk.click(Role::Button, "▶ session-001");
-    wait_for(&mut walk, "Save expected events");
+    walk.stage
+        .wait_until(|stage| stage.has_label("Save expected events"));
     walk.click(Role::Button, "Save expected events");
     assert!(is_event_file(&file.with_extension("events")));
     walk.click(Role::Button, "Check events");
@@ -230,19 +217,6 @@ fn a_tester_records_replays_and_checks_in_six_clicks() {
         walk.stage.window
     );
     assert!(walk.actions <= 6, "{}", walk.actions);
-}
-
-fn wait_for(walk: &mut Walk, label: &str) {
-    let start = Instant::now();
-    while !walk.stage.has_label(label) {
-        assert!(
-            start.elapsed() < Duration::from_secs(30),
-            "{:?}",
-            walk.stage.window
-        );
-        std::thread::sleep(Duration::from_millis(20));
-        walk.stage.steps(1);
-    }
 }
 
 /// Whether a file holds a press and a release, a line each.

@@ -113,10 +113,17 @@ fn draw_lines(ui: &mut Ui, editor: &mut TextDraft, marked: &[usize]) -> bool {
                 ui.add_space(2.0);
                 ui.label(numbers);
             });
+            // Lines are not wrapped: their numbers stand beside them.
+            let mut layout = |ui: &Ui, text: &dyn egui::TextBuffer, _: f32| {
+                let text = text.as_str().to_owned();
+                let colour = theme::palette_of(ui).text;
+                let job = egui::text::LayoutJob::simple(text, font.clone(), colour, f32::INFINITY);
+                ui.painter().layout_job(job)
+            };
             let field = TextEdit::multiline(&mut editor.text)
                 .code_editor()
-                .font(font)
-                .desired_width(f32::INFINITY);
+                .desired_width(f32::INFINITY)
+                .layouter(&mut layout);
             let field = ui.add(field);
             field.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Text of the profile")
