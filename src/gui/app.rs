@@ -33,8 +33,8 @@ use crate::runtime::PlayCommand;
 const RAIL: (f32, f32) = (92.0, 70.0);
 /// Windows narrower than this have the narrow rail, points.
 const NARROW: f32 = 1000.0;
-/// Smallest size of a view, points: large text in a small window leaves less room.
-const MIN_PAGE: Vec2 = Vec2::new(500.0, 320.0);
+/// Smallest size of a view with a pad beside a panel, and of the others, points: large text in a small window leaves less room.
+const MIN_PAGE: (Vec2, Vec2) = (Vec2::new(500.0, 320.0), Vec2::new(300.0, 240.0));
 /// Height of the status line at the bottom, points.
 const STATUS: f32 = 26.0;
 
@@ -279,7 +279,11 @@ impl App {
         };
         let mut body_ui = ui.new_child(place(body, self.tab.name()));
         body_ui.set_clip_rect(body.expand(10.0));
-        let size = body.size().max(MIN_PAGE);
+        let smallest = match self.tab {
+            Tab::Play | Tab::Edit | Tab::SetUp | Tab::Signals => MIN_PAGE.0,
+            Tab::Practice | Tab::Record | Tab::Comfort => MIN_PAGE.1,
+        };
+        let size = body.size().max(smallest);
         if size == body.size() {
             return self.view(&mut body_ui);
         }
