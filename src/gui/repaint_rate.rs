@@ -8,11 +8,11 @@ use crate::types::Touch;
 /// While a finger moves.
 const MOVING: Duration = Duration::from_millis(16);
 /// While a finger rests.
-const HOLDING: Duration = Duration::from_millis(33);
+const HOLDING: Duration = Duration::from_millis(50);
 /// Shortly after the last finger has lifted: its path fades.
 const FADING: Duration = Duration::from_millis(100);
 /// While nothing touches the pad: noise and drift change slowly, and a touch is shown at once (`waker.rs`).
-const RESTING: Duration = Duration::from_millis(250);
+const RESTING: Duration = Duration::from_millis(333);
 /// While the window is minimised: only messages are polled, and nothing is shown earlier.
 pub(super) const HIDDEN: Duration = Duration::from_millis(1000);
 /// A finger that moved by this much moves, mm.
