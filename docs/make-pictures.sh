@@ -22,13 +22,14 @@ target/release/gelpad study phantoms --out "$study" >/dev/null
 cp "$study/phantoms.png" docs/phantoms.png
 target/release/gelpad accuracy --pad edinburgh-lattice --seed 1 --out "$study" >/dev/null
 cp "$study/accuracy.png" docs/accuracy.png
-scripts/see-window.sh "$study/window" >/dev/null
+SIZES="1280x800" THEMES=dark SCALES=100 scripts/see-window.sh "$study/window" >/dev/null
+SIZES="800x600" THEMES=light SCALES=100 scripts/see-window.sh "$study/window" >/dev/null
 for view in play practice edit set-up record signals comfort; do
   convert "$study/window/$view-1280x800-dark.png" -strip -colors 128 "docs/window-$view.png"
 done
 scripts/mouse-plays-level.sh target/release/gelpad "$study/level.png"
 convert "$study/level.png" -strip -colors 128 docs/window-practice.png
-convert "$study/window/play-800x500-light.png" -strip -colors 128 docs/window-small-light.png
+convert "$study/window/play-800x600-light.png" -strip -colors 128 docs/window-small-light.png
 docs/make-animation.sh docs/jump.gif
 rm -r "$study"
 echo "docs/live.png docs/phantoms.png docs/accuracy.png docs/window-*.png docs/jump.gif"

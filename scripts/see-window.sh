@@ -1,43 +1,54 @@
 #!/usr/bin/env bash
-# Takes pictures of every view of the window at 1280 x 800 and 800 x 500, dark and light, on a virtual display.
+# Takes pictures of every view of the window on a virtual display: dark and light, text at 100 and 200 %, at three sizes.
 #
-#   scripts/see-window.sh FOLDER [GELPAD]
+#   scripts/see-window.sh FOLDER [GELPAD]         every picture: VIEW-SIZE-THEME.png, and VIEW-SIZE-THEME-200.png with large text
+#   SIZES="1280x800" THEMES=dark SCALES=100 scripts/see-window.sh FOLDER
 #
 # Needs Xvfb, xdotool, ImageMagick's `import`, libgl1-mesa-dri and libxkbcommon-x11-0.
 set -euo pipefail
 
 folder=$(realpath -m "${1:?a folder for the pictures}")
 views=(play practice edit set-up record signals comfort)
+screen_size=1940x1100
 mkdir -p "$folder"
 . "$(dirname "$0")/window-stage.sh" "${2:-target/release/gelpad}"
 
-for theme in dark light; do
-  printf 'theme = "%s"\n' "$theme" >"$work/gelpad/window.toml"
-  open_window
-  sleep 3
-  for size in 1280x800 800x500; do
-    xdotool windowsize "$window" "${size%x*}" "${size#*x}"
-    sleep 1
-    xdotool key F1
-    sleep 0.7
-    # Two short presses, and a third that is held while the pictures are taken.
-    if [ "$size" = 1280x800 ]; then jump=(660 320); run=(640 540); left=(260 300); else jump=(360 190); run=(345 300); left=(190 190); fi
-    xdotool mousemove "${left[@]}" mousedown 1; sleep 0.5; xdotool mouseup 1; sleep 0.3
-    xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.2; xdotool mouseup 1; sleep 0.3
-    xdotool mousemove "${run[@]}" mousedown 1; sleep 0.4
-    xdotool key space; xdotool mouseup 1; sleep 0.1
-    xdotool mousemove "${jump[@]}" mousedown 1; sleep 0.4
-    key=1
-    for view in "${views[@]}"; do
-      xdotool key "F$key"
+# A place in the window as fractions of its size, in pixels.
+at() { awk "BEGIN{printf \"%d %d\", ${size%x*} * $1, ${size#*x} * $2}"; }
+
+# Two short presses, and two fingers that stay: one is pinned by a right click.
+press() {
+  xdotool mousemove $(at 0.22 0.38) mousedown 1; sleep 0.5; xdotool mouseup 1; sleep 0.3
+  xdotool mousemove $(at 0.48 0.39) mousedown 1; sleep 0.2; xdotool mouseup 1; sleep 0.3
+  xdotool mousemove $(at 0.48 0.70) click 3; sleep 0.4
+  xdotool mousemove $(at 0.48 0.39) mousedown 1; sleep 0.4
+}
+
+for theme in ${THEMES:-dark light}; do
+  for scale in ${SCALES:-100 200}; do
+    printf 'theme = "%s"\ntext = %s\n' "$theme" "$(awk "BEGIN{print $scale / 100}")" >"$work/gelpad/window.toml"
+    open_window
+    sleep 3
+    for size in ${SIZES:-1280x800 800x600 1920x1080}; do
+      xdotool windowsize "$window" "${size%x*}" "${size#*x}"
+      sleep 1
+      xdotool key F1
       sleep 0.7
-      import -silent -window "$window" "$folder/$view-$size-$theme.png"
-      key=$((key + 1))
+      press
+      suffix=$theme
+      [ "$scale" = 100 ] || suffix=$theme-$scale
+      key=1
+      for view in "${views[@]}"; do
+        xdotool key "F$key"
+        sleep 0.7
+        import -silent -window "$window" "$folder/$view-$size-$suffix.png"
+        key=$((key + 1))
+      done
+      xdotool key F1; xdotool mouseup 1; sleep 0.3
+      xdotool key Escape
     done
-    xdotool key F1; xdotool mouseup 1; sleep 0.3
-    xdotool key Escape
+    kill "$player"
+    wait "$player" 2>/dev/null || true
   done
-  kill "$player"
-  wait "$player" 2>/dev/null || true
 done
 ls "$folder"

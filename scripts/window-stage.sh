@@ -1,6 +1,7 @@
 # Sourced by the scripts that drive the window: starts a virtual display with software OpenGL and a temporary settings folder, and
 # removes both when the script ends.
 #
+#   $screen_size   size of the screen, if set before [default: 1300x820]
 #   $gelpad        absolute path of the program
 #   $work          the temporary folder
 #   $screen        the file that holds the screen, in the format of xwd
@@ -10,7 +11,7 @@ work=$(mktemp -d)
 export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
 mkdir -p "$work/gelpad"
 player=
-Xvfb -displayfd 3 -screen 0 1300x820x24 -nolisten tcp -fbdir "$work" 3>"$work/display" 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 "${screen_size:-1300x820}x24" -nolisten tcp -fbdir "$work" 3>"$work/display" 2>/dev/null &
 xvfb=$!
 trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
 for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done

@@ -68,6 +68,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cache",
             "calibrate",
             "study",
+            "doctor",
         ],
     ),
     (

@@ -1,4 +1,4 @@
-//! Gamepads as a source, in builds with the feature `gilrs`.
+//! Gamepads as a source, in builds with the feature `gilrs`; what they and a virtual gamepad need on this computer.
 
 use super::AppError;
 use crate::source::Source;
@@ -24,4 +24,44 @@ pub(super) fn open() -> Result<OpenSource, AppError> {
         "this gelpad was built without gamepads\n  help: install libudev-dev and pkg-config, then cargo install --path . --features gilrs"
             .to_owned(),
     ))
+}
+
+/// One thing that gamepads need on this computer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GamepadCheck {
+    /// What was checked, in a few words.
+    pub subject: String,
+    /// What was found.
+    pub found: String,
+    /// Whether it works.
+    pub works: bool,
+    /// The command that fixes it, or what to do.
+    pub fix: Option<String>,
+}
+
+/// What stands between gelpad and a virtual gamepad or gamepads as a source.
+#[cfg(target_os = "linux")]
+pub(super) fn checks() -> Vec<GamepadCheck> {
+    use crate::doctor::{CheckStatus, Machine, gamepad_checks};
+
+    let lines = gamepad_checks(&Machine::local()).into_iter();
+    lines
+        .map(|line| GamepadCheck {
+            subject: line.subject,
+            found: line.found,
+            works: line.state != CheckStatus::Wrong,
+            fix: line.fix,
+        })
+        .collect()
+}
+
+/// Virtual gamepads need the Linux kernel.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn checks() -> Vec<GamepadCheck> {
+    vec![GamepadCheck {
+        subject: "virtual gamepad".to_owned(),
+        found: "needs Linux".to_owned(),
+        works: false,
+        fix: None,
+    }]
 }

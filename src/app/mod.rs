@@ -4,6 +4,7 @@
 
 pub(crate) mod calibration;
 mod candidates;
+pub mod desktop;
 mod error;
 pub mod file_watch;
 pub mod focus_gate;
@@ -12,12 +13,14 @@ mod gamepads;
 mod listeners;
 mod load_timeline;
 mod local_services;
+pub mod memory;
 pub(crate) mod outputs;
 pub mod own_files;
 pub(crate) mod pads;
 pub(crate) mod places;
 mod play;
 mod play_config;
+pub mod port_report;
 mod process_match;
 pub(crate) mod profiles;
 mod read_ahead;

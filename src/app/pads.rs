@@ -50,7 +50,7 @@ pub(crate) fn sensing(
 }
 
 /// Starts the threads that solve pads. Without this, a system that allows no more threads would end the program by a panic.
-fn start_workers() -> Result<(), AppError> {
+pub(super) fn start_workers() -> Result<(), AppError> {
     use std::error::Error as _;
 
     match rayon::ThreadPoolBuilder::new().build_global() {

@@ -6,14 +6,16 @@ use std::sync::atomic::AtomicBool;
 use super::focus_gate::FocusGate;
 use super::listeners::{Listeners, check_recording};
 use super::outputs::{self, OutputAbilities};
-use super::pads::{choose_method, config_with_builder, engine_config, sensing_by_image};
+use super::pads::{
+    choose_method, config_with_builder, engine_config, sensing_by_image, start_workers,
+};
 use super::play_config::PlayConfig;
 use super::process_match::ProfileMatcher;
 use super::recording::ActiveRecording;
 use super::reload::ProfileReload;
 use super::request::{OutputChoice, PlayRequest, SourceChoice};
 use super::source::open_requested;
-use super::table_solver::{TableInProgress, TableSolver};
+use super::table_solver::{TableInProgress, TableSolver, TableStart};
 use super::{AppError, Progress};
 use crate::output::OutputDevice;
 use crate::pad::Pad;
@@ -113,21 +115,22 @@ impl PreparedGame {
                 let config = engine_config(pad, profile, method, correction, progress)?;
                 (config, None)
             }
+            FirstUse::PlayAtOnce(solver) if request.record.is_some() => {
+                solver.wait(&pad.pad);
+                let config = engine_config(pad, profile, method, correction, &|_, _| ())?;
+                (config, None)
+            }
             FirstUse::PlayAtOnce(solver) => {
-                if request.record.is_some() {
-                    solver.wait(&pad.pad);
-                }
-                let table = match request.record {
-                    Some(_) => None,
-                    None => solver.start(&pad.pad).map_err(AppError::Thread)?,
+                start_workers()?;
+                let (start, builder) = rayon::join(
+                    || solver.start(&pad.pad),
+                    || sensing_by_image(&pad.pad, method),
+                );
+                let (builder, table) = match start.map_err(AppError::Thread)? {
+                    TableStart::Ready(table) => (builder?.with_table(table), None),
+                    TableStart::Solving(table) => (builder?, Some(table)),
                 };
-                let config = match table {
-                    Some(_) => {
-                        let builder = sensing_by_image(&pad.pad, method)?;
-                        config_with_builder(pad, profile, correction, builder)?
-                    }
-                    None => engine_config(pad, profile, method, correction, &|_, _| ())?,
-                };
+                let config = config_with_builder(pad, profile, correction, builder)?;
                 (config, table)
             }
         };

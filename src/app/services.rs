@@ -4,6 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::gamepads;
+pub use super::gamepads::GamepadCheck;
+pub use super::port_report::PortDiagnosis;
+use super::port_report::diagnose;
 pub use super::request::{
     BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice, WindowArguments,
 };
@@ -79,6 +83,19 @@ pub trait AppServices: Send + Sync {
 
     /// Names of the serial ports.
     fn ports(&self) -> Vec<String>;
+
+    /// Listens to a port for 10 s at most: call it on a thread, while no game reads the port.
+    ///
+    /// # Errors
+    /// The port cannot be opened, or it disappears.
+    fn diagnose_port(&self, port: &str, board: BoardLine) -> Result<PortDiagnosis, String> {
+        diagnose(port, board).map_err(|error| error.to_string())
+    }
+
+    /// What stands between gelpad and a virtual gamepad or gamepads as a source, each with its fix.
+    fn gamepad_checks(&self) -> Vec<GamepadCheck> {
+        gamepads::checks()
+    }
 
     /// The text of a profile.
     ///

@@ -50,6 +50,14 @@ impl TableInProgress {
     }
 }
 
+/// A table that a game is about to use.
+pub(super) enum TableStart {
+    /// It was in the cache.
+    Ready(Arc<ResponseTable>),
+    /// It is being solved.
+    Solving(Arc<TableInProgress>),
+}
+
 /// The tables that are being solved.
 #[derive(Debug, Default)]
 pub(crate) struct TableSolver {
@@ -58,16 +66,16 @@ pub(crate) struct TableSolver {
 }
 
 impl TableSolver {
-    /// The table of a pad that is being solved; starts to solve it unless it is in the cache. None if it is.
-    pub(super) fn start(&self, pad: &Pad) -> std::io::Result<Option<Arc<TableInProgress>>> {
+    /// The table of a pad from the cache; starts to solve it if it is not there.
+    pub(super) fn start(&self, pad: &Pad) -> std::io::Result<TableStart> {
         let key = ResponseBuilder::key(pad);
         let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         running.retain(|(_, table)| !table.has_ended());
         if let Some((_, table)) = running.iter().find(|(known, _)| *known == key) {
-            return Ok(Some(Arc::clone(table)));
+            return Ok(TableStart::Solving(Arc::clone(table)));
         }
-        if cache::folder().is_some_and(|folder| cache::load(pad, &folder).is_some()) {
-            return Ok(None);
+        if let Some(table) = cache::folder().and_then(|folder| cache::load(pad, &folder)) {
+            return Ok(TableStart::Ready(Arc::new(table)));
         }
         let table = Arc::new(TableInProgress::default());
         let (pad, solving) = (pad.clone(), Arc::clone(&table));
@@ -78,7 +86,7 @@ impl TableSolver {
                 let _ = solving.solved.set(solved);
             })?;
         running.push((key, Arc::clone(&table)));
-        Ok(Some(table))
+        Ok(TableStart::Solving(table))
     }
 
     /// Waits until the table of a pad is solved, if it is being solved: it is in the cache then.

@@ -148,6 +148,12 @@ impl RecordingTimeline {
         view
     }
 
+    /// All events, a line each, as `gelpad replay FILE --print events` prints them.
+    #[must_use]
+    pub fn event_lines(&self) -> Vec<String> {
+        self.events.iter().map(Event::to_string).collect()
+    }
+
     /// Mean frame rate, frames/s.
     #[must_use]
     pub fn frames_per_s(&self) -> f64 {

@@ -113,6 +113,23 @@ pub fn run_checks(machine: &Machine) -> DoctorReport {
     }
 }
 
+/// What a virtual gamepad and gamepads as a source need; creates nothing.
+#[must_use]
+pub fn gamepad_checks(machine: &Machine) -> Vec<CheckLine> {
+    const SOURCE: &str = "gamepads as a source";
+    let module = module::examine(machine);
+    let node = node::examine(machine);
+    let source = match cfg!(feature = "gilrs") {
+        true => CheckLine::ok(SOURCE, "built in"),
+        false => CheckLine::wrong(
+            SOURCE,
+            "this gelpad was built without them (Debian: libudev-dev, pkg-config)",
+            "cargo install --path . --features gilrs",
+        ),
+    };
+    vec![module::judge(&module), node::judge(&node, &module), source]
+}
+
 fn section(title: &'static str, lines: Vec<CheckLine>) -> ReportSection {
     ReportSection { title, lines }
 }

@@ -33,6 +33,8 @@ use crate::runtime::PlayCommand;
 const RAIL: (f32, f32) = (92.0, 70.0);
 /// Windows narrower than this have the narrow rail, points.
 const NARROW: f32 = 1000.0;
+/// Smallest size of a view with a pad beside a panel, and of the others, points: large text in a small window leaves less room.
+const MIN_PAGE: (Vec2, Vec2) = (Vec2::new(500.0, 320.0), Vec2::new(300.0, 240.0));
 /// Height of the status line at the bottom, points.
 const STATUS: f32 = 26.0;
 
@@ -89,7 +91,7 @@ impl App {
             tab: comfort.preferences.tab,
             playing: Playing::idle(),
             failed: None,
-            pad_window: PadWindow::at(comfort.preferences.pad_window),
+            pad_window: PadWindow::from_preferences(&comfort.preferences),
             comfort,
             edit: EditView::default(),
             closing: Closing::default(),
@@ -183,7 +185,7 @@ impl App {
         let kept = &mut self.comfort.preferences;
         kept.best_s = self.practice.practice.best_s();
         kept.tab = self.tab;
-        kept.pad_window = self.pad_window.place.map(|place| [place.x, place.y]);
+        self.pad_window.store(kept);
         if self.playing.is_running() {
             let before = kept.last_game.was_sent;
             kept.last_game = LastGame::from_request(&self.playing.request);
@@ -215,8 +217,10 @@ impl App {
         match receiver.try_recv() {
             Ok(Ok(started)) => {
                 self.playing = Playing::from_started(request.clone(), started);
-                if let Some(thread) = self.waker.as_ref().and_then(Waker::thread) {
-                    self.playing.wake_with(thread);
+                if let Some(waker) = &self.waker
+                    && let Some(thread) = waker.thread()
+                {
+                    self.playing.wake_with(thread, waker.changes());
                 }
                 self.last_view_s = now_s;
                 // Saved profiles, people and calibrations may be new.
@@ -243,9 +247,7 @@ impl App {
         self.comfort.apply(ui.ctx());
         self.poll(&ui.ctx().clone());
         self.handle_keys(ui);
-        let palette = theme::palette_of(ui);
         let whole = ui.max_rect();
-        ui.painter().rect_filled(whole, 0.0, palette.ground);
         let rail_width = if whole.width() < NARROW {
             RAIL.1
         } else {
@@ -257,15 +259,8 @@ impl App {
         let body =
             Rect::from_min_max(rail.right_top(), status.right_top()).shrink2(Vec2::new(12.0, 12.0));
         rail::draw(ui, rail, &mut self.tab);
-        self.status(ui, status);
-        let mut body_ui = ui.new_child(
-            egui::UiBuilder::new()
-                .id_salt(self.tab.name())
-                .max_rect(body)
-                .layout(egui::Layout::top_down(egui::Align::Min)),
-        );
-        body_ui.set_clip_rect(body.expand(10.0));
-        if let Some(action) = self.view(&mut body_ui) {
+        let ended = self.status(ui, status);
+        if let Some(action) = self.page(ui, body).or(ended) {
             self.perform(action);
         }
         let ctx = ui.ctx().clone();
@@ -273,6 +268,31 @@ impl App {
         self.comfort.show_feedback(ui, &self.playing);
         self.closing.show(&ctx, &mut self.edit, &self.services);
         self.focus_ring.draw(ui);
+    }
+
+    /// The current view. In a window too small for it, the page scrolls.
+    fn page(&mut self, ui: &mut Ui, body: Rect) -> Option<UiAction> {
+        let layout = egui::Layout::top_down(egui::Align::Min);
+        let place = |rect: Rect, name: &str| {
+            let builder = egui::UiBuilder::new().id_salt(name);
+            builder.max_rect(rect).layout(layout)
+        };
+        let mut body_ui = ui.new_child(place(body, self.tab.name()));
+        body_ui.set_clip_rect(body.expand(10.0));
+        let smallest = match self.tab {
+            Tab::Play | Tab::Edit | Tab::SetUp | Tab::Signals => MIN_PAGE.0,
+            Tab::Practice | Tab::Record | Tab::Comfort => MIN_PAGE.1,
+        };
+        let size = body.size().max(smallest);
+        if size == body.size() {
+            return self.view(&mut body_ui);
+        }
+        let scroll = egui::ScrollArea::both().id_salt("page").auto_shrink(false);
+        let shown = scroll.show(&mut body_ui, |ui| {
+            let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+            self.view(&mut ui.new_child(place(rect, "page")))
+        });
+        shown.inner
     }
 
     /// The most severe problem of this moment.
@@ -320,7 +340,8 @@ impl App {
                 self.has_chosen_output |= request.output != self.playing.request.output;
                 self.play(request);
             }
-            UiAction::PadWindow => self.pad_window.open = true,
+            UiAction::PadWindow => self.pad_window.open_pad(),
+            UiAction::Overlay => self.pad_window.toggle_overlay(),
             UiAction::Record => self.toggle_recording(),
             UiAction::Show(tab) => self.tab = tab,
             UiAction::Pause => self.playing.send_command(PlayCommand::Pause),
@@ -359,7 +380,7 @@ impl App {
     }
 
     /// Source, output, profile, frame rate and latency.
-    fn status(&mut self, ui: &mut Ui, room: Rect) {
+    fn status(&mut self, ui: &mut Ui, room: Rect) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
         let line = Stroke::new(1.0, palette.line.gamma_multiply(0.6));
         ui.painter().hline(room.x_range(), room.top(), line);
@@ -391,11 +412,22 @@ impl App {
             playing.output,
             view.profile.name,
         );
+        let stops = playing.request.record.is_some() && draw_recording_badge(&mut ui);
         if let Some(share) = playing.table.as_ref().map(|table| table.share()) {
             draw_table_progress(&mut ui, share);
         }
         ui.add(egui::Label::new(egui::RichText::new(words).size(12.5)).truncate());
+        stops.then_some(UiAction::Record)
     }
+}
+
+/// Says on every page that the game is recorded; returns whether it was clicked, which ends the recording.
+fn draw_recording_badge(ui: &mut Ui) -> bool {
+    let palette = theme::palette_of(ui);
+    let text = egui::RichText::new("⏺ recording: stop").color(palette.bad);
+    ui.add(egui::Button::new(text.size(12.5)).small())
+        .on_hover_text("Ends the recording; the game starts again")
+        .clicked()
 }
 
 /// How much of the pad's response table is solved.

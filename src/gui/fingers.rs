@@ -70,6 +70,11 @@ impl Fingers {
             return true;
         }
         self.lift(holder);
+        self.add(holder, place_mm)
+    }
+
+    /// Puts one more finger down; returns whether there was room for it.
+    fn add(&mut self, holder: Holder, place_mm: PointMm) -> bool {
         if self.held.len() == MAX_FINGERS {
             return false;
         }
@@ -116,6 +121,17 @@ impl Fingers {
                 true
             }
             None => false,
+        }
+    }
+
+    /// Pins a finger at a place, or removes the pinned one there; returns whether anything changed.
+    pub fn toggle_pin(&mut self, place_mm: PointMm) -> bool {
+        match self.pinned_at(place_mm) {
+            Some(pinned) => {
+                self.held.remove(pinned);
+                true
+            }
+            None => self.add(Holder::Pin, place_mm),
         }
     }
 
@@ -205,6 +221,17 @@ mod tests {
         assert_eq!(fingers.pinned_mm().collect::<Vec<_>>(), [[20.0, 20.0]]);
         fingers.press(Holder::Mouse, [22.0, 21.0]);
         assert!(!fingers.any_down());
+    }
+
+    #[test]
+    fn two_pins_and_the_mouse_press_at_once() {
+        let mut fingers = Fingers::default();
+        assert!(fingers.toggle_pin([20.0, 20.0]));
+        assert!(fingers.toggle_pin([60.0, 20.0]));
+        fingers.press(Holder::Mouse, [80.0, 50.0]);
+        assert_eq!(fingers.for_pad().len(), 3, "walk, run and jump");
+        assert!(fingers.toggle_pin([61.0, 20.0]));
+        assert_eq!(fingers.pinned_mm().collect::<Vec<_>>(), [[20.0, 20.0]]);
     }
 
     #[test]

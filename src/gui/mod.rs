@@ -71,14 +71,21 @@ pub struct WindowOptions {
 /// # Errors
 /// There is no display, no OpenGL, or a system library is missing; no game was started.
 pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
+    crate::app::memory::return_freed_blocks();
     let mut app = App::new(opening.services);
+    let can_be_transparent = crate::app::desktop::can_be_transparent();
+    app.pad_window.can_be_transparent = can_be_transparent;
     let size = app.comfort.preferences.size.unwrap_or(SIZE);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("gelpad")
             .with_app_id("gelpad")
             .with_inner_size(size)
-            .with_min_inner_size(MIN_SIZE),
+            .with_min_inner_size(MIN_SIZE)
+            // For the pad window: all windows share the configuration of OpenGL. This one stays opaque.
+            .with_transparent(can_be_transparent),
+        // Half of the time of a software renderer, for gradients that the window does not have.
+        dithering: false,
         ..Default::default()
     };
     // winit and glutin panic when a system library is missing.
@@ -158,6 +165,12 @@ impl eframe::App for Window {
         self.app.ui(ui);
         let plays = self.app.playing.view.frames > 0;
         self.repaints.count(ui.ctx().time(), plays);
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::palette(visuals.dark_mode)
+            .ground
+            .to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {

@@ -1,12 +1,13 @@
 //! The pad-only window: small, always on top, never takes the focus, so that the mouse presses it while the game has the
-//! keyboard.
+//! keyboard. As an overlay it shows regions and touches only, and clicks go through it to the game below.
 //!
 //! On X11 it is an override-redirect window: no window manager gives such a window the focus, nor does a click on it. Elsewhere
 //! the system is requested to keep it inactive and on top.
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, Vec2, ViewportBuilder, ViewportId};
 
-use super::picture::Picture;
+use super::comfort::preferences::Preferences;
+use super::picture::{Picture, PictureLayers};
 use super::play;
 use super::playing::Playing;
 use super::theme;
@@ -15,15 +16,42 @@ use super::theme;
 const SIDE: f32 = 300.0;
 /// Height of the title bar, points.
 const BAR: f32 = 24.0;
+/// Smallest and largest size, points.
+const SIZES: (Vec2, Vec2) = (Vec2::new(120.0, 110.0), Vec2::new(1600.0, 1200.0));
+/// Side of the corner that is dragged to resize it, points.
+const GRIP: f32 = 16.0;
+/// The shares of opacity that its button goes through.
+const OPACITIES: [f32; 3] = [1.0, 0.7, 0.4];
 
 /// The window.
-#[derive(Default)]
 pub struct PadWindow {
     /// Whether it is open.
     pub open: bool,
+    /// Whether it is an overlay: without image and bar, and clicks go through it.
+    pub is_overlay: bool,
     /// Position of its top-left corner on the screen, points; none before it was opened.
     pub place: Option<Pos2>,
+    /// Its size, points; none: that of the pad.
+    pub size: Option<Vec2>,
+    /// Opacity, 0 to 1.
+    pub opacity: f32,
+    /// Whether the desktop can show what is behind it.
+    pub can_be_transparent: bool,
     picture: Picture,
+}
+
+impl Default for PadWindow {
+    fn default() -> Self {
+        Self {
+            open: false,
+            is_overlay: false,
+            place: None,
+            size: None,
+            opacity: 1.0,
+            can_be_transparent: false,
+            picture: Picture::default(),
+        }
+    }
 }
 
 /// The bottom-right corner of a screen: the middle belongs to the game.
@@ -54,17 +82,39 @@ fn pointer_moved_by(ui: &egui::Ui) -> Option<Vec2> {
 }
 
 impl PadWindow {
-    /// Closed, with the position where it was last.
-    pub fn at(place: Option<[f32; 2]>) -> Self {
+    /// Closed, with the position, size and opacity of the last session.
+    pub fn from_preferences(preferences: &Preferences) -> Self {
         Self {
-            place: place.map(Pos2::from),
+            place: preferences.pad_window.map(Pos2::from),
+            size: preferences.pad_window_size.map(clamped_size),
+            opacity: preferences.pad_window_opacity,
             ..Self::default()
         }
+    }
+
+    /// Takes position, size and opacity into the preferences.
+    pub fn store(&self, preferences: &mut Preferences) {
+        preferences.pad_window = self.place.map(|place| [place.x, place.y]);
+        preferences.pad_window_size = self.size.map(|size| [size.x, size.y]);
+        preferences.pad_window_opacity = self.opacity;
     }
 
     /// The id of its viewport.
     pub fn id() -> ViewportId {
         ViewportId::from_hash_of("pad window")
+    }
+
+    /// Opens it, or makes a pad of the overlay.
+    pub fn open_pad(&mut self) {
+        (self.open, self.is_overlay) = (true, false);
+    }
+
+    /// Opens or closes the overlay.
+    pub fn toggle_overlay(&mut self) {
+        (self.open, self.is_overlay) = match self.open && self.is_overlay {
+            true => (false, false),
+            false => (true, true),
+        };
     }
 
     /// Draws it, if it is open.
@@ -77,7 +127,8 @@ impl PadWindow {
             .profile
             .settings
             .size_as_player_sees_mm(playing.pad.outline.size_mm());
-        let size = Vec2::new(SIDE * (w / h) as f32, SIDE + BAR);
+        let own_size = Vec2::new(SIDE * (w / h) as f32, SIDE + BAR);
+        let size = self.size.unwrap_or(own_size);
         let screen = ctx.input_for(ViewportId::ROOT, |input| input.viewport().monitor_size);
         // A place of a screen that is gone is not used.
         let is_on_screen = |place: &Pos2| screen.is_none_or(|screen| fits(*place, screen));
@@ -89,26 +140,63 @@ impl PadWindow {
             .with_inner_size(size)
             .with_position(place)
             .with_decorations(false)
-            .with_resizable(false)
             .with_always_on_top()
             .with_active(false)
             .with_taskbar(false)
+            .with_transparent(self.can_be_transparent)
+            .with_mouse_passthrough(self.is_overlay)
             .with_override_redirect(true);
         let mut close = false;
         ctx.show_viewport_immediate(Self::id(), builder, |ui, _| {
-            close = self.ui(ui, playing);
+            if self.is_overlay {
+                self.draw_overlay(ui, playing);
+            } else {
+                close = self.draw_pad(ui, playing);
+            }
         });
         if close || ctx.input_for(Self::id(), |input| input.viewport().close_requested()) {
             self.open = false;
         }
     }
 
-    /// Draws the content; returns whether the close button was clicked.
-    fn ui(&mut self, ui: &mut egui::Ui, playing: &mut Playing) -> bool {
+    /// Regions and touches alone.
+    fn draw_overlay(&mut self, ui: &mut egui::Ui, playing: &Playing) {
+        let room = ui.max_rect();
+        if !self.can_be_transparent {
+            let palette = theme::palette_of(ui);
+            ui.painter().rect_filled(room, 0.0, palette.ground);
+        }
+        let layers = PictureLayers {
+            image: false,
+            regions: true,
+            electrodes: false,
+            scale: false,
+        };
+        let profile = &playing.view.profile;
+        self.picture.draw(ui, room, playing, profile, layers);
+    }
+
+    /// The pad with its bar; returns whether the close button was clicked.
+    fn draw_pad(&mut self, ui: &mut egui::Ui, playing: &mut Playing) -> bool {
+        if self.can_be_transparent {
+            ui.set_opacity(self.opacity);
+        }
         let palette = theme::palette_of(ui);
         let room = ui.max_rect();
         ui.painter().rect_filled(room, 0.0, palette.ground);
         let bar = Rect::from_min_size(room.min, Vec2::new(room.width(), BAR));
+        let close = self.draw_bar(ui, bar);
+        let body = Rect::from_min_max(bar.left_bottom(), room.max).shrink(2.0);
+        play::pad(ui, body, &mut self.picture, playing, false);
+        self.resize(ui, room);
+        let line = Stroke::new(1.0, Color32::from_gray(90));
+        ui.painter()
+            .rect_stroke(room, 0.0, line, egui::StrokeKind::Inside);
+        close
+    }
+
+    /// The bar: it moves the window; its buttons change the opacity and close it. Returns whether it is to be closed.
+    fn draw_bar(&mut self, ui: &mut egui::Ui, bar: Rect) -> bool {
         let grip = ui.interact(bar, ui.scope_id().with("move"), Sense::drag());
         if grip.dragged()
             && let (Some(place), Some(by)) = (self.place, pointer_moved_by(ui))
@@ -122,19 +210,55 @@ impl PadWindow {
             egui::Align2::LEFT_CENTER,
             "gelpad: drag to move",
             egui::FontId::proportional(12.0),
-            palette.weak,
+            theme::palette_of(ui).weak,
         );
-        let cross = Rect::from_min_size(bar.right_top() - Vec2::new(BAR, 0.0), Vec2::splat(BAR));
-        let close = ui
-            .put(cross, egui::Button::new("✖").frame(false))
-            .on_hover_text("Close the pad window");
-        let body = Rect::from_min_max(bar.left_bottom(), room.max).shrink(2.0);
-        play::pad(ui, body, &mut self.picture, playing, false);
-        let line = Stroke::new(1.0, Color32::from_gray(90));
-        ui.painter()
-            .rect_stroke(room, 0.0, line, egui::StrokeKind::Inside);
-        close.clicked()
+        let button = |nth: f32| {
+            Rect::from_min_size(
+                bar.right_top() - Vec2::new(nth * BAR, 0.0),
+                Vec2::splat(BAR),
+            )
+        };
+        if self.can_be_transparent {
+            let percent = (self.opacity * 100.0).round();
+            let label = format!("Opacity: {percent:.0} %");
+            let see = ui.put(button(2.0), egui::Button::new("◐").frame(false));
+            see.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label.clone()));
+            if see.on_hover_text(&label).clicked() {
+                self.opacity = next_opacity(self.opacity);
+            }
+        }
+        let close = ui.put(button(1.0), egui::Button::new("✖").frame(false));
+        close.on_hover_text("Close the pad window").clicked()
     }
+
+    /// The corner that is dragged to resize the window.
+    fn resize(&mut self, ui: &mut egui::Ui, room: Rect) {
+        let corner = Rect::from_min_max(room.max - Vec2::splat(GRIP), room.max);
+        let grip = ui.interact(corner, ui.scope_id().with("resize"), Sense::drag());
+        let grip = grip.on_hover_and_drag_cursor(egui::CursorIcon::ResizeNwSe);
+        if let Some(pointer) = grip.interact_pointer_pos().filter(|_| grip.dragged()) {
+            self.size = Some(clamped_size((pointer - room.min).into()));
+            ui.ctx().request_repaint_of(ViewportId::ROOT);
+        }
+        let line = Stroke::new(1.5, theme::palette_of(ui).weak);
+        for inset in [4.0, 8.0, 12.0] {
+            let ends = [
+                Pos2::new(room.right() - inset, room.bottom() - 2.0),
+                Pos2::new(room.right() - 2.0, room.bottom() - inset),
+            ];
+            ui.painter().line_segment(ends, line);
+        }
+    }
+}
+
+/// The opacity after this one.
+fn next_opacity(opacity: f32) -> f32 {
+    let smaller = OPACITIES.into_iter().find(|next| *next < opacity - 0.01);
+    smaller.unwrap_or(OPACITIES[0])
+}
+
+fn clamped_size(size: [f32; 2]) -> Vec2 {
+    Vec2::from(size).clamp(SIZES.0, SIZES.1)
 }
 
 #[cfg(test)]
@@ -148,6 +272,26 @@ mod tests {
         let at = corner(Some(Vec2::new(1920.0, 1080.0)), size);
         assert!(at.x > 1500.0 && at.y > 600.0, "{at:?}");
         assert_eq!(corner(Some(Vec2::new(200.0, 200.0)), size), Pos2::ZERO);
+    }
+
+    #[test]
+    fn the_opacity_goes_through_its_steps_and_starts_again() {
+        assert_eq!(next_opacity(1.0), 0.7);
+        assert_eq!(next_opacity(0.7), 0.4);
+        assert_eq!(next_opacity(0.4), 1.0);
+        assert_eq!(next_opacity(0.55), 0.4, "typed into the file");
+    }
+
+    #[test]
+    fn the_overlay_is_opened_and_closed_and_becomes_a_pad_again() {
+        let mut window = PadWindow::default();
+        window.toggle_overlay();
+        assert!(window.open && window.is_overlay);
+        window.open_pad();
+        assert!(window.open && !window.is_overlay);
+        window.toggle_overlay();
+        window.toggle_overlay();
+        assert!(!window.open);
     }
 
     /// What a drag asks of the window for each event: it moves as far as the pointer does on the screen.

@@ -24,6 +24,8 @@ const SCALE_WIDTH: f32 = 54.0;
 /// What is drawn in addition to the image.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureLayers {
+    /// The conductivity image.
+    pub image: bool,
     /// Regions with their names.
     pub regions: bool,
     /// Electrodes with their numbers.
@@ -61,9 +63,11 @@ impl Picture {
         if place.rect.width() < 8.0 {
             return place;
         }
-        self.update_texture(ui, &view.image, view.frames, view.t_ns);
         let painter = ui.painter_at(room);
-        self.draw_image(&painter, &place, &view.image.grid);
+        if shown.image {
+            self.update_texture(ui, &view.image, view.frames, view.t_ns);
+            self.draw_image(&painter, &place, &view.image.grid);
+        }
         overlay::outline(&painter, &place, &playing.pad.outline, ui);
         if shown.electrodes {
             overlay::electrodes(&painter, &place, playing, ui);

@@ -3,7 +3,7 @@
 //! Invariant: the window reads views and sends commands; neither it nor the engine waits for the other.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::Thread;
 
 use super::fingers::Fingers;
@@ -123,10 +123,10 @@ impl Playing {
         }
     }
 
-    /// Lets the game unpark a thread whenever it has a new view.
-    pub fn wake_with(&self, thread: Thread) {
+    /// Lets the game unpark a thread whenever it has a new view, after it has counted what the player should see at once.
+    pub fn wake_with(&self, thread: Thread, changes: Arc<AtomicU64>) {
         if let Some(running) = &self.running {
-            running.wake_on_view(thread);
+            running.wake_on_view(thread, changes);
         }
     }
 

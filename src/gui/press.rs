@@ -36,6 +36,14 @@ pub fn handle_input(ui: &Ui, response: &Response, place: &PadTransform, playing:
                     changed |= fingers.press(Holder::Mouse, place.pad_from_screen(*pos));
                 }
             }
+            Event::PointerButton {
+                pos,
+                button: PointerButton::Secondary,
+                pressed: true,
+                ..
+            } if over && place.rect.contains(*pos) => {
+                changed |= fingers.toggle_pin(place.pad_from_screen(*pos));
+            }
             Event::PointerMoved(pos) if fingers.mouse_is_down() => {
                 changed |= fingers.slide(
                     Holder::Mouse,
@@ -74,7 +82,7 @@ pub fn handle_input(ui: &Ui, response: &Response, place: &PadTransform, playing:
 }
 
 /// Notches of a turn of the wheel.
-fn notches(unit: MouseWheelUnit, delta: f32) -> f64 {
+pub(super) fn notches(unit: MouseWheelUnit, delta: f32) -> f64 {
     match unit {
         MouseWheelUnit::Line | MouseWheelUnit::Page => f64::from(delta),
         MouseWheelUnit::Point => f64::from(delta) / POINTS_PER_NOTCH,

@@ -29,11 +29,17 @@ pub(super) fn draw(ui: &mut Ui, room: Rect, current: &mut Tab) {
         if room.width() > 80.0 { 19.0 } else { 16.0 },
         palette.accent,
     );
-    for tab in Tab::ALL {
-        if button(&mut rail, tab, *current == tab, size) {
-            *current = tab;
+    // Large text in a small window leaves no room for all.
+    let scroll = egui::ScrollArea::vertical()
+        .id_salt("views")
+        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden);
+    scroll.show(&mut rail, |ui| {
+        for tab in Tab::ALL {
+            if button(ui, tab, *current == tab, size) {
+                *current = tab;
+            }
         }
-    }
+    });
 }
 
 /// A view's button; returns whether it was clicked.
@@ -70,5 +76,8 @@ fn button(ui: &mut Ui, tab: Tab, chosen: bool, height: f32) -> bool {
         colour,
     );
     let key = format!("{:?}", tab.key());
+    if response.gained_focus() {
+        response.scroll_to_me(None);
+    }
     response.on_hover_text(key).clicked()
 }

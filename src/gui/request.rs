@@ -1,8 +1,9 @@
 //! Requests of the views to the application, and the names to choose from.
 
-use super::tab::Tab;
 use std::path::PathBuf;
 
+use super::playing::Playing;
+use super::tab::Tab;
 use crate::app::services::{AppServices, PlayRequest};
 
 /// What a view requests of the application.
@@ -20,10 +21,19 @@ pub enum UiAction {
     Show(Tab),
     /// Open the pad-only window.
     PadWindow,
+    /// Open or close the overlay of regions and touches.
+    Overlay,
     /// Start or stop recording.
     Record,
     /// Hide the message for the player.
     Dismiss,
+}
+
+/// The running game and the services of the application.
+#[derive(Clone, Copy)]
+pub(super) struct GameContext<'a> {
+    pub playing: &'a Playing,
+    pub services: &'a dyn AppServices,
 }
 
 /// Names to choose from.

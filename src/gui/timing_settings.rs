@@ -3,9 +3,13 @@
 use egui::Ui;
 
 use super::playing::Playing;
+use super::press;
 use super::theme;
 use crate::profile::Settings;
 use crate::types::ms_from_nanos;
+
+/// Steps of the slider for a notch of the wheel, and for a click of a button beside it.
+const COARSE_STEPS: f64 = 10.0;
 
 /// A setting with a slider. Its unit, ms or mm, is the end of its key.
 pub(super) struct TimingSetting {
@@ -79,7 +83,7 @@ pub(super) const SETTINGS: [TimingSetting; 7] = [
     },
 ];
 
-/// Draws a slider; returns its value and whether a drag has ended.
+/// Draws a slider with buttons; the wheel turns it too. Returns its value and whether a change has ended.
 pub(super) fn draw_slider(
     ui: &mut Ui,
     setting: &TimingSetting,
@@ -104,15 +108,57 @@ pub(super) fn draw_slider(
             });
         }
     });
-    ui.spacing_mut().slider_width = (ui.available_width() - 84.0).max(60.0);
-    let mut wanted = value;
-    let slider = egui::Slider::new(&mut wanted, 0.0..=setting.max)
-        .suffix(unit)
-        .max_decimals(1)
-        .step_by(if unit == " mm" { 0.5 } else { 1.0 });
-    let response = ui.add(slider);
-    response.widget_info(|| egui::WidgetInfo::slider(true, wanted, setting.label));
-    (wanted, response.drag_stopped())
+    let step = if unit == " mm" { 0.5 } else { 1.0 };
+    let row = ui.horizontal(|ui| {
+        // The number and the two buttons stand beside the slider.
+        ui.spacing_mut().slider_width = (ui.available_width() - 180.0).clamp(60.0, 420.0);
+        let mut wanted = value;
+        let slider = egui::Slider::new(&mut wanted, 0.0..=setting.max)
+            .suffix(unit)
+            .max_decimals(1)
+            .step_by(step);
+        let response = ui.add(slider);
+        response.widget_info(|| egui::WidgetInfo::slider(true, wanted, setting.label));
+        // Coarse steps: a hand that shakes reaches a value in a few.
+        let coarse = COARSE_STEPS * step;
+        let by = coarse * wheel_notches(ui, &response) + coarse * clicked_steps(ui, setting.label);
+        wanted = (wanted + by).clamp(0.0, setting.max);
+        (wanted, response.drag_stopped() || by != 0.0)
+    });
+    row.inner
+}
+
+/// Steps of the buttons beside a slider: -1, 0 or 1.
+fn clicked_steps(ui: &mut Ui, label: &str) -> f64 {
+    let mut steps = 0.0;
+    for (symbol, word, by) in [("−", "Less", -1.0), ("+", "More", 1.0)] {
+        let button = ui.small_button(symbol);
+        let name = format!("{word}: {label}");
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name.clone()));
+        if button.clicked() {
+            steps += by;
+        }
+    }
+    steps
+}
+
+/// Notches of the wheel over a slider that was clicked before; the page does not scroll then. Other sliders leave the wheel to the
+/// page: scrolling past one changes nothing.
+fn wheel_notches(ui: &Ui, slider: &egui::Response) -> f64 {
+    if slider.clicked() || slider.drag_started() {
+        slider.request_focus();
+    }
+    if !slider.hovered() || !slider.has_focus() {
+        return 0.0;
+    }
+    ui.input_mut(|input| {
+        input.smooth_scroll_delta = egui::Vec2::ZERO;
+        let turned = input.events.iter().map(|event| match event {
+            egui::Event::MouseWheel { unit, delta, .. } => press::notches(*unit, delta.y),
+            _ => 0.0,
+        });
+        turned.sum::<f64>().round()
+    })
 }
 
 fn last_press_ms(playing: &Playing) -> Option<f64> {

@@ -301,9 +301,10 @@ impl RunningGame {
         was_sent
     }
 
-    /// Wakes this thread at every new view, so that it need not poll. Only the first call has an effect.
-    pub fn wake_on_view(&self, thread: std::thread::Thread) {
-        self.waker.set_thread(thread);
+    /// Wakes this thread at every new view, so that it need not poll. `changes` is incremented before it is woken for a touch
+    /// that comes or goes, an event, a pause or another profile. Only the first call has an effect.
+    pub fn wake_on_view(&self, thread: std::thread::Thread, changes: Arc<AtomicU64>) {
+        self.waker.set_listener(thread, changes);
     }
 
     /// The newest view.

@@ -102,3 +102,39 @@ fn a_persons_settings_are_changed_here_and_a_shipped_person_is_copied() {
     assert_eq!(played(&stage), Some(copy.display().to_string()));
     assert_eq!(text(&own), "slow_keys_ms = 120\n", "another person's file");
 }
+
+#[test]
+fn the_wheel_turns_a_slider_only_after_a_click() {
+    let mut stage = Stage::with_view(Tab::Comfort, WIDE);
+    let slider = stage
+        .window
+        .get_by_role_and_label(Role::Slider, "Slow keys");
+    let at = slider.rect().left_center() + egui::vec2(2.0, 0.0);
+    turn_the_wheel(&mut stage, at);
+    let folder = stage.services.folder.path().join("users");
+    assert!(!folder.exists(), "the page scrolls past it");
+    stage.window.drag_at(at);
+    stage.steps(2);
+    stage.window.drop_at(at);
+    stage.steps(2);
+    turn_the_wheel(&mut stage, at);
+    stage.wait_for_start();
+    let text = std::fs::read_to_string(folder.join("me.toml")).expect("a file");
+    assert!(
+        text.starts_with("slow_keys_ms = 2"),
+        "two steps of ten: {text}"
+    );
+}
+
+fn turn_the_wheel(stage: &mut Stage, at: egui::Pos2) {
+    stage.window.hover_at(at);
+    stage.steps(2);
+    stage.window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 2.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
+        modifiers: egui::Modifiers::NONE,
+    });
+    stage.steps(3);
+}

@@ -12,7 +12,7 @@ use gelpad::profile::shipped_profile;
 use crate::{Stage, WIDE};
 
 /// The editor with a user's file open.
-fn stage() -> (Stage, PathBuf) {
+pub fn stage() -> (Stage, PathBuf) {
     let mut stage = Stage::with_view(Tab::Edit, WIDE);
     let path = stage.services.copy_profile("super-mario");
     stage.app().playing.request.profile = path.display().to_string();
@@ -21,7 +21,7 @@ fn stage() -> (Stage, PathBuf) {
 }
 
 /// Repaints until something is so: files are read on another thread.
-fn wait_until(stage: &mut Stage, mut is_so: impl FnMut(&mut Stage) -> bool) {
+pub fn wait_until(stage: &mut Stage, mut is_so: impl FnMut(&mut Stage) -> bool) {
     for _ in 0..1000 {
         stage.steps(1);
         if is_so(stage) {
@@ -332,23 +332,26 @@ fn a_slider_adds_a_missing_timing() {
     assert_eq!(profile.settings.bounce_keys_ns, 120_000_000);
 }
 
-#[test]
-fn an_invalid_output_is_reported_at_its_field() {
-    let (mut stage, path) = stage();
-    stage.app().edit.select_region("jump");
-    stage.steps(2);
+/// Types a text into a field in place of what it holds.
+pub fn replace_text(stage: &mut Stage, field: &str, text: &str) {
     stage
         .window
-        .get_by_role_and_label(Role::TextInput, "presses")
+        .get_by_role_and_label(Role::TextInput, field)
         .focus();
     stage.steps(2);
     stage
         .window
         .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    stage
-        .window
-        .event(egui::Event::Text("key:spcae".to_owned()));
+    stage.window.event(egui::Event::Text(text.to_owned()));
     stage.steps(3);
+}
+
+#[test]
+fn an_invalid_output_is_reported_at_its_field() {
+    let (mut stage, path) = stage();
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    replace_text(&mut stage, "presses", "key:spcae");
     assert!(stage.shows("did you mean `space`?"), "{:?}", stage.window);
     assert!(diff(&path).is_empty());
     stage.key(egui::Key::Enter);
@@ -360,18 +363,7 @@ fn an_invalid_output_is_reported_at_its_field() {
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     stage.app().edit.select_region("jump");
     stage.steps(2);
-    stage
-        .window
-        .get_by_role_and_label(Role::TextInput, "presses")
-        .focus();
-    stage.steps(2);
-    stage
-        .window
-        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    stage
-        .window
-        .event(egui::Event::Text("key:spcae".to_owned()));
-    stage.steps(3);
+    replace_text(&mut stage, "presses", "key:spcae");
     stage.button("Save");
     assert!(diff(&path).is_empty(), "nothing is saved");
     assert!(stage.shows("correct the red field"), "{:?}", stage.window);

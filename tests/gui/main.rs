@@ -4,12 +4,15 @@
 
 mod comfort;
 mod edit;
+mod edit_text;
+mod names;
 mod play;
 mod record;
 mod services;
 mod set_up;
 mod signals;
 mod views;
+mod walks;
 
 use std::sync::Arc;
 
@@ -101,6 +104,18 @@ impl Stage {
             std::thread::sleep(std::time::Duration::from_millis(5));
             self.steps(1);
         }
+    }
+
+    /// Repaints until something is so, 30 s at most.
+    pub fn wait_until(&mut self, is_so: impl Fn(&mut Self) -> bool) {
+        for _ in 0..1500 {
+            if is_so(self) {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            self.steps(1);
+        }
+        panic!("not within 30 s");
     }
 
     pub fn button(&mut self, label: &str) {

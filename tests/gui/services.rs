@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use gelpad::app::services::{AppServices, PlayRequest, Started, Watch};
+use gelpad::app::services::{AppServices, BoardLine, PlayRequest, SourceChoice, Started, Watch};
 use gelpad::app::timeline::RecordingTimeline;
 use gelpad::calibrate::Press;
 use gelpad::calibrate::recommend::{PressTrial, Recommendation, RecommendedSettings, TrialScorer};
@@ -14,6 +14,7 @@ use gelpad::profile::{
     self, Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source, find_shipped, shipped_profile,
 };
 use gelpad::runtime::{self, RunningGame};
+use gelpad::source::serial::SerialSource;
 use gelpad::source::{SourceError, SourcePace, SourceReading};
 use gelpad::touch::SensingBuilder;
 use gelpad::types::{Method, PointMm, SourceErrors};
@@ -40,6 +41,22 @@ pub enum TestBoard {
     Silent,
 }
 
+/// Name and text of a shipped pad, or of a file.
+fn pad_text(name: &str) -> Result<String, String> {
+    match shipped_pad(name) {
+        Some(pad) => Ok(pad.toml.to_owned()),
+        None => std::fs::read_to_string(name).map_err(|_| format!("no pad called `{name}`")),
+    }
+}
+
+/// A game that reads the port of the request.
+fn play_port(port: &str, request: &PlayRequest) -> Result<Started, String> {
+    let pad = Pad::from_toml(&request.pad, &pad_text(&request.pad)?).expect("sound");
+    let BoardLine { format, baud } = request.board;
+    let source = SerialSource::open(port, baud, &pad, format).map_err(|error| error.to_string())?;
+    Ok(start_game(pad, Box::new(source)))
+}
+
 impl gelpad::source::Source for TestBoard {
     fn pace(&self) -> SourcePace {
         SourcePace::ByDevice
@@ -61,13 +78,13 @@ impl Watch for NoWatch {
 }
 
 /// A game that reads a board.
-fn start_game(board: TestBoard) -> Started {
-    let (pad, profile) = (gelpad::gui::still::pad(), gelpad::gui::still::profile());
+fn start_game(pad: Pad, source: Box<dyn gelpad::source::Source>) -> Started {
+    let profile = gelpad::gui::still::profile();
     let builder = SensingBuilder::new(&pad, Method::default()).expect("solvable");
     let sensing = std::sync::Arc::new(builder.build_initial().expect("a matrix"));
     let engine = Engine::new(&pad, sensing, profile);
     let device = Box::new(Trace::new(std::io::sink()));
-    let running = runtime::start(engine, builder, Box::new(board), device).expect("threads");
+    let running = runtime::start(engine, builder, source, device).expect("threads");
     Started {
         running,
         hand: None,
@@ -110,7 +127,13 @@ impl AppServices for TestServices {
     fn start(&self, request: &PlayRequest) -> Result<Started, String> {
         self.started.lock().expect("no panic").push(request.clone());
         let board = *self.board.lock().expect("no panic");
-        board.map(start_game).ok_or_else(|| NO_START.to_owned())
+        match (&request.source, board) {
+            (_, Some(board)) => Ok(start_game(gelpad::gui::still::pad(), Box::new(board))),
+            (SourceChoice::Serial(port), None) if Path::new(port).exists() => {
+                play_port(port, request)
+            }
+            _ => Err(NO_START.to_owned()),
+        }
     }
 
     fn profiles(&self) -> Vec<String> {
@@ -141,9 +164,7 @@ impl AppServices for TestServices {
     }
 
     fn pad_text(&self, name: &str) -> Result<String, String> {
-        shipped_pad(name)
-            .map(|pad| pad.toml.to_owned())
-            .ok_or_else(|| format!("no pad called `{name}`"))
+        pad_text(name)
     }
 
     fn load_timeline(&self, file: &Path, _: &PlayRequest) -> Result<RecordingTimeline, String> {

@@ -150,17 +150,8 @@ fn a_short_press_has_to_be_repeated() {
     assert!(stage.shows("0 of 25"));
 }
 
-#[test]
-fn guided_presses_become_personal_settings() {
-    let mut stage = at(Step::Recommend);
-    stage
-        .window
-        .get_by_role_and_label(Role::TextInput, "Your name")
-        .focus();
-    stage.steps(1);
-    stage.window.event(egui::Event::Text("anna".to_owned()));
-    stage.steps(2);
-    stage.button("Start");
+/// Makes the presses that the window asks for, and waits for the recommendation.
+pub fn make_the_presses(stage: &mut Stage) {
     let mut id = 0;
     for _ in 0..40 {
         if !stage.shows(" of ") {
@@ -202,6 +193,20 @@ fn guided_presses_become_personal_settings() {
         std::thread::sleep(std::time::Duration::from_millis(50));
         stage.steps(1);
     }
+}
+
+#[test]
+fn guided_presses_become_personal_settings() {
+    let mut stage = at(Step::Recommend);
+    stage
+        .window
+        .get_by_role_and_label(Role::TextInput, "Your name")
+        .focus();
+    stage.steps(1);
+    stage.window.event(egui::Event::Text("anna".to_owned()));
+    stage.steps(2);
+    stage.button("Start");
+    make_the_presses(&mut stage);
     assert!(stage.shows("correct presses"), "{:?}", stage.window);
     stage.button("Save and use");
     let path = stage.services.folder.path().join("users/anna.toml");
@@ -237,6 +242,30 @@ fn the_output_check_shows_received_keys() {
     // A received key does not act on the window.
     stage.key(egui::Key::F1);
     assert_eq!(stage.app().tab, Tab::SetUp);
+}
+
+#[test]
+fn a_gamepad_is_offered_with_what_it_needs_and_its_command() {
+    let mut stage = at(Step::Check);
+    assert!(stage.shows("gamepads as a source"), "{:?}", stage.window);
+    stage.button("Send to a virtual gamepad");
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.output, OutputChoice::Gamepad);
+    let mut stage = at(Step::Board);
+    stage.click(Role::RadioButton, "Gamepad or switches");
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.source, SourceChoice::Gamepad);
+    assert!(stage.shows("/dev/uinput"), "{:?}", stage.window);
+}
+
+#[test]
+fn a_port_that_cannot_be_opened_is_explained() {
+    let mut stage = at(Step::Board);
+    stage.app().playing.request.source = SourceChoice::Serial("/dev/none".to_owned());
+    stage.steps(2);
+    stage.button("Diagnose this port");
+    stage.wait_until(|stage| !stage.shows("listening to"));
+    assert!(stage.shows("/dev/none: "), "{:?}", stage.window);
 }
 
 #[test]

@@ -164,3 +164,18 @@ fn long_names_push_no_control_off_the_window() {
         }
     }
 }
+
+/// Large text in a small window: 800 x 600 at 200 % has room for 400 x 300 points.
+#[test]
+fn every_view_can_be_reached_with_large_text_in_a_small_window() {
+    for tab in gelpad::gui::Tab::ALL {
+        let mut stage = Stage::with_view(tab, [400.0, 300.0]);
+        stage.steps(3);
+        if tab == gelpad::gui::Tab::Play {
+            let pad = stage.canvas().rect();
+            assert!(pad.width() > 120.0, "{pad:?}");
+        }
+        stage.key(egui::Key::F7);
+        assert_eq!(stage.app().tab, gelpad::gui::Tab::Comfort);
+    }
+}

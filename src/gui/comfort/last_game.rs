@@ -16,6 +16,8 @@ pub struct LastGame {
     user: Option<String>,
     calibration: Option<PathBuf>,
     source: Option<SourceChoice>,
+    /// Whether the profile followed the running game.
+    match_programs: bool,
     /// Whether its keys were sent to a game.
     pub was_sent: bool,
 }
@@ -34,6 +36,7 @@ impl LastGame {
             user: request.user.clone(),
             calibration: request.calibration.clone(),
             source: is_kept.then(|| request.source.clone()),
+            match_programs: request.match_programs,
             was_sent: request.output != OutputChoice::Nothing,
         }
     }
@@ -52,6 +55,7 @@ impl LastGame {
             user: self.user.clone(),
             calibration: self.calibration.clone(),
             source: self.source.clone().unwrap_or(SourceChoice::Simulated),
+            match_programs: self.match_programs,
             ..default
         }
     }
@@ -76,6 +80,10 @@ impl LastGame {
                     _ => None,
                 },
             },
+            match_programs: table
+                .get("by_game")
+                .and_then(Item::as_bool)
+                .unwrap_or(false),
             was_sent: table.get("sent").and_then(Item::as_bool).unwrap_or(false),
         }
     }
@@ -96,6 +104,7 @@ impl LastGame {
         if let Some(file) = self.calibration.as_ref().and_then(|file| file.to_str()) {
             table["calibration"] = value(file);
         }
+        table["by_game"] = value(self.match_programs);
         table["sent"] = value(self.was_sent);
         table
     }
@@ -108,6 +117,7 @@ mod tests {
     #[test]
     fn a_game_is_read_back_as_a_trial() {
         let played = PlayRequest {
+            match_programs: true,
             profile: "/home/anna/my-super-mario.toml".to_owned(),
             pad: "openeit-lattice".to_owned(),
             user: Some("tremor".to_owned()),

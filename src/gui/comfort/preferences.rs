@@ -9,6 +9,9 @@ use crate::gui::tab::Tab;
 /// Smallest and largest scale of the text.
 pub const TEXT_SCALE: (f32, f32) = (0.8, 2.0);
 
+/// A pad window with less opacity could not be found again.
+const MIN_OPACITY: f32 = 0.2;
+
 /// Appearance and feedback.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferences {
@@ -30,6 +33,10 @@ pub struct Preferences {
     pub size: Option<[f32; 2]>,
     /// Position of the pad window, points.
     pub pad_window: Option<[f32; 2]>,
+    /// Size of the pad window, points.
+    pub pad_window_size: Option<[f32; 2]>,
+    /// Opacity of the pad window, 0 to 1.
+    pub pad_window_opacity: f32,
     /// The game that was played last.
     pub last_game: LastGame,
 }
@@ -46,6 +53,8 @@ impl Default for Preferences {
             tab: Tab::Play,
             size: None,
             pad_window: None,
+            pad_window_size: None,
+            pad_window_opacity: 1.0,
             last_game: LastGame::default(),
         }
     }
@@ -83,6 +92,10 @@ impl Preferences {
         }
         read.size = pair(document.get("size"));
         read.pad_window = pair(document.get("pad_window"));
+        read.pad_window_size = pair(document.get("pad_window_size"));
+        if let Some(opacity) = number("pad_window_opacity") {
+            read.pad_window_opacity = (opacity as f32).clamp(MIN_OPACITY, 1.0);
+        }
         read.last_game = LastGame::read(document.get("last").unwrap_or(&Item::None));
         read
     }
@@ -103,7 +116,13 @@ impl Preferences {
             document["best_s"] = value(best_s);
         }
         document["view"] = value(self.tab.name());
-        for (key, numbers) in [("size", self.size), ("pad_window", self.pad_window)] {
+        let opacity = f64::from(self.pad_window_opacity);
+        document["pad_window_opacity"] = value((opacity * 100.0).round() / 100.0);
+        for (key, numbers) in [
+            ("size", self.size),
+            ("pad_window", self.pad_window),
+            ("pad_window_size", self.pad_window_size),
+        ] {
             if let Some(numbers) = numbers {
                 let rounded = numbers.map(|number| i64::from(number.round() as i32));
                 document[key] = value(Array::from_iter(rounded));
@@ -138,6 +157,8 @@ mod tests {
             tab: Tab::Signals,
             size: Some([900.0, 640.0]),
             pad_window: Some([1500.0, -20.0]),
+            pad_window_size: Some([320.0, 300.0]),
+            pad_window_opacity: 0.7,
             last_game: LastGame::from_request(&PlayRequest {
                 user: Some("tremor".to_owned()),
                 ..PlayRequest::default()

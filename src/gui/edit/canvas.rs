@@ -26,6 +26,7 @@ impl EditView {
         services: &dyn AppServices,
     ) {
         let shown = PictureLayers {
+            image: true,
             regions: true,
             electrodes: false,
             scale: false,

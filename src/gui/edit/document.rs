@@ -222,7 +222,7 @@ pub(super) fn number_item(number: f64) -> Item {
     value(number_value(number, false))
 }
 
-fn number_value(number: f64, as_float: bool) -> Value {
+pub(super) fn number_value(number: f64, as_float: bool) -> Value {
     const WHOLE: f64 = 1e15;
     if number.fract() == 0.0 && number.abs() < WHOLE && !as_float {
         Value::from(number as i64)
@@ -245,7 +245,7 @@ fn set_number(table: &mut Table, key: &str, number: f64) {
 }
 
 /// Sets a value and keeps the spaces and the comment around it.
-fn set_value(table: &mut Table, key: &str, mut new: Value) {
+pub(super) fn set_value(table: &mut Table, key: &str, mut new: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *new.decor_mut() = old.decor().clone();
     }

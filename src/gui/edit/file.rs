@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use super::document::Document;
+use super::text_draft::TextDraft;
 use super::{EditView, GameContext};
 use crate::app::file_watch::{FileWatcher, WatchedFile};
 use crate::app::services::{AppServices, PlayRequest};
@@ -24,6 +25,16 @@ pub(super) struct OpenProfile {
 }
 
 impl OpenProfile {
+    /// A profile whose file is no TOML, and whose text was corrected.
+    pub(super) fn corrected(argument: &str, document: Document, game: GameContext<'_>) -> Self {
+        Self {
+            argument: argument.to_owned(),
+            checked: game.check(document.text()),
+            document,
+            saved: String::new(),
+        }
+    }
+
     pub(super) fn is_unsaved(&self) -> bool {
         self.document.text() != self.saved
     }
@@ -64,7 +75,7 @@ impl EditView {
         self.watcher = None;
         (self.failed, self.selected) = (None, None);
         (self.output_error, self.grid_question) = (None, None);
-        self.notice = None;
+        (self.notice, self.text_editor) = (None, None);
         if let Some(draft) = self.drafts.take(profile) {
             if is_file(profile) {
                 self.watch(ctx, Some(draft.saved.clone()));
@@ -99,11 +110,17 @@ impl EditView {
 
     /// Takes a new text of the file, unless there are unsaved changes.
     fn load(&mut self, text: Result<String, String>, game: GameContext<'_>) {
+        let is_reload = self.opened.is_some();
         let parsed = text.and_then(|text| match Document::parse(&text) {
             Ok(document) => Ok((document, text)),
-            Err(error) => Err(error.to_string()),
+            Err(error) => {
+                if !is_reload {
+                    // It can be corrected here.
+                    self.text_editor = Some(TextDraft::new(&text));
+                }
+                Err(error.to_string())
+            }
         });
-        let is_reload = self.opened.is_some();
         self.notice = match (parsed, &self.opened) {
             (Err(why), None) => {
                 self.failed = Some(why);
@@ -115,8 +132,12 @@ impl EditView {
                 "the file was changed by another program: undo your changes to load it, or save to replace it"
                     .to_owned(),
             ),
-            (Ok((document, text)), _) => {
+            (Ok((document, text)), opened) => {
                 self.failed = None;
+                if opened.is_none() {
+                    // Another program has corrected it.
+                    self.text_editor = None;
+                }
                 self.opened = Some(OpenProfile {
                     argument: self.argument.clone(),
                     document,
@@ -132,6 +153,10 @@ impl EditView {
     pub(super) fn save(&mut self, ctx: &egui::Context, game: GameContext<'_>) -> Option<UiAction> {
         if self.output_error.is_some() {
             self.notice = Some("not saved: correct the red field first".to_owned());
+            return None;
+        }
+        if let Some(line) = self.text_editor.as_ref().and_then(TextDraft::broken_line) {
+            self.notice = Some(format!("not saved: correct line {line} first"));
             return None;
         }
         let opened = self.opened.as_mut()?;

@@ -1,12 +1,16 @@
 //! The editor: regions are moved and resized on the live image and bound by pressing the pad and then a key; timing
-//! settings stand beside what the player does right now.
+//! settings stand beside what the player does right now. Gestures, modes and layers are chosen in fields that follow from the keys
+//! of profiles; everything else is written in the text.
 //!
 //! The file on disk is the truth: saved changes reach the game through the file, and changes saved by other programs
 //! are loaded here.
 
 mod binding;
+mod binding_card;
 mod canvas;
+mod diagrams;
 pub mod document;
+mod document_bindings;
 mod drafts;
 mod file;
 pub mod grid;
@@ -17,6 +21,8 @@ mod own_profile;
 mod region_card;
 pub mod shape;
 mod side;
+mod text_draft;
+mod text_editor;
 mod timing;
 
 pub(super) use file::write_atomically;
@@ -28,10 +34,12 @@ use self::document::{Document, EditError};
 use self::drafts::Drafts;
 use self::file::OpenProfile;
 use self::shape::Grip;
+use self::text_draft::TextDraft;
 use super::file_dialog::FileDialog;
 use super::picture::Picture;
 use super::play::UiAction;
 use super::playing::Playing;
+use super::request::GameContext;
 use crate::app::file_watch::FileWatcher;
 use crate::app::services::AppServices;
 use crate::profile::{Profile, Shape};
@@ -47,13 +55,6 @@ struct Drag {
     /// Shape when the drag started.
     shape: Shape,
     from: Pos2,
-}
-
-/// The running game and the services of the application.
-#[derive(Clone, Copy)]
-struct GameContext<'a> {
-    playing: &'a Playing,
-    services: &'a dyn AppServices,
 }
 
 /// The editor's state.
@@ -83,6 +84,8 @@ pub struct EditView {
     grid_question: Option<String>,
     /// Whether the outputs to click are shown.
     chooses_output: bool,
+    /// The text, while it is shown instead of the pad.
+    text_editor: Option<TextDraft>,
     dialog: FileDialog,
 }
 
@@ -102,7 +105,11 @@ impl EditView {
         let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
         let pad_room = room.with_max_x(room.right() - side - 12.0);
         let side_room = room.with_min_x(room.right() - side);
-        self.draw_canvas(ui, pad_room, playing, services);
+        if self.text_editor.is_some() {
+            self.draw_text(ui, pad_room, game);
+        } else {
+            self.draw_canvas(ui, pad_room, playing, services);
+        }
         let game = GameContext { playing, services };
         let mut wish = None;
         ui.scope_builder(egui::UiBuilder::new().max_rect(side_room), |ui| {

@@ -1,4 +1,4 @@
-//! The side panel: the file with save and undo, mistakes in its text, the selected region, timing.
+//! The side panel: the file with save and undo, mistakes in its text, the selected region and its bindings, timing, games.
 
 use egui::{Button, Key, Modifiers, Ui};
 
@@ -22,7 +22,11 @@ impl EditView {
         }
         self.draw_mistakes(ui);
         card(ui, |ui| self.draw_region(ui, game));
+        if self.selected.is_some() {
+            card(ui, |ui| self.draw_bindings(ui, game));
+        }
         card(ui, |ui| self.draw_timing(ui, game));
+        card(ui, |ui| self.draw_match(ui, game));
         wish
     }
 
@@ -59,6 +63,7 @@ impl EditView {
         let command = self
             .draw_file_buttons(ui)
             .or_else(|| self.file_shortcut(ui));
+        self.draw_text_button(ui);
         if let Some(notice) = &self.notice {
             ui.add(egui::Label::new(egui::RichText::new(notice).color(palette.warn)).wrap());
         }

@@ -78,6 +78,7 @@ pub fn pad(
     scale: bool,
 ) -> (Response, PadTransform) {
     let shown = PictureLayers {
+        image: true,
         regions: true,
         electrodes: false,
         scale,

@@ -15,6 +15,8 @@ use crate::runtime::PlayCommand;
 
 /// Width of the names before the lists, points.
 const NAME_WIDTH: f32 = 66.0;
+/// The label for the profile whose `[match]` names the program that runs.
+const BY_GAME: &str = "by the running game";
 /// The label for no personal settings.
 const NOBODY: &str = "anyone";
 
@@ -50,12 +52,17 @@ fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
         ) {
             playing.send_command(PlayCommand::Rezero);
         }
-        let opens = playing.is_simulated()
-            && button(
-                "🗖 Pad window",
-                "A small pad that you can press while your game has the keyboard",
-            );
-        opens.then_some(UiAction::PadWindow)
+        if button(
+            "🗖 Pad window",
+            "A small pad on top of everything, which you can press while your game has the keyboard",
+        ) {
+            return Some(UiAction::PadWindow);
+        }
+        let overlay = button(
+            "Overlay",
+            "Shows or hides regions and touches on top of your game; clicks go through it. It lies where the pad window was",
+        );
+        overlay.then_some(UiAction::Overlay)
     });
     row.inner
 }
@@ -63,12 +70,7 @@ fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
 /// Lists of profiles, sources and outputs; returns the changed game.
 fn choose(ui: &mut Ui, request: &PlayRequest, names: &Names) -> Option<UiAction> {
     let mut chosen = request.clone();
-    let label = file_name(&request.profile);
-    let profiles = names.profiles.iter();
-    let entries = profiles.map(|name| (name.clone(), file_name(name)));
-    if let Some(profile) = list(ui, "Profile", &label, &request.profile, entries.collect()) {
-        chosen.profile = profile;
-    }
+    choose_profile(ui, &mut chosen, names);
     let label = request.source_label();
     let sources = source_entries(names);
     if let Some(source) = list(ui, "Source", &label, &request.source, sources) {
@@ -104,6 +106,26 @@ fn choose(ui: &mut Ui, request: &PlayRequest, names: &Names) -> Option<UiAction>
         }
     }
     (chosen != *request).then_some(UiAction::Play(chosen))
+}
+
+/// The list of profiles; its first entry follows the game that runs.
+fn choose_profile(ui: &mut Ui, chosen: &mut PlayRequest, names: &Names) {
+    let profiles = names.profiles.iter();
+    let entries = profiles.map(|name| (Some(name.clone()), file_name(name)));
+    let entries = std::iter::once((None, BY_GAME.to_owned())).chain(entries);
+    let current = (!chosen.match_programs).then(|| chosen.profile.clone());
+    let label = match chosen.match_programs {
+        true => format!("{BY_GAME}, else {}", file_name(&chosen.profile)),
+        false => file_name(&chosen.profile),
+    };
+    match list(ui, "Profile", &label, &current, entries.collect()) {
+        Some(Some(profile)) => {
+            chosen.profile = profile;
+            chosen.match_programs = false;
+        }
+        Some(None) => chosen.match_programs = true,
+        None => {}
+    }
 }
 
 /// The name of a calibration's file without its extension.
@@ -180,7 +202,7 @@ fn simulated_pad(ui: &mut Ui, playing: &mut Playing) {
             playing.send_fingers();
         }
     });
-    ui.weak("Press with the mouse. Wheel: force. Space: pin a finger. Esc: lift all. 1 to 9: press regions.");
+    ui.weak("Press with the mouse. Right click: pin a finger. Wheel: force. Esc: lift all. 1 to 9: press regions.");
     if playing.fingers.any_down() && ui.button("Lift all").clicked() {
         playing.fingers.lift_all();
         playing.send_fingers();

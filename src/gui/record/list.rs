@@ -1,5 +1,6 @@
 //! The list of recordings: open, rename, delete.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
@@ -16,6 +17,8 @@ const REFRESH_S: f64 = 2.0;
 #[derive(Default)]
 pub(super) struct RecordingList {
     files: Vec<OwnFile>,
+    /// Lengths of these files: a file is read again when it was written again.
+    lengths: HashMap<(PathBuf, Option<SystemTime>), Option<Duration>>,
     /// When the folder was read last, egui time, s.
     read_at_s: Option<f64>,
     dialog: FileDialog,
@@ -28,6 +31,7 @@ impl RecordingList {
         if self.read_at_s.is_none_or(|at| now_s - at > REFRESH_S) {
             let folder = services.recordings_folder();
             self.files = folder.map_or(Vec::new(), |folder| own_files::list(&folder, "mcap"));
+            self.measure_lengths();
             self.read_at_s = Some(now_s);
         }
         if self.dialog.show(ui.ctx()).is_some() {
@@ -47,6 +51,11 @@ impl RecordingList {
                     {
                         open = Some(file.path.clone());
                     }
+                    let key = (file.path.clone(), file.modified);
+                    match self.lengths.get(&key).copied().flatten() {
+                        Some(length) => ui.label(length_in_words(length)),
+                        None => ui.weak("not finished"),
+                    };
                     ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
                     if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
                         ui.weak(age_in_words(age));
@@ -67,6 +76,17 @@ impl RecordingList {
         open
     }
 
+    /// Reads the lengths of files that are new or were written again, and forgets those of others.
+    fn measure_lengths(&mut self) {
+        let mut known = std::mem::take(&mut self.lengths);
+        for file in &self.files {
+            let key = (file.path.clone(), file.modified);
+            let length = known.remove(&key);
+            let length = length.unwrap_or_else(|| own_files::recording_length(&file.path));
+            self.lengths.insert(key, length);
+        }
+    }
+
     /// Whether there are no recordings.
     pub(super) fn is_empty(&self) -> bool {
         self.files.is_empty()
@@ -81,6 +101,12 @@ fn name_for_readers(button: &egui::Response, label: String) {
 #[allow(clippy::disallowed_methods, reason = "ages of files, for people")]
 fn now() -> SystemTime {
     SystemTime::now()
+}
+
+/// Minutes and seconds: `2:07`.
+fn length_in_words(length: Duration) -> String {
+    let seconds = length.as_secs_f64().round() as u64;
+    format!("{}:{:02}", seconds / 60, seconds % 60)
 }
 
 /// How long ago, in words.
@@ -98,6 +124,14 @@ fn age_in_words(age: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_are_minutes_and_seconds() {
+        let words = |ms| length_in_words(Duration::from_millis(ms));
+        assert_eq!(words(400), "0:00");
+        assert_eq!(words(59_600), "1:00");
+        assert_eq!(words(3_661_000), "61:01");
+    }
 
     #[test]
     fn ages_are_rounded_down() {

@@ -1,5 +1,6 @@
 //! The record view: record the game, open a recording, and play it back.
 
+mod expectation;
 mod list;
 mod player;
 mod scrub_bar;
@@ -54,6 +55,7 @@ impl RecordView {
             let height = CONTROLS.min(room.height() * 0.55);
             let pad = Rect::from_min_max(room.min, Pos2::new(room.right(), room.bottom() - height));
             let shown = PictureLayers {
+                image: true,
                 regions: true,
                 electrodes: false,
                 scale: pad.height() > 220.0,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers, Ui};
 
+use super::expectation;
 use crate::app::services::{PlayRequest, SourceChoice};
 use crate::app::timeline::RecordingTimeline;
 use crate::gui::edit::write_atomically;
@@ -132,6 +133,7 @@ impl Player {
             if ui.button("Export part").on_hover_text(hint).clicked() {
                 *notice = Some(self.export());
             }
+            self.expectation_buttons(ui, notice);
         });
         let (from, to) = self.part();
         let seconds = |frame| self.timeline.seconds(frame);
@@ -173,6 +175,25 @@ impl Player {
         let clear = egui::Button::new("Clear marks");
         if ui.add_enabled(self.marks != [None, None], clear).clicked() {
             self.marks = [None, None];
+        }
+    }
+
+    /// Saves the events as the expected ones, or compares them with those.
+    fn expectation_buttons(&self, ui: &mut Ui, notice: &mut Option<String>) {
+        let save = ui.button("Save expected events");
+        if save
+            .on_hover_text("Writes what was pressed next to the recording, a line an event")
+            .clicked()
+        {
+            *notice = Some(expectation::save(&self.file, &self.timeline.event_lines()));
+        }
+        let exists = expectation::expected_file(&self.file).exists();
+        let check = ui.add_enabled(exists, egui::Button::new("Check events"));
+        if check
+            .on_hover_text("Compares what this version of gelpad presses with the saved events")
+            .clicked()
+        {
+            *notice = Some(expectation::check(&self.file, &self.timeline.event_lines()));
         }
     }
 

@@ -9,8 +9,8 @@ use crate::gui::play::{Names, UiAction, file_name};
 use crate::gui::playing::Playing;
 use crate::gui::{signals, theme};
 
-/// Draws the step.
-pub(super) fn ui(
+/// Draws the choice of source and pad.
+pub(super) fn choose(
     ui: &mut Ui,
     playing: &Playing,
     services: &dyn AppServices,
@@ -30,6 +30,11 @@ pub(super) fn ui(
     {
         ui.radio_value(&mut wanted.source, SourceChoice::Serial(port.clone()), port);
     }
+    ui.radio_value(
+        &mut wanted.source,
+        SourceChoice::Gamepad,
+        "Gamepad or switches",
+    );
     if let Some(port) = other_port(ui) {
         wanted.source = SourceChoice::Serial(port);
     }
@@ -50,6 +55,14 @@ pub(super) fn ui(
         wanted.calibration = None;
         return Some(UiAction::Play(wanted));
     }
+    None
+}
+
+/// Draws the quality of the readings.
+pub(super) fn quality(ui: &mut Ui, playing: &Playing) {
+    if playing.request.source == SourceChoice::Gamepad {
+        return;
+    }
     ui.separator();
     let figures = signals::health::from_signals(
         &playing.view.signals,
@@ -57,7 +70,6 @@ pub(super) fn ui(
         &playing.pad.protocol,
     );
     signals::health_table(ui, playing, &figures);
-    None
 }
 
 /// A port to type: a pseudo-terminal, or a link that the system does not list.

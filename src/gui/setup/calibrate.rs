@@ -8,6 +8,7 @@ use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::{Press, RecordedPress};
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
+use crate::gui::request::GameContext;
 use crate::gui::theme;
 use crate::types::PointMm;
 
@@ -72,12 +73,8 @@ impl CalibrationStep {
         }
     }
 
-    pub(super) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        playing: &Playing,
-        services: &dyn AppServices,
-    ) -> Option<UiAction> {
+    pub(super) fn ui(&mut self, ui: &mut Ui, game: GameContext<'_>) -> Option<UiAction> {
+        let GameContext { playing, services } = game;
         paragraph(
             ui,
             "Press each shown place once, as you usually do. gelpad learns where your pad differs from its drawing. This step is optional.",

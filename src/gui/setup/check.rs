@@ -2,8 +2,9 @@
 
 use egui::{Event, Ui};
 
+use super::gamepad_checks::GamepadChecks;
 use super::paragraph;
-use crate::app::services::{OutputChoice, PlayRequest};
+use crate::app::services::{AppServices, OutputChoice, PlayRequest};
 use crate::gui::edit::keyboard;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
@@ -43,21 +44,43 @@ impl OutputCheck {
         });
     }
 
-    pub(super) fn ui(&mut self, ui: &mut Ui, playing: &Playing) -> Option<UiAction> {
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        playing: &Playing,
+        services: &dyn AppServices,
+        gamepad: &mut GamepadChecks,
+    ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
+        let send_to = |output| {
+            UiAction::Play(PlayRequest {
+                output,
+                ..playing.request.clone()
+            })
+        };
         if playing.request.output == OutputChoice::Nothing {
             paragraph(
                 ui,
                 "No keys are sent yet. Let gelpad press keys on this desktop, then check that they arrive.",
             );
-            return theme::primary(ui, "Send to this desktop")
-                .clicked()
-                .then(|| {
-                    UiAction::Play(PlayRequest {
-                        output: OutputChoice::Auto,
-                        ..playing.request.clone()
-                    })
-                });
+            if theme::primary(ui, "Send to this desktop").clicked() {
+                return Some(send_to(OutputChoice::Auto));
+            }
+        }
+        if playing.request.output != OutputChoice::Gamepad {
+            ui.add_space(6.0);
+            paragraph(
+                ui,
+                "For games that want a controller, gelpad can be a virtual gamepad:",
+            );
+            gamepad.ui(ui, services);
+            if ui.button("Send to a virtual gamepad").clicked() {
+                return Some(send_to(OutputChoice::Gamepad));
+            }
+            ui.add_space(6.0);
+        }
+        if playing.request.output == OutputChoice::Nothing {
+            return None;
         }
         paragraph(ui, &format!("Keys go to: {}.", playing.output));
         let label = if self.is_running {

@@ -3,9 +3,11 @@
 mod board;
 mod calibrate;
 mod check;
+mod gamepad_checks;
 mod new_pad;
 mod orientation;
 pub mod pad_form;
+mod port_check;
 pub mod presses;
 mod recommend;
 
@@ -16,8 +18,9 @@ use egui::{Rect, Ui};
 use super::picture::{Picture, PictureLayers};
 use super::play::{Names, UiAction};
 use super::playing::Playing;
+use super::request::GameContext;
 use super::theme;
-use crate::app::services::AppServices;
+use crate::app::services::{AppServices, SourceChoice};
 use crate::runtime::PlayCommand;
 use crate::types::PointMm;
 
@@ -91,6 +94,8 @@ pub struct SetUpView {
     recommend: recommend::RecommendStep,
     check: check::OutputCheck,
     new_pad: new_pad::NewPad,
+    port_check: port_check::PortCheck,
+    gamepad_checks: gamepad_checks::GamepadChecks,
 }
 
 impl SetUpView {
@@ -145,19 +150,20 @@ impl SetUpView {
                         ui.set_width(ui.available_width());
                         ui.heading(self.step.title());
                         wish = match self.step {
-                            Step::Board => {
-                                let chosen = board::ui(ui, playing, services.as_ref(), names);
-                                let form = ui.collapsing("Make a pad of your own", |ui| {
-                                    self.new_pad.ui(ui, playing, services.as_ref())
-                                });
-                                chosen.or(form.body_returned.flatten())
-                            }
-                            Step::Orientation => self.way.ui(ui, playing, services.as_ref()),
+                            Step::Board => self.draw_board(ui, playing, services, names),
+                            Step::Orientation => self.way.ui(ui, game_context(playing, services)),
                             Step::Zero => draw_zero(ui, playing),
-                            Step::Calibrate => self.calibrate.ui(ui, playing, services.as_ref()),
+                            Step::Calibrate => {
+                                self.calibrate.ui(ui, game_context(playing, services))
+                            }
                             Step::Recommend => self.recommend.ui(ui, playing, services),
                             Step::Profile => draw_profiles(ui, playing, names),
-                            Step::Check => self.check.ui(ui, playing),
+                            Step::Check => self.check.ui(
+                                ui,
+                                playing,
+                                services.as_ref(),
+                                &mut self.gamepad_checks,
+                            ),
                         };
                         ui.add_space(6.0);
                         ui.separator();
@@ -167,6 +173,26 @@ impl SetUpView {
         });
         ui.advance_cursor_after_rect(room);
         wish
+    }
+
+    /// The first step, and below it the form for another pad.
+    fn draw_board(
+        &mut self,
+        ui: &mut Ui,
+        playing: &mut Playing,
+        services: &Arc<dyn AppServices>,
+        names: &mut Names,
+    ) -> Option<UiAction> {
+        let chosen = board::choose(ui, playing, services.as_ref(), names);
+        if playing.request.source == SourceChoice::Gamepad {
+            self.gamepad_checks.ui(ui, services.as_ref());
+        }
+        let diagnosed = self.port_check.ui(ui, playing, services);
+        board::quality(ui, playing);
+        let form = ui.collapsing("Make a pad of your own", |ui| {
+            self.new_pad.ui(ui, game_context(playing, services))
+        });
+        chosen.or(diagnosed).or(form.body_returned.flatten())
     }
 
     /// The steps as a row of tabs.
@@ -217,6 +243,7 @@ impl SetUpView {
         target_region: Option<&str>,
     ) {
         let shown = PictureLayers {
+            image: true,
             regions: matches!(self.step, Step::Recommend | Step::Profile | Step::Check),
             electrodes: matches!(self.step, Step::Board | Step::Orientation | Step::Zero),
             scale: false,
@@ -248,6 +275,11 @@ impl SetUpView {
             draw_target(ui, place.screen_from_seen(placed.centre_mm()));
         }
     }
+}
+
+fn game_context<'a>(playing: &'a Playing, services: &'a Arc<dyn AppServices>) -> GameContext<'a> {
+    let services = services.as_ref();
+    GameContext { playing, services }
 }
 
 /// Rings and a cross, visible on any background.

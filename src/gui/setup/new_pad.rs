@@ -9,7 +9,7 @@ use crate::app::services::{AppServices, PlayRequest};
 use crate::gui::choice;
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
-use crate::gui::playing::Playing;
+use crate::gui::request::GameContext;
 use crate::gui::theme;
 
 /// State of the form.
@@ -21,12 +21,8 @@ pub(super) struct NewPad {
 
 impl NewPad {
     /// Draws the form; returns the game on the new pad when it is saved.
-    pub(super) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        playing: &Playing,
-        services: &dyn AppServices,
-    ) -> Option<UiAction> {
+    pub(super) fn ui(&mut self, ui: &mut Ui, game: GameContext<'_>) -> Option<UiAction> {
+        let GameContext { playing, services } = game;
         paragraph(
             ui,
             "Measure your pad; the numbers need not be exact. Calibration corrects what differs.",

@@ -12,6 +12,7 @@ use crate::calibrate::orientation::{
 use crate::gui::edit::write_atomically;
 use crate::gui::play::{UiAction, file_name};
 use crate::gui::playing::Playing;
+use crate::gui::request::GameContext;
 use crate::gui::theme;
 use crate::types::{Frame, Nanos, PointMm};
 
@@ -64,12 +65,8 @@ impl OrientationStep {
         }
     }
 
-    pub(super) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        playing: &Playing,
-        services: &dyn AppServices,
-    ) -> Option<UiAction> {
+    pub(super) fn ui(&mut self, ui: &mut Ui, game: GameContext<'_>) -> Option<UiAction> {
+        let GameContext { playing, services } = game;
         paragraph(
             ui,
             "A square pad can be connected in eight ways that look the same at rest. Press the three shown corners, one after the other, to find out which one is yours.",

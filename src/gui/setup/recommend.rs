@@ -1,6 +1,7 @@
 //! Personal settings: the player makes guided presses, and timing, force and accessibility settings are recommended from
 //! them as a settings file for this person.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
@@ -15,6 +16,8 @@ use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
 
+/// The name of someone who types none: a mouse is enough.
+const NO_NAME: &str = "me";
 /// Guided presses.
 const PRESSES: usize = 24;
 
@@ -74,7 +77,7 @@ impl RecommendStep {
         );
         ui.horizontal(|ui| {
             let label = ui.label("Your name");
-            let field = egui::TextEdit::singleline(&mut self.name).hint_text("anna");
+            let field = egui::TextEdit::singleline(&mut self.name).hint_text(NO_NAME);
             let field = ui.add(field.desired_width(140.0)).labelled_by(label.id);
             theme::keep_focus_on_enter(ui, &field);
         });
@@ -167,7 +170,11 @@ impl RecommendStep {
                 .desired_rows(6)
                 .desired_width(f32::INFINITY),
         );
-        let name = self.name.trim().to_owned();
+        let folder = services.own_folder().map(|folder| folder.join("users"));
+        let name = match self.name.trim() {
+            "" => folder.as_deref().map_or(NO_NAME.to_owned(), unused_name),
+            name => name.to_owned(),
+        };
         let is_valid = match name_problem(&name) {
             Some(problem) => {
                 ui.colored_label(palette.warn, problem);
@@ -179,11 +186,11 @@ impl RecommendStep {
         if !save.clicked() {
             return None;
         }
-        let Some(folder) = services.own_folder() else {
+        let Some(folder) = folder else {
             self.notice = Some("no folder for your own settings: set HOME".to_owned());
             return None;
         };
-        let path = folder.join("users").join(format!("{name}.toml"));
+        let path = folder.join(format!("{name}.toml"));
         if let Err(error) = write_atomically(&path, &text) {
             self.notice = Some(error.to_string());
             return None;
@@ -196,11 +203,18 @@ impl RecommendStep {
     }
 }
 
+/// `me`, `me-2`, ...: nobody's settings are replaced.
+fn unused_name(folder: &Path) -> String {
+    let name = |number: usize| match number {
+        1 => NO_NAME.to_owned(),
+        _ => format!("{NO_NAME}-{number}"),
+    };
+    let is_free = |name: &String| !folder.join(format!("{name}.toml")).exists();
+    (1..).map(name).find(is_free).unwrap_or_default()
+}
+
 /// Why settings cannot be saved under a name; the name becomes that of a file.
 fn name_problem(name: &str) -> Option<String> {
-    if name.is_empty() {
-        return Some("Enter your name above to save them.".to_owned());
-    }
     let wrong = name
         .chars()
         .find(|c| "/\\.:*?\"<>|".contains(*c) || c.is_control())?;
@@ -214,9 +228,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_name_that_was_not_typed_replaces_nobody() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert_eq!(unused_name(folder.path()), "me");
+        std::fs::write(folder.path().join("me.toml"), "").expect("written");
+        assert_eq!(unused_name(folder.path()), "me-2");
+    }
+
+    #[test]
     fn a_name_that_no_file_can_have_is_refused_with_the_reason() {
         assert_eq!(name_problem("Anna Ż"), None);
-        for (name, why) in [("", "Enter your name"), ("a/b", "'/'"), ("a\\b", "'\\\\'")] {
+        for (name, why) in [("a/b", "'/'"), ("a\\b", "'\\\\'")] {
             let problem = name_problem(name).unwrap_or_default();
             assert!(problem.contains(why), "{name}: {problem}");
         }

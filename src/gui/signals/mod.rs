@@ -107,6 +107,7 @@ impl SignalsView {
             let size = Vec2::splat(ui.available_width());
             let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
             let shown = PictureLayers {
+                image: true,
                 regions: false,
                 electrodes: true,
                 scale: false,

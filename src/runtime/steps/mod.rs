@@ -15,6 +15,7 @@ use crate::runtime::latency::{EngineTimes, OutputStatistics};
 use crate::runtime::listen::{EngineStep, StepListener};
 use crate::runtime::rebuild::Rebuilder;
 use crate::runtime::schedule::Due;
+use crate::runtime::wake::ChangeDetector;
 use crate::runtime::{
     Arrival, EngineReport, NAP, PlayCommand, SourceInput, SourceStatus, View, ViewWaker, nanos, now,
 };
@@ -51,6 +52,7 @@ pub(in crate::runtime) struct EngineThread {
     awaits_table: bool,
     queues: EngineQueues,
     view: View,
+    changes: ChangeDetector,
     listeners: Vec<Box<dyn StepListener>>,
     /// Events of the present input.
     fresh: Vec<Event>,
@@ -91,6 +93,7 @@ impl EngineThread {
             awaits_table: false,
             queues,
             view,
+            changes: ChangeDetector::default(),
             listeners,
             fresh: Vec::new(),
             times: EngineTimes::new(),

@@ -87,8 +87,9 @@ impl EngineThread {
         slot.stages = self.view.stages;
         slot.late_events = emitted.late;
         slot.rumble = emitted.rumble;
+        let has_changed = self.changes.update(slot);
         self.queues.views.publish();
-        self.queues.waker.wake();
+        self.queues.waker.wake(has_changed);
     }
 
     /// Logs which electrodes were lost and which work again.

@@ -1,0 +1,150 @@
+//! What a port sends, in the window: the report of `gelpad listen`, the first bytes, and a button that plays it.
+//!
+//! The game stops first: a port has one reader.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::time::Duration;
+
+use egui::Ui;
+
+use super::{draw_notice, paragraph};
+use crate::app::services::{AppServices, PlayRequest, PortDiagnosis, SourceChoice};
+use crate::gui::play::UiAction;
+use crate::gui::playing::Playing;
+use crate::gui::theme;
+
+/// How often the window looks whether the diagnosis is ready.
+const POLL: Duration = Duration::from_millis(100);
+
+/// State of the diagnosis.
+#[derive(Default)]
+pub(super) struct PortCheck {
+    running: Option<Receiver<Result<PortDiagnosis, String>>>,
+    /// The port, and what it sent.
+    done: Option<(String, PortDiagnosis)>,
+    port: String,
+    failed: Option<String>,
+}
+
+impl PortCheck {
+    /// Draws the button and the last diagnosis of the port that is played.
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        playing: &mut Playing,
+        services: &Arc<dyn AppServices>,
+    ) -> Option<UiAction> {
+        self.poll(ui);
+        let SourceChoice::Serial(port) = playing.request.source.clone() else {
+            return None;
+        };
+        if self.running.is_some() {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(format!("listening to {} …", self.port));
+            });
+            return None;
+        }
+        let button = ui.button("Diagnose this port");
+        if button
+            .on_hover_text(
+                "Stops the game and listens for 10 s at most: format, values, rate, order",
+            )
+            .clicked()
+        {
+            self.start(&port, playing, services);
+        }
+        draw_notice(ui, &self.failed);
+        let (_, diagnosis) = self.done.as_ref().filter(|(of, _)| *of == port)?;
+        draw_diagnosis(ui, diagnosis, &playing.request)
+    }
+
+    fn start(&mut self, port: &str, playing: &mut Playing, services: &Arc<dyn AppServices>) {
+        playing.stop();
+        port.clone_into(&mut self.port);
+        (self.done, self.failed) = (None, None);
+        let (sender, receiver) = sync_channel(1);
+        let (services, board) = (Arc::clone(services), playing.request.board);
+        let listened = self.port.clone();
+        let thread = std::thread::Builder::new().name("listen".to_owned());
+        let spawned = thread.spawn(move || {
+            // Nobody waits for it any more when the window was closed.
+            let _ = sender.send(services.diagnose_port(&listened, board));
+        });
+        match spawned {
+            Ok(_) => self.running = Some(receiver),
+            Err(error) => self.failed = Some(format!("the port cannot be read: {error}")),
+        }
+    }
+
+    fn poll(&mut self, ui: &Ui) {
+        let Some(receiver) = &self.running else {
+            return;
+        };
+        match receiver.try_recv() {
+            Ok(Ok(diagnosis)) => self.done = Some((self.port.clone(), diagnosis)),
+            Ok(Err(why)) => self.failed = Some(why),
+            Err(TryRecvError::Empty) => return ui.ctx().request_repaint_after(POLL),
+            Err(TryRecvError::Disconnected) => {
+                self.failed = Some("the diagnosis failed because of a bug in gelpad".to_owned());
+            }
+        }
+        self.running = None;
+    }
+}
+
+/// Draws what was heard; returns the game that plays it.
+fn draw_diagnosis(
+    ui: &mut Ui,
+    diagnosis: &PortDiagnosis,
+    request: &PlayRequest,
+) -> Option<UiAction> {
+    let palette = theme::palette_of(ui);
+    match diagnosis.advice {
+        Some(advice) => {
+            ui.colored_label(palette.bad, "✖ no frame arrived");
+            paragraph(ui, advice);
+        }
+        None => {
+            ui.colored_label(palette.good, "✔ frames arrive");
+        }
+    }
+    ui.add(
+        egui::Label::new(
+            egui::RichText::new(&diagnosis.report)
+                .monospace()
+                .size(11.5),
+        )
+        .wrap(),
+    );
+    if !diagnosis.first_bytes.is_empty() {
+        ui.collapsing("First bytes", |ui| {
+            let dump = egui::RichText::new(&diagnosis.first_bytes).monospace();
+            ui.add(egui::Label::new(dump.size(10.5)).extend());
+        });
+    }
+    if diagnosis.advice.is_some() {
+        return None;
+    }
+    if diagnosis.pad.is_none() {
+        paragraph(
+            ui,
+            "No shipped pad has so many readings: describe yours under “Make a pad of your own”.",
+        );
+    }
+    let mut wanted = request.clone();
+    wanted.board.format = diagnosis.format.unwrap_or(request.board.format);
+    let mut label = "Play it".to_owned();
+    if let Some(pad) = diagnosis.pad
+        && request.pad == crate::pad::DEFAULT_PAD
+        && pad != request.pad
+    {
+        wanted.pad = pad.to_owned();
+        wanted.calibration = None;
+        label = format!("Play it with the pad {pad}");
+    }
+    theme::primary(ui, &label)
+        .clicked()
+        .then_some(UiAction::Play(wanted))
+}
