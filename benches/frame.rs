@@ -1,4 +1,4 @@
-//! Set-up of the shipped pad to its first image, and one frame to its events.
+//! Set-up of the shipped pad to its first image, one frame to its events, and one part of a frame to its events.
 //!
 //! Criterion prints medians; the 99th percentile is printed too, because the worst frames are felt.
 
@@ -13,7 +13,7 @@ use gelpad::eit::{Press, REFERENCE_FRAMES};
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
-use gelpad::source::{FramesCsv, Noise, SimulatedPad, Source, SourceReading};
+use gelpad::source::{FramesCsv, Noise, PartSplitter, SimulatedPad, Source, SourceReading};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Method};
 
@@ -113,6 +113,54 @@ fn frame_to_events(criterion: &mut Criterion) {
     }
 }
 
+/// The same session, its frames read drive by drive.
+fn part_to_events(criterion: &mut Criterion) {
+    let pad = pad();
+    let frames = frames(&pad);
+    let mut splitter = PartSplitter::new(&pad.protocol);
+    let parts: Vec<Input> = frames
+        .iter()
+        .flat_map(|frame| splitter.take(frame.clone()))
+        .map(Input::Part)
+        .collect();
+    let frames: Vec<Input> = frames.into_iter().map(Input::Frame).collect();
+    let builder = cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");
+    let sensing = Arc::new(builder.build_initial().expect("a matrix"));
+    let fresh = Engine::new(&pad, sensing, profile());
+    criterion.bench_function("part to events (x 48000)", |bencher| {
+        bencher.iter_batched(
+            || (fresh.clone(), Vec::with_capacity(4096)),
+            |(mut engine, mut events)| {
+                for input in &parts {
+                    engine.input(input, &mut events);
+                }
+                events.len()
+            },
+            BatchSize::LargeInput,
+        );
+    });
+    let time_all = |inputs: &[Input]| {
+        let mut took_us = Vec::new();
+        for _ in 0..3 {
+            let (mut engine, mut events) = (fresh.clone(), Vec::with_capacity(4096));
+            for input in inputs {
+                let start = now();
+                engine.input(input, &mut events);
+                took_us.push(start.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        took_us
+    };
+    let (by_frame, by_part) = (time_all(&frames), time_all(&parts));
+    let sum = |times: &[f64]| times.iter().sum::<f64>();
+    println!(
+        "a frame in parts costs {:.2} times a whole frame",
+        sum(&by_part) / sum(&by_frame)
+    );
+    print_times("whole frame to events", by_frame);
+    print_times("part to events", by_part);
+}
+
 /// One, two and three touches that go down one after the other, stay, and lift: frames like those of static.csv at 60 dB.
 fn frame_to_touches(criterion: &mut Criterion) {
     let pad = pad();
@@ -175,7 +223,7 @@ fn print_times(name: &str, mut took_us: Vec<f64>) {
     took_us.sort_by(f64::total_cmp);
     let at = |share: f64| took_us[(share * (took_us.len() - 1) as f64) as usize];
     println!(
-        "{name}: median {:.1} us, p99 {:.1} us, of {} frames",
+        "{name}: median {:.1} us, p99 {:.1} us, of {}",
         at(0.5),
         at(0.99),
         took_us.len()
@@ -185,6 +233,6 @@ fn print_times(name: &str, mut took_us: Vec<f64>) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = set_up, frame_to_events, frame_to_touches
+    targets = set_up, frame_to_events, part_to_events, frame_to_touches
 }
 criterion_main!(benches);

@@ -113,7 +113,8 @@ impl Engine {
         self.changed.clear();
         match input {
             Input::Frame(frame) => {
-                self.detector.process_frame(frame, &mut self.changed);
+                self.scan
+                    .process_frame(&mut self.detector, frame, &mut self.changed);
                 placed();
                 self.gestures.touches(frame.t_ns, &self.changed, events);
             }

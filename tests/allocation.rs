@@ -1,5 +1,5 @@
-//! A step of the gestures does not allocate once the profile is loaded. The only test in its binary, because it counts all
-//! allocations.
+//! A step of the gestures does not allocate once the profile is loaded, nor a part of a frame that changes no touch.
+//! Tests of their own binary, because they count all allocations.
 
 #![allow(
     unsafe_code,
@@ -10,9 +10,13 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
+use gelpad::cache;
+use gelpad::engine::{Engine, Input};
 use gelpad::gesture::Gestures;
-use gelpad::profile::Profile;
-use gelpad::types::{Contact, NANOS_PER_MS, Phase, Touch, TouchId};
+use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
+use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
+use gelpad::source::{FramesCsv, PartSplitter, Source, SourceReading};
+use gelpad::types::{Contact, Method, NANOS_PER_MS, Phase, Touch, TouchId};
 
 struct Counting;
 
@@ -106,4 +110,54 @@ fn a_step_of_ten_touches_and_a_hundred_bindings_does_not_allocate() {
         events.len()
     );
     assert_eq!(after - before, 0, "allocations in {} steps", frames.len());
+}
+
+/// The frames of the session that other tests use, read drive by drive: holds, taps, two touches, drift.
+fn parts(pad: &Pad) -> Vec<Input> {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/lattice-presses/session.csv"
+    );
+    let mut session = FramesCsv::open(path.as_ref(), pad.channels()).expect("the session");
+    let mut splitter = PartSplitter::new(&pad.protocol);
+    let mut parts = Vec::new();
+    while let SourceReading::Frame(frame) = session.read().expect("a frame") {
+        parts.extend(splitter.take(frame).into_iter().map(Input::Part));
+    }
+    parts
+}
+
+#[test]
+fn a_part_that_changes_no_touch_does_not_allocate() {
+    let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+    let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+    let profile = shipped_profile(DEFAULT_PROFILE).expect("shipped");
+    let profile = Arc::new(Profile::from_toml(profile.name, profile.toml).expect("sound"));
+    let builder = cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");
+    let sensing = Arc::new(builder.build_initial().expect("a matrix"));
+    let mut engine = Engine::new(&pad, sensing, profile);
+    let parts = parts(&pad);
+    let mut events = Vec::with_capacity(10_000);
+    // The first half shows every kind of touch: memory grows there.
+    let (first, second) = parts.split_at(parts.len() / 2);
+    for part in first {
+        engine.input(part, &mut events);
+    }
+    let (mut allocated, mut counted) = (0, 0);
+    for input in second {
+        let is_free = engine.touches().down.is_empty();
+        let before = ALLOCATIONS.get();
+        engine.input(input, &mut events);
+        let Input::Part(part) = input else {
+            continue;
+        };
+        // At the end of a frame the detector looks for touches, as it does in whole frames.
+        let ends_frame = part.first + part.volts.len() == pad.channels();
+        if is_free && engine.touches().down.is_empty() && !ends_frame {
+            allocated += ALLOCATIONS.get() - before;
+            counted += 1;
+        }
+    }
+    assert!(counted > 1000, "{counted} parts without a touch");
+    assert_eq!(allocated, 0, "allocations in {counted} parts");
 }

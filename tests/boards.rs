@@ -51,6 +51,8 @@ fn over_pty(
     let plan = ServePlan {
         link: Some(link.clone()),
         frames_per_s: None,
+        in_turn: false,
+        baud: None,
         frames: None,
         faults: CableFaults::default(),
         other_board: None,

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use gelpad::source::wire::gelpad::{Values, encode};
+use gelpad::source::wire::gelpad::{Values, encode, encode_part};
 use gelpad::source::wire::{Decoded, Dialect, gelpad::Gelpad};
 
-/// Reads type, sequence, time and count, then the values, and writes the packet; repeats until the input
-/// ends.
+/// Reads type, sequence, time and count, then the values, and writes the packet of the frame and those of its two halves;
+/// repeats until the input ends.
 const PROGRAM: &str = r#"
 #include <stdio.h>
 #include "gelpad_wire.h"
@@ -30,6 +30,17 @@ int main(void) {
         }
         if (length == 0 || gelpad_encode_f32(packet + sizeof packet, 0, 0, 0, volts, 1) != 0) return 2;
         fwrite(packet, 1, length, stdout);
+        /* The same frame in two parts. */
+        for (int part = 0; part < 2; part++) {
+            uint16_t first = part ? count / 2 : 0;
+            uint16_t some = part ? count - first : count / 2;
+            if (head[0] == GELPAD_KIND_F32)
+                length = gelpad_encode_part_f32(packet, sizeof packet, head[1], head[2], volts, count, first, some);
+            else
+                length = gelpad_encode_part_i32(packet, sizeof packet, head[1], head[2], counts, count, first, some);
+            if (length == 0) return 3;
+            fwrite(packet, 1, length, stdout);
+        }
     }
     return 0;
 }
@@ -106,7 +117,10 @@ fn the_c_header_writes_the_same_bits_as_the_library() {
                 });
             }
             expected.extend(encode(kind, sequence, time_us, &values));
-            sent.push(values);
+            for part in [0..values.len() / 2, values.len() / 2..values.len()] {
+                expected.extend(encode_part(kind, sequence, time_us, &values, part));
+            }
+            sent.extend([values.clone(), values]);
         }
     }
     let mut running = Command::new(&program)

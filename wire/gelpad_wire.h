@@ -1,4 +1,4 @@
-/* gelpad's wire format, version 1, for firmware: see docs/wire.md.
+/* gelpad's wire format, versions 1 and 2, for firmware: see docs/wire.md.
  *
  * A single header for C99 or C++, without libraries, allocation or tables, for the smallest boards.
  *
@@ -8,6 +8,15 @@
  *     ...
  *     size_t length = gelpad_encode_f32(packet, sizeof packet, sequence++, micros(), volts, 208);
  *     Serial.write(packet, length);
+ *
+ * A board that reads one drive after another sends the readings of each drive as soon as it has them:
+ *
+ *     for (drive = 0; drive < 16; drive++) {
+ *         read_drive(drive, &volts[13 * drive]);
+ *         length = gelpad_encode_part_f32(packet, sizeof packet, sequence, micros(), volts, 208, 13 * drive, 13);
+ *         Serial.write(packet, length);
+ *     }
+ *     sequence++;
  *
  * Send one zero byte at start-up, so that earlier bytes are not part of the first packet.
  * Licensed under MIT or Apache-2.0, at your choice.
@@ -23,13 +32,14 @@
 extern "C" {
 #endif
 
-#define GELPAD_VERSION 1
+#define GELPAD_VERSION 1      /* a packet that holds a frame */
+#define GELPAD_PART_VERSION 2 /* a packet that holds some values of a frame */
 #define GELPAD_KIND_F32 1 /* volts, or any other unit, the same for all values */
 #define GELPAD_KIND_I32 2 /* counts of a converter */
 #define GELPAD_MOST_VALUES 2048
 
-/* Bytes before stuffing: head, values, check sum. */
-#define GELPAD_BODY(count) (12u + 4u * (size_t)(count) + 4u)
+/* Bytes before stuffing: head, place of the values, values, check sum. */
+#define GELPAD_BODY(count) (16u + 4u * (size_t)(count) + 4u)
 /* Largest size of a packet of count values: one more byte for every 254, one at the start, the closing zero. */
 #define GELPAD_PACKET_MAX(count) (GELPAD_BODY(count) + GELPAD_BODY(count) / 254u + 2u)
 
@@ -68,8 +78,13 @@ static inline void gelpad_put_u32(gelpad_packet *p, uint32_t word) {
     }
 }
 
-static inline int gelpad_begin(gelpad_packet *p, uint8_t *out, size_t room, uint8_t kind, uint32_t sequence,
-                               uint32_t time_us, uint16_t count) {
+static inline void gelpad_put_u16(gelpad_packet *p, uint16_t word) {
+    gelpad_put(p, (uint8_t)word);
+    gelpad_put(p, (uint8_t)(word >> 8));
+}
+
+static inline int gelpad_begin(gelpad_packet *p, uint8_t *out, size_t room, uint8_t version, uint8_t kind,
+                               uint32_t sequence, uint32_t time_us, uint16_t count) {
     if (count > GELPAD_MOST_VALUES || room < GELPAD_PACKET_MAX(count)) {
         return 0;
     }
@@ -77,10 +92,9 @@ static inline int gelpad_begin(gelpad_packet *p, uint8_t *out, size_t room, uint
     p->length = 1;
     p->code = 0;
     p->sum = 0xffffffffu;
-    gelpad_put(p, GELPAD_VERSION);
+    gelpad_put(p, version);
     gelpad_put(p, kind);
-    gelpad_put(p, (uint8_t)count);
-    gelpad_put(p, (uint8_t)(count >> 8));
+    gelpad_put_u16(p, count);
     gelpad_put_u32(p, sequence);
     gelpad_put_u32(p, time_us);
     return 1;
@@ -102,7 +116,7 @@ static inline size_t gelpad_encode_f32(uint8_t *out, size_t room, uint32_t seque
                                        const float *values, uint16_t count) {
     gelpad_packet p;
     uint16_t index;
-    if (!gelpad_begin(&p, out, room, GELPAD_KIND_F32, sequence, time_us, count)) {
+    if (!gelpad_begin(&p, out, room, GELPAD_VERSION, GELPAD_KIND_F32, sequence, time_us, count)) {
         return 0;
     }
     for (index = 0; index < count; index++) {
@@ -118,11 +132,54 @@ static inline size_t gelpad_encode_i32(uint8_t *out, size_t room, uint32_t seque
                                        const int32_t *values, uint16_t count) {
     gelpad_packet p;
     uint16_t index;
-    if (!gelpad_begin(&p, out, room, GELPAD_KIND_I32, sequence, time_us, count)) {
+    if (!gelpad_begin(&p, out, room, GELPAD_VERSION, GELPAD_KIND_I32, sequence, time_us, count)) {
         return 0;
     }
     for (index = 0; index < count; index++) {
         gelpad_put_u32(&p, (uint32_t)values[index]);
+    }
+    return gelpad_end(&p);
+}
+
+/* The place of the values of a part, after the head. */
+static inline int gelpad_begin_part(gelpad_packet *p, uint8_t *out, size_t room, uint8_t kind, uint32_t sequence,
+                                    uint32_t time_us, uint16_t total, uint16_t first, uint16_t count) {
+    if (total > GELPAD_MOST_VALUES || first > total || count > total - first ||
+        !gelpad_begin(p, out, room, GELPAD_PART_VERSION, kind, sequence, time_us, count)) {
+        return 0;
+    }
+    gelpad_put_u16(p, first);
+    gelpad_put_u16(p, total);
+    return 1;
+}
+
+/* A packet of count of a frame's total values, from values[first] on. The parts of a frame have one sequence number, are sent in
+ * order and each once; time_us is when these values were read. */
+static inline size_t gelpad_encode_part_f32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
+                                            const float *values, uint16_t total, uint16_t first, uint16_t count) {
+    gelpad_packet p;
+    uint16_t index;
+    if (!gelpad_begin_part(&p, out, room, GELPAD_KIND_F32, sequence, time_us, total, first, count)) {
+        return 0;
+    }
+    for (index = 0; index < count; index++) {
+        uint32_t word;
+        memcpy(&word, &values[first + index], sizeof word);
+        gelpad_put_u32(&p, word);
+    }
+    return gelpad_end(&p);
+}
+
+/* The same for counts. */
+static inline size_t gelpad_encode_part_i32(uint8_t *out, size_t room, uint32_t sequence, uint32_t time_us,
+                                            const int32_t *values, uint16_t total, uint16_t first, uint16_t count) {
+    gelpad_packet p;
+    uint16_t index;
+    if (!gelpad_begin_part(&p, out, room, GELPAD_KIND_I32, sequence, time_us, total, first, count)) {
+        return 0;
+    }
+    for (index = 0; index < count; index++) {
+        gelpad_put_u32(&p, (uint32_t)values[first + index]);
     }
     return gelpad_end(&p);
 }

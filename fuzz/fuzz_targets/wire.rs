@@ -40,6 +40,7 @@ fuzz_target!(|bytes: &[u8]| {
     let size = 1 + usize::from(choice >> 5) * 37;
     let mut decoded = Vec::new();
     let mut now_ns = 0;
+    dialect.hand_up_readings();
     for piece in bytes.chunks(size) {
         dialect.feed(now_ns, piece, &mut decoded);
         assert!(dialect.held_bytes() <= MOST_HELD_BYTES);
@@ -56,6 +57,10 @@ fuzz_target!(|bytes: &[u8]| {
                 if let Some(listing) = &frame.listing {
                     assert_eq!(listing.len(), frame.values.len());
                 }
+            }
+            Decoded::Readings(readings) => {
+                assert!(readings.first + readings.values.len() <= MOST_VALUES);
+                assert!(readings.values.iter().all(|value| value.is_finite()));
             }
             Decoded::Garbled { reason, bytes } => {
                 assert!(!reason.is_empty() && bytes.len() <= SHOWN_BYTES);

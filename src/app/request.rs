@@ -100,6 +100,8 @@ pub struct PlayRequest {
     pub board: BoardLine,
     /// Noise of the simulated pad.
     pub noise: NoiseLevel,
+    /// Frames a second of a simulated pad under a script whose drives are read one after another; none: at one moment.
+    pub in_turn_hz: Option<u32>,
     /// What disturbs the readings of the simulated pad.
     pub disturbances: Vec<Disturbance>,
     /// Where events go.
@@ -133,6 +135,7 @@ impl Default for PlayRequest {
             source: SourceChoice::Simulated,
             board: BoardLine::default(),
             noise: NoiseLevel::default(),
+            in_turn_hz: None,
             disturbances: Vec::new(),
             output: OutputChoice::Nothing,
             trace_on_stdout: false,

@@ -25,9 +25,19 @@ pub(super) fn open_requested(
             let source = disturbed(Box::new(source), request, pad);
             Ok((Box::new(|_| source), Some(hand)))
         }
+        SourceChoice::Level | SourceChoice::Script(_) if request.in_turn_hz.is_some() => {
+            let script = match &request.source {
+                SourceChoice::Script(path) => load_script(Some(path))?,
+                _ => load_script(None)?,
+            };
+            let source = SimulatedSource::new(pad, &script, noise(request.noise))?
+                .in_turn(pad, request.in_turn_hz.unwrap_or_default());
+            Ok((Box::new(|_| Box::new(source)), None))
+        }
         choice => {
             let source = open_pad_source(choice, request.board, request.noise, pad)?;
-            let source = disturbed(source, request, pad);
+            let mut source = disturbed(source, request, pad);
+            source.read_in_parts();
             Ok((Box::new(|_| source), None))
         }
     }

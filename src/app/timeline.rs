@@ -10,7 +10,7 @@ use crate::engine::{Engine, Input};
 use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::runtime::{Signals, View};
-use crate::types::{Event, Image, Nanos, Output, PixelGrid, Touch, ms_from_nanos};
+use crate::types::{Event, FrameAssembler, Image, Nanos, Output, PixelGrid, Touch, ms_from_nanos};
 
 /// Limit: ten minutes at 100 frames/s, 200 MB with 2500 pixels and 208 channels.
 pub const MOST_FRAMES: usize = 60_000;
@@ -42,6 +42,7 @@ pub struct RecordingTimeline {
     frames: Vec<FrameState>,
     events: Vec<Event>,
     fresh: Vec<Event>,
+    assembler: FrameAssembler,
     first_ns: Nanos,
 }
 
@@ -56,21 +57,36 @@ impl RecordingTimeline {
             frames: Vec::new(),
             events: Vec::new(),
             fresh: Vec::new(),
+            assembler: FrameAssembler::default(),
             first_ns: 0,
         }
     }
 
     /// Plays the next input; false when the timeline is full.
     pub fn add_input(&mut self, input: &Input) -> bool {
-        if let Input::Frame(frame) = input {
-            // Ticks that are due before this frame come first.
-            while let Some(due_ns) = self.engine.next_due().filter(|due| *due <= frame.t_ns) {
+        let t_ns = match input {
+            Input::Frame(frame) => Some(frame.t_ns),
+            Input::Part(part) => Some(part.t_ns),
+            _ => None,
+        };
+        if let Some(t_ns) = t_ns {
+            // Ticks that are due before these readings come first.
+            while let Some(due_ns) = self.engine.next_due().filter(|due| *due <= t_ns) {
                 self.engine.input(&Input::Tick { due_ns }, &mut self.fresh);
             }
         }
         self.engine.input(input, &mut self.fresh);
         self.events.append(&mut self.fresh);
-        if let Input::Frame(frame) = input {
+        let assembled;
+        let frame = match input {
+            Input::Frame(frame) => Some(frame),
+            Input::Part(part) => {
+                assembled = self.assembler.add(part, self.pad.channels());
+                assembled.as_ref()
+            }
+            _ => None,
+        };
+        if let Some(frame) = frame {
             let touches = self.engine.touches();
             if self.frames.is_empty() {
                 self.first_ns = frame.t_ns;

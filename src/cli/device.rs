@@ -87,6 +87,8 @@ fn plan(args: &DeviceArgs, pad: &Pad) -> anyhow::Result<ServePlan> {
     Ok(ServePlan {
         link: args.port.clone(),
         frames_per_s: (args.rate > 0.0).then_some(args.rate),
+        in_turn: !args.moments,
+        baud: args.baud,
         frames: args.frames,
         faults: CableFaults {
             lost_bytes: args.lose_bytes / 100.0,
@@ -143,6 +145,7 @@ fn board(args: &DeviceArgs, format: FormatChoice, pad: &Pad) -> anyhow::Result<B
             rotated: declared.rotated,
             flipped: declared.flipped,
             counts: args.counts,
+            by_drive: args.by_drive,
             menu: plain.menu && !args.no_menu,
             seed: args.seed,
             ..plain

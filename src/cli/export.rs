@@ -12,7 +12,7 @@ use crate::session::export::evemu::EvemuRecording;
 use crate::session::export::fm2::Fm2Movie;
 use crate::session::{ReadError, export::csv};
 use crate::tape::{PlayerError, RecordedItem};
-use crate::types::{Control, Frame};
+use crate::types::{Control, Frame, FrameAssembler, Part};
 
 pub(super) fn export(args: &ExportArgs) -> anyhow::Result<Ending> {
     files::refuse_input(&args.file, &args.output)?;
@@ -26,10 +26,12 @@ pub(super) fn export(args: &ExportArgs) -> anyhow::Result<Ending> {
 fn export_movie(args: &ExportArgs) -> anyhow::Result<Ending> {
     // The session starts with its first frame or control.
     let mut movie = None;
-    let ending = for_each(args, |played| {
+    let ending = for_each(args, |played, _| {
         match played {
             RecordedItem::Input(
-                Input::Frame(Frame { t_ns, .. }) | Input::Control(Control { t_ns, .. }),
+                Input::Frame(Frame { t_ns, .. })
+                | Input::Part(Part { t_ns, .. })
+                | Input::Control(Control { t_ns, .. }),
             ) => {
                 movie.get_or_insert_with(|| Fm2Movie::new(*t_ns, args.start_frame));
             }
@@ -55,7 +57,7 @@ fn export_movie(args: &ExportArgs) -> anyhow::Result<Ending> {
 
 fn export_evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
     let mut recording = EvemuRecording::default();
-    let ending = for_each(args, |played| {
+    let ending = for_each(args, |played, _| {
         if let RecordedItem::Event(event) = played {
             recording.add_event(event);
         }
@@ -68,8 +70,18 @@ fn export_evemu(args: &ExportArgs) -> anyhow::Result<Ending> {
 fn export_frames(args: &ExportArgs) -> anyhow::Result<Ending> {
     let mut out = OutputFile::create(&args.output)?;
     let mut frames = 0u64;
-    let ending = for_each(args, |played| {
-        if let RecordedItem::Input(Input::Frame(frame)) = played {
+    let mut assembler = FrameAssembler::default();
+    let ending = for_each(args, |played, channels| {
+        let assembled;
+        let frame = match played {
+            RecordedItem::Input(Input::Frame(frame)) => Some(frame),
+            RecordedItem::Input(Input::Part(part)) => {
+                assembled = assembler.add(part, channels);
+                assembled.as_ref()
+            }
+            _ => None,
+        };
+        if let Some(frame) = frame {
             if frames == 0 {
                 csv::write_header(&mut out, frame.volts.len())?;
             }
@@ -85,10 +97,10 @@ fn export_frames(args: &ExportArgs) -> anyhow::Result<Ending> {
     Ok(ending)
 }
 
-/// Calls `write` with everything in a recording, in order.
+/// Calls `write` with everything in a recording, in order, and the number of the pad's channels.
 fn for_each(
     args: &ExportArgs,
-    mut write: impl FnMut(&RecordedItem) -> std::io::Result<()>,
+    mut write: impl FnMut(&RecordedItem, usize) -> std::io::Result<()>,
 ) -> anyhow::Result<Ending> {
     if !is_recording(&args.file)? {
         bail!(
@@ -96,7 +108,8 @@ fn for_each(
             args.file.display()
         );
     }
-    let (mut player, _) = open_recording(&args.file)?;
+    let (mut player, config) = open_recording(&args.file)?;
+    let channels = config.pad.channels();
     let mut ending = Ending::Done;
     loop {
         match player.next() {
@@ -104,7 +117,7 @@ fn for_each(
                 if matches!(played, RecordedItem::Gap { .. }) {
                     ending = Ending::LostData;
                 }
-                write(&played)
+                write(&played, channels)
                     .with_context(|| format!("{} cannot be written", args.output.display()))?;
             }
             Ok(None) => return Ok(ending),

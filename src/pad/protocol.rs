@@ -81,6 +81,15 @@ impl Protocol {
             .collect()
     }
 
+    /// The first channel of each run of channels of one drive, and the number of channels.
+    #[must_use]
+    pub fn drive_bounds(&self) -> Vec<usize> {
+        let channels = &self.channels;
+        let starts =
+            (0..channels.len()).filter(|c| *c == 0 || channels[*c].drive != channels[*c - 1].drive);
+        starts.chain([channels.len()]).collect()
+    }
+
     /// Every drive of a list with every measurement of another that shares no electrode with it.
     ///
     /// `half` keeps one of each two reciprocal readings, the one whose measurement comes later in the list: 104 of the 208

@@ -8,7 +8,7 @@ use rtrb::{Producer, PushError};
 
 use super::{Arrival, NAP, SourceInput, SourceReport, SourceStatus, now};
 use crate::source::{Source, SourcePace, SourceReading};
-use crate::types::{Frame, Nanos};
+use crate::types::{Frame, Nanos, Part};
 
 /// The first skipped inputs are logged one by one, then every hundredth.
 const LOGGED_SKIPS: u64 = 3;
@@ -30,6 +30,8 @@ pub(super) fn source_thread(
         status,
         first: None,
         last_volts: Vec::new(),
+        repeats: false,
+        has_lost_part: false,
         report: SourceReport::default(),
     };
     while !feeder.is_over() {
@@ -57,6 +59,10 @@ struct Feeder<'a> {
     first: Option<(Instant, Nanos)>,
     /// The voltages of the last frame.
     last_volts: Vec<f32>,
+    /// The parts so far of the present frame repeat those of the last one.
+    repeats: bool,
+    /// A part of the present frame was lost.
+    has_lost_part: bool,
     report: SourceReport,
 }
 
@@ -70,6 +76,10 @@ impl Feeder<'_> {
             SourceReading::Frame(frame) => {
                 self.count_repeat(&frame);
                 self.feed(SourceInput::Frame(frame));
+            }
+            SourceReading::Part(part) => {
+                self.count_repeated_part(&part);
+                self.feed(SourceInput::Part(part));
             }
             SourceReading::Control(control) => self.feed(SourceInput::Control(control)),
             SourceReading::Skipped { reason, frames } => {
@@ -95,21 +105,53 @@ impl Feeder<'_> {
     /// Counts frames that repeat the one before bit for bit: noise makes every measurement different, so the board sent
     /// the same one twice.
     fn count_repeat(&mut self, frame: &Frame) {
-        let (volts, last) = (frame.volts.iter(), self.last_volts.iter());
-        if volts
-            .map(|volt| volt.to_bits())
-            .eq(last.map(|volt| volt.to_bits()))
-        {
-            self.report.repeated += 1;
-            let repeated = self.report.repeated;
-            if repeated == LOGGED_REPEATS || repeated.is_multiple_of(1000) {
-                tracing::warn!(
-                    "{repeated} frames so far repeat the one before bit for bit: the board sends measurements twice, or is \
-                     stuck; touches are as late as its new measurements"
-                );
-            }
+        if are_same(&frame.volts, &self.last_volts) {
+            self.report_repeat();
         }
         self.last_volts.clone_from(&frame.volts);
+    }
+
+    /// The same for a frame that arrives in parts.
+    fn count_repeated_part(&mut self, part: &Part) {
+        let span = part.first..part.first + part.volts.len();
+        self.repeats |= part.first == 0;
+        match self.last_volts.get_mut(span.clone()) {
+            Some(last) => {
+                self.repeats &= are_same(&part.volts, last);
+                last.copy_from_slice(&part.volts);
+            }
+            None => {
+                self.repeats = false;
+                self.last_volts.resize(span.end, f32::NAN);
+                self.last_volts[span.clone()].copy_from_slice(&part.volts);
+            }
+        }
+        if self.repeats && span.end == self.last_volts.len() {
+            self.report_repeat();
+        }
+    }
+
+    fn report_repeat(&mut self) {
+        self.report.repeated += 1;
+        let repeated = self.report.repeated;
+        if repeated == LOGGED_REPEATS || repeated.is_multiple_of(1000) {
+            tracing::warn!(
+                "{repeated} frames so far repeat the one before bit for bit: the board sends measurements twice, or is \
+                 stuck; touches are as late as its new measurements"
+            );
+        }
+    }
+
+    /// Counts the frame of an input that found the queue full; once for all parts of a frame.
+    fn count_lost(&mut self, input: &SourceInput) {
+        let is_counted = match input {
+            SourceInput::Part(part) => part.first > 0 && self.has_lost_part,
+            _ => false,
+        };
+        self.has_lost_part = matches!(input, SourceInput::Part(_));
+        if !is_counted {
+            self.status.lost_frames.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     /// Queues an input when it is due.
@@ -125,11 +167,9 @@ impl Feeder<'_> {
         let pushed = self.frames.push(Arrival { input, at: now() });
         self.engine.unpark();
         match (pushed, pace) {
-            (Ok(()), _) => {}
+            (Ok(()), _) => self.has_lost_part = false,
             // A board keeps sending, so its frame is lost.
-            (Err(_), SourcePace::ByDevice) => {
-                self.status.lost_frames.fetch_add(1, Ordering::Relaxed);
-            }
+            (Err(PushError::Full(back)), SourcePace::ByDevice) => self.count_lost(&back.input),
             (Err(PushError::Full(back)), SourcePace::ByStamp) => self.push_when_room(back),
         }
     }
@@ -147,6 +187,11 @@ impl Feeder<'_> {
         }
         self.engine.unpark();
     }
+}
+
+fn are_same(volts: &[f32], last: &[f32]) -> bool {
+    let bits = |volt: &f32| volt.to_bits();
+    volts.iter().map(bits).eq(last.iter().map(bits))
 }
 
 /// Sleeps until a time, or until `stop` is set.

@@ -39,7 +39,7 @@ use crate::output::{OutputDevice, OutputError};
 use crate::profile::Profile;
 use crate::source::{Source, SourceError};
 use crate::touch::SensingBuilder;
-use crate::types::{Control, Frame, Nanos};
+use crate::types::{Control, Frame, Nanos, Part};
 use emit::output_thread;
 use feed::source_thread;
 use latency::EngineTimes;
@@ -138,6 +138,7 @@ struct Arrival {
 
 enum SourceInput {
     Frame(Frame),
+    Part(Part),
     Control(Control),
 }
 
@@ -145,6 +146,7 @@ impl SourceInput {
     fn t_ns(&self) -> Nanos {
         match self {
             Self::Frame(frame) => frame.t_ns,
+            Self::Part(part) => part.t_ns,
             Self::Control(control) => control.t_ns,
         }
     }

@@ -19,7 +19,7 @@ use crate::session::{self, Setup, WriteError};
 use crate::tape::SessionWriter;
 use crate::types::{Event, Touch};
 
-/// Steps that may wait for the disk: one second at 1000 frames/s.
+/// Steps that may wait for the disk: one second at 1000 frames/s, or at 60 frames/s in parts.
 const STEP_QUEUE: usize = 1024;
 const EXISTS: &str = "the file exists\n  help: name another file, or replace it with --force";
 
@@ -189,6 +189,15 @@ impl Drop for RecordingListener {
     }
 }
 
+/// Whether an input is a frame, or the first part of one.
+fn begins_frame(input: &Input) -> bool {
+    match input {
+        Input::Frame(_) => true,
+        Input::Part(part) => part.first == 0,
+        _ => false,
+    }
+}
+
 /// The recorder's end of the queue, and the file.
 struct RecordingFile {
     path: PathBuf,
@@ -236,17 +245,15 @@ impl RecordingFile {
             Ok(()) => {
                 self.mark_complete();
                 match step {
-                    QueuedStep::Step {
-                        input: Input::Frame(_),
-                        ..
-                    } => self.report.frames += 1,
+                    QueuedStep::Step { input, .. } => {
+                        self.report.frames += u64::from(begins_frame(&input));
+                    }
                     QueuedStep::Omitted(steps) => {
                         self.report.omitted_steps += steps;
                         tracing::error!(
                             "the disk is too slow: {steps} inputs are missing in the recording"
                         );
                     }
-                    QueuedStep::Step { .. } => {}
                 }
             }
             Err(error) => {

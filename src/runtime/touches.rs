@@ -21,6 +21,8 @@ struct TouchFrame {
 struct TouchSender {
     frames: Producer<TouchFrame>,
     thread: Thread,
+    /// The touches that were sent last.
+    last: Vec<Touch>,
 }
 
 /// A listener that sends the touches of every frame. Its thread ends when it is dropped.
@@ -33,6 +35,7 @@ pub fn send_touches(tuio: Tuio) -> std::io::Result<Box<dyn StepListener>> {
     Ok(Box::new(TouchSender {
         frames: frames_in,
         thread: thread.thread().clone(),
+        last: Vec::new(),
     }))
 }
 
@@ -56,9 +59,13 @@ impl StepListener for TouchSender {
     fn on_step(&mut self, step: &EngineStep<'_>) {
         let t_ns = match step.input {
             Input::Frame(frame) => frame.t_ns,
+            // Most parts change nothing.
+            Input::Part(part) if step.touches != self.last => part.t_ns,
             Input::Rezero { t_ns } | Input::End { t_ns } => *t_ns,
             _ => return,
         };
+        self.last.clear();
+        self.last.extend_from_slice(step.touches);
         let _ = self.frames.push(TouchFrame {
             t_ns,
             down: step.touches.to_vec(),

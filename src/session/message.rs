@@ -8,8 +8,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::lines::{EventLine, FrameBlock, GamepadLine, LATEST_NS};
+use super::parts_block::PartBlock;
 use super::volts::{VoltsDecoder, VoltsEncoder};
-use crate::types::{Control, Event, Frame, Nanos, Phase, Touch};
+use crate::types::{Control, Event, Frame, Nanos, Part, Phase, Touch};
 
 /// A larger count of lost frames or inputs is damage.
 const MOST_LOST: u64 = 1 << 40;
@@ -42,6 +43,8 @@ pub enum Message {
     Event(Event),
     /// Input: the state of gamepads and switches.
     Control(Control),
+    /// Input: readings of frames that were still being read.
+    Parts(Vec<Part>),
 }
 
 /// A message that holds only a time.
@@ -170,9 +173,9 @@ pub fn touches_sum(touches: &[Touch]) -> u32 {
 }
 
 /// The topics, in the order of their channel numbers.
-pub const TOPICS: [&str; 12] = [
+pub const TOPICS: [&str; 13] = [
     "/frames", "/tick", "/profile", "/pause", "/matrix", "/rezero", "/lost", "/end", "/gap",
-    "/touches", "/event", "/control",
+    "/touches", "/event", "/control", "/parts",
 ];
 
 /// Bytes that are not a message of their topic.
@@ -202,6 +205,7 @@ impl Message {
             Self::Touches(_) => 9,
             Self::Event(_) => 10,
             Self::Control(_) => 11,
+            Self::Parts(_) => 12,
         }
     }
 
@@ -215,6 +219,7 @@ impl Message {
             Self::Touches(touches) => Some(touches.t_ns),
             Self::Event(event) => Some(event.t_ns),
             Self::Control(control) => Some(control.t_ns),
+            Self::Parts(parts) => parts.last().map(|part| part.t_ns),
             Self::Matrix(_) | Self::Lost(_) | Self::Gap(_) => None,
         }
     }
@@ -232,6 +237,7 @@ impl Message {
             Self::Touches(touches) => json(touches),
             Self::Event(event) => json(&EventLine::from(event)),
             Self::Control(control) => json(&GamepadLine::from(control)),
+            Self::Parts(parts) => json(&PartBlock::new(parts, encoder)),
         }
     }
 
@@ -276,6 +282,7 @@ fn parse(topic: &str, bytes: &[u8], decoder: &mut VoltsDecoder) -> Result<Option
         "/gap" => Message::Gap(read(bytes)?),
         "/touches" => Message::Touches(read(bytes)?),
         "/event" => Message::Event(read::<EventLine>(bytes)?.into_event()?),
+        "/parts" => Message::Parts(read::<PartBlock>(bytes)?.into_parts(decoder)?),
         "/control" => Message::Control(read::<GamepadLine>(bytes)?.into_control()?),
         _ => return Ok(None),
     }))

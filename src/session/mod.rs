@@ -12,6 +12,7 @@ mod attachment;
 pub mod export;
 mod lines;
 mod message;
+mod parts_block;
 mod read;
 mod records;
 mod recover;

@@ -158,6 +158,9 @@ fn copy_into<R: Read + Seek>(
         }
         match &message {
             Message::Frames(frames) => report.frames += frames.len() as u64,
+            Message::Parts(parts) => {
+                report.frames += parts.iter().filter(|part| part.first == 0).count() as u64;
+            }
             Message::Gap(gap) => report.dropped_inputs += gap.inputs.max(1),
             Message::Event(_) => report.events += 1,
             Message::Control(_) => report.controls += 1,

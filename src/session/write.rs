@@ -8,10 +8,11 @@ use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::attachment;
 use super::message::{MatrixName, Message, TOPICS};
+use super::parts_block::MOST_VOLTS;
 use super::schema::SCHEMAS;
 use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, SLIM, Setup, VERSION};
 use super::volts::VoltsEncoder;
-use crate::types::{Frame, Nanos};
+use crate::types::{Frame, Nanos, Part};
 
 /// Frames in one message of a packed file; the head of a message then hardly counts.
 const BLOCK_FRAMES: usize = 16;
@@ -51,11 +52,20 @@ pub struct Writer<W: Write + Seek> {
 #[derive(Default)]
 struct PackedState {
     encoder: VoltsEncoder,
-    /// Frames of the incomplete block.
+    /// Frames of the incomplete block, ...
     block: Vec<Frame>,
+    /// ... or parts; never both.
+    parts: Vec<Part>,
     /// Touches and events of these frames.
     outputs: Vec<Message>,
     messages: usize,
+}
+
+impl PackedState {
+    /// Whether no block is incomplete.
+    fn is_empty(&self) -> bool {
+        self.block.is_empty() && self.parts.is_empty()
+    }
 }
 
 impl<W: Write + Seek> Writer<W> {
@@ -156,7 +166,8 @@ impl<W: Write + Seek> Writer<W> {
                 }
                 Ok(())
             }
-            Message::Touches(_) | Message::Event(_) if !packed.block.is_empty() => {
+            Message::Parts(parts) => parts.iter().try_for_each(|part| self.add_part(part)),
+            Message::Touches(_) | Message::Event(_) if !packed.is_empty() => {
                 packed.outputs.push(message.clone());
                 Ok(())
             }
@@ -216,7 +227,7 @@ impl<W: Write + Seek> Writer<W> {
             .block
             .first()
             .is_none_or(|first| first.volts.len() == frame.volts.len());
-        if packed.block.len() == BLOCK_FRAMES || !fits {
+        if packed.block.len() == BLOCK_FRAMES || !fits || !packed.parts.is_empty() {
             self.end_block()?;
         }
         if let Some(packed) = &mut self.packed {
@@ -225,12 +236,33 @@ impl<W: Write + Seek> Writer<W> {
         Ok(())
     }
 
+    fn add_part(&mut self, part: &Part) -> Result<(), WriteError> {
+        let Some(packed) = &mut self.packed else {
+            return Ok(());
+        };
+        let begins_frame = |part: &&Part| part.first == 0;
+        let frames = packed.parts.iter().filter(begins_frame).count();
+        let volts: usize = packed.parts.iter().map(|part| part.volts.len()).sum();
+        let is_full = begins_frame(&part) && frames == BLOCK_FRAMES;
+        if !packed.block.is_empty() || is_full || volts + part.volts.len() > MOST_VOLTS {
+            self.end_block()?;
+        }
+        if let Some(packed) = &mut self.packed {
+            packed.parts.push(part.clone());
+        }
+        Ok(())
+    }
+
     fn end_block(&mut self) -> Result<(), WriteError> {
         match &mut self.packed {
-            Some(packed) if !packed.block.is_empty() => {
+            Some(packed) if !packed.is_empty() => {
                 let frames = std::mem::take(&mut packed.block);
+                let parts = std::mem::take(&mut packed.parts);
                 let outputs = std::mem::take(&mut packed.outputs);
-                self.put(&Message::Frames(frames))?;
+                self.put(&match parts.is_empty() {
+                    true => Message::Frames(frames),
+                    false => Message::Parts(parts),
+                })?;
                 outputs.iter().try_for_each(|output| self.put(output))
             }
             _ => Ok(()),
@@ -291,7 +323,11 @@ mod tests {
 
     /// Messages of a session, in the order of their times.
     fn messages() -> impl Strategy<Value = Vec<Message>> {
-        let one = (0..9u8, 0..50u64, proptest::collection::vec(-1.0..1.0f32, 3));
+        let one = (
+            0..13u8,
+            0..50u64,
+            proptest::collection::vec(-1.0..1.0f32, 3),
+        );
         proptest::collection::vec(one, 0..150).prop_map(|all| {
             let mut t_ns = 0;
             let message = |(kind, dt, volts): (u8, u64, Vec<f32>)| {
@@ -306,7 +342,12 @@ mod tests {
                         t_ns,
                         action: Action::Press("key:f".parse().expect("a key")),
                     }),
-                    _ => Message::Frames(vec![Frame { t_ns, volts }]),
+                    6..9 => Message::Frames(vec![Frame { t_ns, volts }]),
+                    kind => Message::Parts(vec![Part {
+                        t_ns,
+                        first: 3 * usize::from(kind % 2),
+                        volts,
+                    }]),
                 }
             };
             all.into_iter().map(message).collect()
@@ -317,7 +358,7 @@ mod tests {
         matches!(message, Message::Touches(_) | Message::Event(_))
     }
 
-    /// All messages of a recording, one frame each.
+    /// All messages of a recording, one frame or part each.
     fn read(bytes: Vec<u8>) -> Vec<Message> {
         let (mut reader, back) = Reader::open(Cursor::new(bytes)).expect("a recording");
         assert_eq!(back, setup());
@@ -326,6 +367,9 @@ mod tests {
             match message {
                 Message::Frames(frames) => {
                     all.extend(frames.into_iter().map(|frame| Message::Frames(vec![frame])));
+                }
+                Message::Parts(parts) => {
+                    all.extend(parts.into_iter().map(|part| Message::Parts(vec![part])));
                 }
                 message => all.push(message),
             }

@@ -17,8 +17,21 @@ pub struct Arrangement {
     places: Vec<(usize, f32)>,
     /// Number of values of the board's frame.
     values: usize,
+    /// The drive of each of the pad's channels.
+    drives: Vec<u16>,
     /// Description for people.
     summary: String,
+}
+
+/// The readings of one drive of the pad, in a board's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartPlace {
+    /// The first of the pad's channels.
+    pub first: usize,
+    /// Number of channels.
+    pub channels: usize,
+    /// So many of the frame's first values hold them.
+    pub needs: usize,
 }
 
 /// The reason why a board's frames do not fit a pad.
@@ -91,6 +104,7 @@ impl Arrangement {
         Self {
             places: (0..count).map(|place| (place, 1.0)).collect(),
             values: count,
+            drives: pad.protocol.drives(),
             summary: format!("{count} voltages a frame; {why}: the pad's own order is assumed"),
         }
     }
@@ -107,6 +121,7 @@ impl Arrangement {
         Ok(Self {
             places,
             values: count,
+            drives: pad.protocol.drives(),
             summary,
         })
     }
@@ -142,6 +157,7 @@ impl Arrangement {
                 .map(|(place, sign)| (place, flip * sign))
                 .collect(),
             values: listing.len(),
+            drives: pad.protocol.drives(),
             summary: format!(
                 "{} voltages a frame, with named drives{inverted}{error}",
                 listing.len()
@@ -157,6 +173,41 @@ impl Arrangement {
     pub fn apply(&self, values: &[f32]) -> Vec<f32> {
         assert_eq!(values.len(), self.values);
         self.places
+            .iter()
+            .map(|(place, sign)| sign * values[*place])
+            .collect()
+    }
+
+    /// The readings of each drive of the pad, if a board sends them drive after drive; `None` if it sends them in another
+    /// order, or some drives not at all.
+    #[must_use]
+    pub fn parts(&self) -> Option<Vec<PartPlace>> {
+        let mut parts: Vec<PartPlace> = Vec::new();
+        let mut first = 0;
+        for drive in self.drives.chunk_by(|a, b| a == b) {
+            let places = &self.places[first..first + drive.len()];
+            let indices = places.iter().map(|(place, _)| *place);
+            let (least, most) = (indices.clone().min()?, indices.max()?);
+            if parts.last().is_some_and(|before| least < before.needs) {
+                return None;
+            }
+            parts.push(PartPlace {
+                first,
+                channels: drive.len(),
+                needs: most + 1,
+            });
+            first += drive.len();
+        }
+        (parts.len() > 1).then_some(parts)
+    }
+
+    /// The voltages of a part, from the first values of the board's frame.
+    ///
+    /// # Panics
+    /// If there are fewer values than the part needs.
+    #[must_use]
+    pub fn apply_part(&self, values: &[f32], part: &PartPlace) -> Vec<f32> {
+        self.places[part.first..part.first + part.channels]
             .iter()
             .map(|(place, sign)| sign * values[*place])
             .collect()

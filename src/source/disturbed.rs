@@ -1,4 +1,5 @@
-//! A source whose frames are disturbed by name, to try what a board would do to play.
+//! A source whose frames are disturbed by name, to try what a board would do to play. Disturbances are those of whole frames, so
+//! frames are never handed on in parts.
 
 use super::disturbance::{Disturbance, Disturber};
 use super::{Source, SourceError, SourcePace, SourceReading};

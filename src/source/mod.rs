@@ -27,7 +27,7 @@ mod simulated;
 mod table;
 pub mod wire;
 
-pub use arrangement::{Arrangement, ArrangementError, describe_order, plausible_counts};
+pub use arrangement::{Arrangement, ArrangementError, PartPlace, describe_order, plausible_counts};
 pub use disturbance::{DISTURBANCE_NAMES, Disturbance, Disturber, UnknownDisturbance};
 pub use disturbed::DisturbedSource;
 pub use eit_folder::EitFolder;
@@ -48,13 +48,15 @@ pub use table::FramesTable;
 use std::path::{Path, PathBuf};
 
 use crate::eit::ForwardError;
-use crate::types::{Control, Frame};
+use crate::types::{Control, Frame, Part};
 
 /// A reading of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceReading {
     /// A frame.
     Frame(Frame),
+    /// Readings of a frame that is still being read, see [`Source::read_in_parts`].
+    Part(Part),
     /// The state of gamepads and switches, from a source without images.
     Control(Control),
     /// Input that is not a frame was skipped.
@@ -178,6 +180,9 @@ impl SourceError {
 pub trait Source: Send {
     /// What determines when a frame is played.
     fn pace(&self) -> SourcePace;
+
+    /// From now on frames may be handed on part by part, where the source reads them so.
+    fn read_in_parts(&mut self) {}
 
     /// The next reading. Returns within a tenth of a second, with [`SourceReading::Idle`] if there is nothing.
     ///

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::session::{Message, ReadError, Reader};
-use crate::types::{Frame, Nanos};
+use crate::types::{Frame, FrameAssembler, Nanos, Part};
 
 /// A recording that is read while it plays.
 pub struct RecordedFrames {
@@ -16,6 +16,10 @@ pub struct RecordedFrames {
     reader: Reader<BufReader<File>>,
     channels: usize,
     frames: VecDeque<Frame>,
+    parts: VecDeque<Part>,
+    /// Whether parts are handed on as they are; else frames are assembled from them.
+    in_parts: bool,
+    assembler: FrameAssembler,
     last_ns: Nanos,
 }
 
@@ -33,8 +37,50 @@ impl RecordedFrames {
             reader,
             channels,
             frames: VecDeque::new(),
+            parts: VecDeque::new(),
+            in_parts: false,
+            assembler: FrameAssembler::default(),
             last_ns: 0,
         })
+    }
+}
+
+impl RecordedFrames {
+    /// The next part as a reading; `None` if its frame is not complete yet.
+    fn take_part(&mut self, part: Part) -> Option<SourceReading> {
+        let end = part.first.saturating_add(part.volts.len());
+        if part.volts.is_empty() || end > self.channels {
+            return Some(skipped("a part of another pad's frame"));
+        }
+        if !self.in_parts {
+            let frame = self.assembler.add(&part, self.channels)?;
+            return Some(self.take_frame(frame));
+        }
+        Some(match self.check(part.t_ns, &part.volts) {
+            Ok(()) => SourceReading::Part(part),
+            Err(skipped) => skipped,
+        })
+    }
+
+    fn take_frame(&mut self, frame: Frame) -> SourceReading {
+        if frame.volts.len() != self.channels {
+            return skipped("a frame of another pad");
+        }
+        match self.check(frame.t_ns, &frame.volts) {
+            Ok(()) => SourceReading::Frame(frame),
+            Err(skipped) => skipped,
+        }
+    }
+
+    /// Checks that time goes on, and that voltages are numbers.
+    fn check(&mut self, t_ns: Nanos, volts: &[f32]) -> Result<(), SourceReading> {
+        if t_ns < self.last_ns || volts.iter().any(|volt| !volt.is_finite()) {
+            return Err(skipped(
+                "a frame whose time runs backwards, or with a voltage that is not a number",
+            ));
+        }
+        self.last_ns = t_ns;
+        Ok(())
     }
 }
 
@@ -43,28 +89,24 @@ impl Source for RecordedFrames {
         SourcePace::ByStamp
     }
 
+    fn read_in_parts(&mut self) {
+        self.in_parts = true;
+    }
+
     fn read(&mut self) -> Result<SourceReading, SourceError> {
         loop {
             if let Some(frame) = self.frames.pop_front() {
-                let skipped = |why: &str| {
-                    Ok(SourceReading::Skipped {
-                        frames: 1,
-                        reason: why.to_owned(),
-                    })
-                };
-                if frame.volts.len() != self.channels {
-                    return skipped("a frame of another pad");
+                return Ok(self.take_frame(frame));
+            }
+            if let Some(part) = self.parts.pop_front() {
+                match self.take_part(part) {
+                    Some(reading) => return Ok(reading),
+                    None => continue,
                 }
-                if frame.t_ns < self.last_ns || frame.volts.iter().any(|volt| !volt.is_finite()) {
-                    return skipped(
-                        "a frame whose time runs backwards, or with a voltage that is not a number",
-                    );
-                }
-                self.last_ns = frame.t_ns;
-                return Ok(SourceReading::Frame(frame));
             }
             match self.reader.next() {
                 Ok(Some(Message::Frames(frames))) => self.frames = frames.into(),
+                Ok(Some(Message::Parts(parts))) => self.parts = parts.into(),
                 Ok(Some(Message::Control(control))) => return Ok(SourceReading::Control(control)),
                 Ok(Some(_)) => {}
                 // The file is truncated: everything before was played.
@@ -72,6 +114,13 @@ impl Source for RecordedFrames {
                 Err(error) => return Err(recording_error(&self.path, error)),
             }
         }
+    }
+}
+
+fn skipped(why: &str) -> SourceReading {
+    SourceReading::Skipped {
+        frames: 1,
+        reason: why.to_owned(),
     }
 }
 

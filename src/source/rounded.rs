@@ -5,6 +5,7 @@
 //! whole of the standard deviation, so rounding adds at most 4 % to it (the variance of a step is a twelfth of its square).
 
 use super::{Source, SourceError, SourcePace, SourceReading};
+use crate::types::{FrameAssembler, Part};
 
 /// Frames from which the noise is measured.
 const MEASURED_FRAMES: usize = 20;
@@ -22,6 +23,7 @@ pub struct RoundedSource {
     measured: Vec<Vec<f32>>,
     /// The step of each channel; 0 for one that is not rounded.
     steps: Option<Vec<f32>>,
+    assembler: FrameAssembler,
 }
 
 impl RoundedSource {
@@ -32,17 +34,37 @@ impl RoundedSource {
             source,
             measured: Vec::new(),
             steps: None,
+            assembler: FrameAssembler::default(),
+        }
+    }
+
+    /// Rounds the voltages from a channel on; whether the noise is known.
+    fn round_from(&self, first: usize, volts: &mut [f32]) -> bool {
+        let Some(steps) = self.steps.as_ref().and_then(|steps| steps.get(first..)) else {
+            return false;
+        };
+        for (volt, step) in volts.iter_mut().zip(steps) {
+            if *step > 0.0 {
+                // Plus zero, since a negative zero has other bits.
+                *volt = libm::roundf(*volt / step) * step + 0.0;
+            }
+        }
+        true
+    }
+
+    /// Rounds a part, or measures the noise with its frame. The very first frames come whole.
+    fn round_part(&mut self, part: &mut Part) {
+        if self.round_from(part.first, &mut part.volts) {
+            return;
+        }
+        let channels = self.measured.first().map_or(0, Vec::len);
+        if let Some(mut frame) = self.assembler.add(part, channels) {
+            self.round(&mut frame.volts);
         }
     }
 
     fn round(&mut self, volts: &mut [f32]) {
-        if let Some(steps) = &self.steps {
-            for (volt, step) in volts.iter_mut().zip(steps) {
-                if *step > 0.0 {
-                    // Plus zero, since a negative zero has other bits.
-                    *volt = libm::roundf(*volt / step) * step + 0.0;
-                }
-            }
+        if self.round_from(0, volts) {
             return;
         }
         self.measured.push(volts.to_vec());
@@ -76,10 +98,15 @@ impl Source for RoundedSource {
         self.source.pace()
     }
 
+    fn read_in_parts(&mut self) {
+        self.source.read_in_parts();
+    }
+
     fn read(&mut self) -> Result<SourceReading, SourceError> {
         let mut reading = self.source.read()?;
         match &mut reading {
             SourceReading::Frame(frame) => self.round(&mut frame.volts),
+            SourceReading::Part(part) => self.round_part(part),
             // The board may come back with another gain.
             SourceReading::Disconnected { .. } => {
                 self.steps = None;

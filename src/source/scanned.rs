@@ -17,10 +17,8 @@ impl PartSplitter {
     /// For the frames of a protocol.
     #[must_use]
     pub fn new(protocol: &Protocol) -> Self {
-        let drives = protocol.drives();
-        let starts = (0..drives.len()).filter(|c| *c == 0 || drives[*c] != drives[*c - 1]);
         Self {
-            bounds: starts.chain([drives.len()]).collect(),
+            bounds: protocol.drive_bounds(),
             first: None,
             last_ns: None,
         }

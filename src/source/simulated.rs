@@ -10,7 +10,7 @@ use super::{
 };
 use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize, Press};
 use crate::pad::{Pad, TouchSign};
-use crate::types::{Frame, NANOS_PER_MS, Nanos};
+use crate::types::{Frame, NANOS_PER_MS, Nanos, Part};
 
 /// Time between two frames of every simulated source, ns: 100 frames/s.
 pub const SIMULATED_FRAME_NS: Nanos = 10 * NANOS_PER_MS;
@@ -55,8 +55,9 @@ impl SimulatedPad {
     }
 }
 
-/// The simulated pad as a source: plays a script at 100 frames/s.
+/// The simulated pad as a source: plays a script at 100 frames/s, each frame read at one moment, or drive by drive.
 pub struct SimulatedSource {
+    in_turn: Option<InTurn>,
     states: Vec<Vec<f64>>,
     /// When each state begins, by its index.
     changes: Vec<(Nanos, usize)>,
@@ -115,6 +116,7 @@ impl SimulatedSource {
             enter(steps[0].t_ns, &fingers)?;
         }
         Ok(Self {
+            in_turn: None,
             states,
             changes,
             end_ns: script.end_ns(),
@@ -124,7 +126,38 @@ impl SimulatedSource {
     }
 }
 
+/// Drives that are read one after another.
+struct InTurn {
+    /// First channel of each drive, and the end of the last.
+    bounds: Vec<usize>,
+    period_ns: Nanos,
+    /// Parts read so far.
+    parts: u64,
+}
+
+impl InTurn {
+    /// The next part's time and channels.
+    fn next(&mut self) -> (Nanos, std::ops::Range<usize>) {
+        let drives = self.bounds.len() as u64 - 1;
+        let drive = (self.parts % drives) as usize;
+        self.parts += 1;
+        let t_ns = self.parts * self.period_ns / drives;
+        (t_ns, self.bounds[drive]..self.bounds[drive + 1])
+    }
+}
+
 impl SimulatedSource {
+    /// Reads the drives of the pad one after another, `frames_per_s` frames a second, as slow boards do.
+    #[must_use]
+    pub fn in_turn(mut self, pad: &Pad, frames_per_s: u32) -> Self {
+        self.in_turn = Some(InTurn {
+            bounds: pad.protocol.drive_bounds(),
+            period_ns: 1000 * NANOS_PER_MS / Nanos::from(frames_per_s.max(1)),
+            parts: 0,
+        });
+        self
+    }
+
     /// The voltages at a time, V/A, without noise.
     pub(super) fn volts_at(&self, t_ns: Nanos) -> &[f64] {
         let since = self.changes.partition_point(|(from, _)| *from <= t_ns);
@@ -144,6 +177,17 @@ impl Source for SimulatedSource {
     }
 
     fn read(&mut self) -> Result<SourceReading, SourceError> {
+        if let Some(in_turn) = &mut self.in_turn {
+            let (t_ns, span) = in_turn.next();
+            if t_ns > self.end_ns {
+                return Ok(SourceReading::End);
+            }
+            let since = self.changes.partition_point(|(from, _)| *from <= t_ns);
+            let (_, state) = self.changes[since - 1];
+            let volts = self.noise.read(&self.states[state][span.clone()]);
+            let first = span.start;
+            return Ok(SourceReading::Part(Part { t_ns, first, volts }));
+        }
         if self.next_ns > self.end_ns {
             return Ok(SourceReading::End);
         }
@@ -221,5 +265,39 @@ mod tests {
         assert_eq!(frames.len(), 7);
         assert_eq!(frames, play(3));
         assert_ne!(frames, play(4));
+    }
+
+    #[test]
+    fn a_pad_that_is_read_in_turn_shows_a_press_within_a_frame() {
+        let script =
+            Script::parse("s", "t:150 down 1 80 30\nt:450 up 1\nt:500 end").expect("sound");
+        let play = |finger: bool| {
+            let script = match finger {
+                true => script.clone(),
+                false => Script::parse("s", "t:600 down 1 80 30\nt:700 end").expect("sound"),
+            };
+            let source = SimulatedSource::new(&pad(), &script, Noise::new(60.0, 3));
+            let mut source = source.expect("solvable").in_turn(&pad(), 10);
+            let mut parts = Vec::new();
+            while let SourceReading::Part(part) = source.read().expect("a part") {
+                parts.push(part);
+            }
+            parts
+        };
+        let (pressed, rest) = (play(true), play(false));
+        assert_eq!(pressed.len(), 5 * 16);
+        assert_eq!(
+            (pressed[0].t_ns, pressed[15].t_ns),
+            (6_250_000, 100_000_000)
+        );
+        assert!(pressed.iter().zip(&rest).all(|(a, b)| a.first == b.first));
+        let changed: Vec<Nanos> = pressed
+            .iter()
+            .zip(&rest)
+            .filter(|(a, b)| a.volts != b.volts)
+            .map(|(part, _)| part.t_ns / NANOS_PER_MS)
+            .collect();
+        let (first, last) = (changed[0], changed[changed.len() - 1]);
+        assert!((150..157).contains(&first) && last < 450, "{changed:?}");
     }
 }

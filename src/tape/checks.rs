@@ -9,7 +9,7 @@ use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::session::{Message, ProfileTexts};
 use crate::touch::Sensing;
-use crate::types::{Frame, Nanos};
+use crate::types::{Frame, Nanos, Part};
 
 /// Longest time between two inputs while outputs may be held, ns: an hour. A damaged time must not make a key repeat for years.
 const LONGEST_GAP_NS: Nanos = 3_600_000_000_000;
@@ -50,6 +50,25 @@ impl InputChecks {
         }
         self.time(Some(frame.t_ns), false)?;
         self.last_frame_ns = frame.t_ns;
+        Ok(())
+    }
+
+    /// Checks a part of a frame.
+    pub(super) fn part(&mut self, part: &Part) -> Result<(), PlayerError> {
+        let end = part.first.saturating_add(part.volts.len());
+        if part.volts.is_empty() || end > self.channels {
+            return Err(invalid(format!(
+                "a part up to channel {end}, but the pad has {}",
+                self.channels
+            )));
+        }
+        if part.t_ns < self.last_frame_ns || part.volts.iter().any(|volt| !volt.is_finite()) {
+            return Err(invalid(
+                "a part whose time runs backwards, or whose voltages are not finite".to_owned(),
+            ));
+        }
+        self.time(Some(part.t_ns), false)?;
+        self.last_frame_ns = part.t_ns;
         Ok(())
     }
 
@@ -103,6 +122,7 @@ impl InputChecks {
     ) -> Result<(), PlayerError> {
         match message {
             Message::Frames(frames) => return frames.iter().try_for_each(|one| self.frame(one)),
+            Message::Parts(parts) => return parts.iter().try_for_each(|one| self.part(one)),
             Message::Profile(texts) => drop(Self::profile(texts)?),
             Message::Matrix(_) => drop(matrix.map(|bytes| self.matrix(bytes)).transpose()?),
             Message::Touches(_) | Message::Event(_) => return Ok(()),

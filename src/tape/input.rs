@@ -7,13 +7,12 @@ use crate::profile::{Profile, Source, Texts};
 use crate::session::{LostFrames, Message, NamedText, ProfileTexts, TimeOnly};
 use crate::types::Nanos;
 
-/// The message of an input; `None` for a matrix, which is an attachment, and for a part: only files are read in parts, and
-/// playing a file in parts records nothing.
+/// The message of an input; `None` for a matrix, which is an attachment.
 #[must_use]
 pub fn message_from_input(input: &Input) -> Option<Message> {
     Some(match input {
         Input::Frame(frame) => Message::Frames(vec![frame.clone()]),
-        Input::Part(_) => return None,
+        Input::Part(part) => Message::Parts(vec![part.clone()]),
         Input::Control(control) => Message::Control(*control),
         Input::Tick { due_ns } => Message::Tick(TimeOnly { t_ns: *due_ns }),
         Input::Profile { t_ns, profile } => Message::Profile(profile_texts(profile, *t_ns)),

@@ -15,4 +15,4 @@ pub use error::PlayerError;
 pub use input::{message_from_input, profile_texts, texts_from_message};
 pub use player::{RecordedItem, RecordingPlayer};
 pub use restore::ReplayCheck;
-pub use session_writer::SessionWriter;
+pub use session_writer::{RecordedTouches, SessionWriter};

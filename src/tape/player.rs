@@ -10,7 +10,7 @@ use super::error::{PlayerError, invalid};
 use crate::engine::Input;
 use crate::session::{Message, Reader, Setup, Touches};
 use crate::touch::Sensing;
-use crate::types::{Event, Frame, Nanos};
+use crate::types::{Event, Frame, Nanos, Part};
 
 /// The next item of a recording.
 #[derive(Clone, Debug)]
@@ -32,6 +32,7 @@ pub enum RecordedItem {
 pub struct RecordingPlayer<R> {
     reader: Reader<R>,
     frames: VecDeque<Frame>,
+    parts: VecDeque<Part>,
     checks: InputChecks,
 }
 
@@ -58,6 +59,7 @@ impl<R: Read + Seek> RecordingPlayer<R> {
         let player = Self {
             reader,
             frames: VecDeque::new(),
+            parts: VecDeque::new(),
             checks: InputChecks::new(&config.pad, config.table.as_ref()),
         };
         Ok((player, config))
@@ -72,12 +74,20 @@ impl<R: Read + Seek> RecordingPlayer<R> {
         if let Some(frame) = self.frames.pop_front() {
             return self.check_frame(frame).map(Some);
         }
+        if let Some(part) = self.parts.pop_front() {
+            self.checks.part(&part)?;
+            return Ok(Some(RecordedItem::Input(Input::Part(part))));
+        }
         let Some(message) = self.reader.next()? else {
             return Ok(None);
         };
         let input = match message {
             Message::Frames(frames) => {
                 self.frames = frames.into();
+                return self.next();
+            }
+            Message::Parts(parts) => {
+                self.parts = parts.into();
                 return self.next();
             }
             Message::Control(control) => Input::Control(control),

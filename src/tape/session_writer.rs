@@ -7,10 +7,37 @@ use crate::engine::Input;
 use crate::session::{Gap, Message, Setup, Touches, WriteError, Writer};
 use crate::types::{Event, Touch};
 
+/// Decides after which inputs touches are recorded: after each frame while there are any, and once when the last has lifted;
+/// after a part of a frame only if it has changed them.
+#[derive(Clone, Debug, Default)]
+pub struct RecordedTouches {
+    had_touches: bool,
+    /// Check sum of the last ones.
+    last_sum: u32,
+}
+
+impl RecordedTouches {
+    /// The touches to record after an input.
+    pub fn after(&mut self, input: &Input, down: &[Touch]) -> Option<Touches> {
+        let (t_ns, is_part) = match input {
+            Input::Frame(frame) => (frame.t_ns, false),
+            Input::Part(part) => (part.t_ns, true),
+            _ => return None,
+        };
+        let had_touches = std::mem::replace(&mut self.had_touches, !down.is_empty());
+        if down.is_empty() && !had_touches {
+            return None;
+        }
+        let recorded = Touches::from_touches(t_ns, down);
+        let has_changed = std::mem::replace(&mut self.last_sum, recorded.sum) != recorded.sum;
+        (has_changed || !is_part).then_some(recorded)
+    }
+}
+
 /// Records a session.
 pub struct SessionWriter<W: Write + Seek> {
     writer: Writer<W>,
-    had_touches: bool,
+    recorded_touches: RecordedTouches,
 }
 
 impl<W: Write + Seek> SessionWriter<W> {
@@ -21,7 +48,7 @@ impl<W: Write + Seek> SessionWriter<W> {
     pub fn live(file: W, setup: &Setup) -> Result<Self, WriteError> {
         Ok(Self {
             writer: Writer::live(file, setup)?,
-            had_touches: false,
+            recorded_touches: RecordedTouches::default(),
         })
     }
 
@@ -32,7 +59,7 @@ impl<W: Write + Seek> SessionWriter<W> {
     pub fn packed(file: W, setup: &Setup) -> Result<Self, WriteError> {
         Ok(Self {
             writer: Writer::packed(file, setup)?,
-            had_touches: false,
+            recorded_touches: RecordedTouches::default(),
         })
     }
 
@@ -54,12 +81,8 @@ impl<W: Write + Seek> SessionWriter<W> {
         for event in events {
             self.writer.write(&Message::Event(*event))?;
         }
-        if let Input::Frame(frame) = input {
-            if self.had_touches || !touches.is_empty() {
-                let recorded = Touches::from_touches(frame.t_ns, touches);
-                self.writer.write(&Message::Touches(recorded))?;
-            }
-            self.had_touches = !touches.is_empty();
+        if let Some(recorded) = self.recorded_touches.after(input, touches) {
+            self.writer.write(&Message::Touches(recorded))?;
         }
         Ok(())
     }

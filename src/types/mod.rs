@@ -21,7 +21,7 @@ pub use colour::heat_colour;
 pub use control::{Buttons, Control, GamepadPart};
 pub use diagnostic::{Diagnostic, SourceErrors};
 pub use event::{Action, Event, Output};
-pub use frame::{Frame, Part};
+pub use frame::{Frame, FrameAssembler, Part};
 pub use image::{Image, PixelGrid};
 pub use keys::Key;
 pub use method::Method;

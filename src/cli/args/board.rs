@@ -37,6 +37,7 @@ Examples:
   gelpad device --port ./board --format openeit --pad openeit-lattice
   gelpad play --pad openeit-lattice --source serial:./board --output trace      (in another terminal)
   gelpad device --port ./board --format gelpad --rate 500 --lose-bytes 1 --flip-bits 0.1
+  gelpad device --port ./board --format openeit --pad openeit-lattice --baud 115200 --rate 0
   gelpad device --port ./board --format lines:rotated --pause 5,800 --hang-up 20,1500 --lose-electrode 5@10
 
 The board reads the simulated pad, pressed by a touch script (default: the level) that repeats.")]
@@ -65,6 +66,15 @@ pub(in crate::cli) struct DeviceArgs {
     /// Send integer counts of a converter instead of volts (gelpad)
     #[arg(long)]
     pub counts: bool,
+    /// Send the readings of each drive as a packet of their own (gelpad)
+    #[arg(long)]
+    pub by_drive: bool,
+    /// Read each frame at one moment, instead of one drive after another
+    #[arg(long)]
+    pub moments: bool,
+    /// Speed of the serial line, baud: bytes take their time [default: as fast as USB]
+    #[arg(long, value_name = "BAUD", value_parser = clap::value_parser!(u32).range(300..))]
+    pub baud: Option<u32>,
     /// Print no menu at reset (openeit)
     #[arg(long)]
     pub no_menu: bool,

@@ -72,6 +72,9 @@ pub(in crate::cli) struct PlayArgs {
     /// Signal-to-noise ratio of the simulated pad, dB
     #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
     pub snr: f64,
+    /// Read the drives of the simulated pad one after another, HZ frames a second, as slow boards do [default: all at once, 100]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["disturb", "slim"])]
+    pub in_turn: Option<u32>,
     /// Disturb the readings as a real board would, such as adc:12,spikes:0.3 (`gelpad accuracy --help` lists the names)
     #[arg(long, value_name = "NAME[:VALUE],...", value_delimiter = ',')]
     pub disturb: Vec<Disturbance>,
@@ -98,6 +101,7 @@ impl PlayArgs {
                 snr_db: self.snr,
                 seed: self.seed,
             },
+            in_turn_hz: self.in_turn,
             disturbances: self.disturb.clone(),
             // A demonstration must not type into the window that has the focus.
             output: match self.output {

@@ -127,7 +127,9 @@ fn ask(
             SourceReading::Skipped { reason, .. } => {
                 tracing::warn!("skipped an unreadable frame: {reason}")
             }
-            SourceReading::Control(_)
+            // Boards are read frame by frame here.
+            SourceReading::Part(_)
+            | SourceReading::Control(_)
             | SourceReading::Disconnected { .. }
             | SourceReading::Idle => {}
             SourceReading::End => break,

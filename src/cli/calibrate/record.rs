@@ -59,7 +59,8 @@ pub(super) fn record(
                 tracing::warn!("skipped data that is not a frame: {reason}")
             }
             SourceReading::Disconnected { reason } => tracing::warn!("{reason}"),
-            SourceReading::Control(_) | SourceReading::Idle => {}
+            // Boards are read frame by frame here.
+            SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
             SourceReading::End if presser == Presser::Script => bail!(
                 "{index} presses were detected for {} places, and it is unknown which are missing\n  help: press harder or longer, or give the number of presses in the file with --points",
                 places.len()

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use crate::engine::Input;
-use crate::session::{Touches, touches_sum};
+use crate::session::Touches;
+use crate::tape::RecordedTouches;
 use crate::types::{Event, Nanos, Touch};
 
 /// Items by which recording and replay may be apart: at most a compressed block and its results.
@@ -14,7 +15,7 @@ const MAX_LAG: usize = 1 << 16;
 pub(super) struct Verify {
     events: Comparison<String>,
     touches: Comparison<(Nanos, u32)>,
-    had_touches: bool,
+    recorded: RecordedTouches,
 }
 
 impl Verify {
@@ -23,11 +24,8 @@ impl Verify {
         for event in events {
             self.events.add_replayed(exact_text(event));
         }
-        if let Input::Frame(frame) = input {
-            if self.had_touches || !down.is_empty() {
-                self.touches.add_replayed((frame.t_ns, touches_sum(down)));
-            }
-            self.had_touches = !down.is_empty();
+        if let Some(touches) = self.recorded.after(input, down) {
+            self.touches.add_replayed((touches.t_ns, touches.sum));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The engine's thread: feeds every input in order, sends events to the output and views to the window.
 
 mod publish;
+mod readings;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -9,7 +10,6 @@ use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, Producer, PushError};
 
-use crate::eit::REFERENCE_FRAMES;
 use crate::engine::{Engine, Input};
 use crate::runtime::latency::{EngineTimes, OutputStatistics};
 use crate::runtime::listen::{EngineStep, StepListener};
@@ -21,10 +21,12 @@ use crate::runtime::{
 };
 use crate::source::SourcePace;
 use crate::touch::{Sensing, SensingBuilder};
-use crate::types::{Control, Event, Frame, Nanos};
+use crate::types::{Control, Event, Nanos};
 
 /// A board that sends no frame for this long is silent: all outputs are released until it sends again.
 const SILENCE: Duration = Duration::from_millis(500);
+/// The same for a board that stops within a frame whose parts arrive one after another.
+const SILENCE_IN_FRAME: Duration = Duration::from_millis(250);
 /// The same for gamepads. They have no loose cable, and a busy computer may read them late.
 const GAMEPAD_SILENCE: Duration = Duration::from_secs(2);
 /// Events that a view keeps for its log.
@@ -70,7 +72,9 @@ pub(in crate::runtime) struct EngineThread {
     /// Steps from one frame to the next, and their time, without the time in which the board was away.
     steps: u64,
     played_ns: Nanos,
-    /// Time and arrival of the last frame: they tie the source's time to the clock.
+    /// Time of the last complete frame.
+    last_end_ns: Option<Nanos>,
+    /// Time and arrival of the last frame or part: they tie the source's time to the clock.
     last_frame: Option<(Nanos, Instant)>,
     /// When the current second of the frame rate began, and the frames until then.
     second: Option<(Instant, u64)>,
@@ -105,6 +109,7 @@ impl EngineThread {
             logged_renumberings: 0,
             steps: 0,
             played_ns: 0,
+            last_end_ns: None,
             last_frame: None,
             second: None,
         }
@@ -117,6 +122,7 @@ impl EngineThread {
             if let Ok(Arrival { input, at }) = self.queues.frames.pop() {
                 match input {
                     SourceInput::Frame(frame) => self.take_frame(frame, at),
+                    SourceInput::Part(part) => self.take_part(part, at),
                     SourceInput::Control(control) => self.take_control(&control, at),
                 }
             } else if self.queues.frames.is_abandoned() && self.queues.frames.is_empty() {
@@ -183,53 +189,6 @@ impl EngineThread {
         // No touches are located.
         self.times.record(at, taken, taken);
         self.publish();
-    }
-
-    fn take_frame(&mut self, frame: Frame, at: Instant) {
-        if self.is_silent {
-            self.is_silent = false;
-            tracing::warn!("the board sends frames again");
-        }
-        self.count_time(frame.t_ns);
-        self.last_frame = Some((frame.t_ns, at));
-        self.view.t_ns = frame.t_ns;
-        self.view.frames += 1;
-        self.view.signals.volts.clone_from(&frame.volts);
-        let taken = now();
-        let mut placed = taken;
-        self.input_timed(&Input::Frame(frame), Some(at), &mut || placed = now());
-        self.times.record(at, taken, placed);
-        self.measure_rate(at);
-        self.publish();
-        let retaken = self.engine.references_retaken();
-        if retaken > self.logged_retakes {
-            self.logged_retakes = retaken;
-            tracing::warn!(
-                "the reference was taken again: a hand rested on the pad, or has left it"
-            );
-        }
-        let (numbering, renumbered) = self.engine.board_numbering();
-        if renumbered > self.logged_renumberings {
-            self.logged_renumberings = renumbered;
-            tracing::warn!(
-                "the board was plugged in another way: it now counts {numbering}; play goes on"
-            );
-        }
-        let hangs = self.engine.hangs();
-        if hangs > self.logged_hangs {
-            self.logged_hangs = hangs;
-            tracing::warn!(
-                "the board repeats one frame: keys are released until it sends another; if it stays so, reset the board"
-            );
-        }
-        if self.view.frames == REFERENCE_FRAMES as u64 {
-            let muted = self.engine.muted_channels();
-            if !muted.is_empty() {
-                tracing::warn!("channels dead or loose at the start are excluded: {muted:?}");
-            }
-        }
-        self.log_electrodes();
-        self.rebuild();
     }
 
     /// Requests the matrix that the engine wants, and feeds a finished one.

@@ -22,7 +22,7 @@ impl EngineThread {
 
     /// Counts the time from the last frame to one at `t_ns`; a longer silence is no part of the frame rate.
     pub(super) fn count_time(&mut self, t_ns: Nanos) {
-        if let Some((last_ns, _)) = self.last_frame
+        if let Some(last_ns) = self.last_end_ns.replace(t_ns)
             && let Some(step_ns) = t_ns.checked_sub(last_ns)
             && step_ns <= LONGEST_STEP_NS
         {

@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::BoardSettings;
+use super::{BoardSettings, FramePiece};
 use crate::pad::{Channel, Pair, Protocol};
 use crate::source::wire::{WireFormat, Wiring, gelpad, lines, openeit, request, sciospec, square};
 
@@ -157,39 +157,76 @@ impl Firmware {
         answers
     }
 
-    pub(super) fn frame(&mut self, time_us: u64, values: &[f32]) -> Vec<u8> {
+    /// The pieces of a frame that is read from one time to another. Text is printed while the frame is read.
+    pub(super) fn frame(&mut self, from_us: u64, to_us: u64, values: &[f32]) -> Vec<FramePiece> {
         self.requests = self.requests.saturating_sub(1);
         let sequence = self.sequence;
         self.sequence = self.sequence.wrapping_add(1);
         let scaled =
             |scale: f32| -> Vec<f32> { values.iter().map(|value| scale * value).collect() };
+        let printed = |bytes: Vec<u8>| {
+            vec![FramePiece {
+                bytes,
+                ready: [0.0, 1.0],
+            }]
+        };
         match self.settings.kind {
             WireFormat::OpenEit => {
                 let magnitudes: Vec<f32> =
                     scaled(TEXT_SCALE).iter().map(|value| value.abs()).collect();
-                openeit::encode(&magnitudes).into_bytes()
+                printed(openeit::encode(&magnitudes).into_bytes())
             }
-            WireFormat::Square => square::encode(&scaled(TEXT_SCALE)).into_bytes(),
-            WireFormat::Request => request::encode(&scaled(TEXT_SCALE)).into_bytes(),
-            WireFormat::Lines => lines::encode(values, self.settings.complex).into_bytes(),
-            WireFormat::Gelpad if self.settings.counts => gelpad::encode(
-                gelpad::Values::I32,
-                sequence,
-                time_us as u32,
-                &scaled(COUNTS_SCALE),
-            ),
+            WireFormat::Square => printed(square::encode(&scaled(TEXT_SCALE)).into_bytes()),
+            WireFormat::Request => printed(request::encode(&scaled(TEXT_SCALE)).into_bytes()),
+            WireFormat::Lines => printed(lines::encode(values, self.settings.complex).into_bytes()),
+            WireFormat::Gelpad if self.settings.counts => {
+                let counts = scaled(COUNTS_SCALE);
+                self.packets(gelpad::Values::I32, sequence, [from_us, to_us], &counts)
+            }
             WireFormat::Gelpad => {
-                gelpad::encode(gelpad::Values::F32, sequence, time_us as u32, values)
+                self.packets(gelpad::Values::F32, sequence, [from_us, to_us], values)
             }
-            WireFormat::Sciospec => self.rows((time_us / 1000) as u32, &scaled(INSTRUMENT_SCALE)),
+            WireFormat::Sciospec => self.rows([from_us, to_us], &scaled(INSTRUMENT_SCALE)),
         }
     }
 
+    /// One packet, or one for each drive.
+    fn packets(
+        &self,
+        kind: gelpad::Values,
+        sequence: u32,
+        [from_us, to_us]: [u64; 2],
+        values: &[f32],
+    ) -> Vec<FramePiece> {
+        if !self.settings.by_drive {
+            return vec![FramePiece {
+                bytes: gelpad::encode(kind, sequence, to_us as u32, values),
+                ready: [1.0; 2],
+            }];
+        }
+        let drives = self.wiring.drives.len();
+        let start = |drive: usize| values.len() * drive / drives;
+        (0..drives)
+            .map(|drive| {
+                let share = (drive + 1) as f64 / drives as f64;
+                let time_us = from_us + (share * (to_us - from_us) as f64) as u64;
+                let part = start(drive)..start(drive + 1);
+                FramePiece {
+                    bytes: gelpad::encode_part(kind, sequence, time_us as u32, values, part),
+                    ready: [share; 2],
+                }
+            })
+            .collect()
+    }
+
     /// Potentials whose differences are the values; where no value links a potential to its neighbour, it starts at zero.
-    fn rows(&self, ms: u32, values: &[f32]) -> Vec<u8> {
+    fn rows(&self, [from_us, to_us]: [u64; 2], values: &[f32]) -> Vec<FramePiece> {
         let electrodes = self.wiring.electrodes;
-        let mut rows = Vec::new();
-        for drive in &self.wiring.drives {
+        let mut pieces = Vec::new();
+        let count = self.wiring.drives.len();
+        for (index, drive) in self.wiring.drives.iter().enumerate() {
+            let share = (index + 1) as f64 / count as f64;
+            let ms = ((from_us as f64 + share * (to_us - from_us) as f64) / 1000.0) as u32;
             let value = |measure: Pair| {
                 let wanted = Channel {
                     drive: *drive,
@@ -211,10 +248,14 @@ impl Firmware {
                     potentials[measure.1] = potentials[measure.0] + difference;
                 }
             }
-            for (group, potentials) in potentials.chunks(GROUP).enumerate() {
-                rows.extend(sciospec::encode_row(group, *drive, ms, potentials));
-            }
+            let rows = potentials.chunks(GROUP).enumerate();
+            pieces.push(FramePiece {
+                bytes: rows
+                    .flat_map(|(group, row)| sciospec::encode_row(group, *drive, ms, row))
+                    .collect(),
+                ready: [share; 2],
+            });
         }
-        rows
+        pieces
     }
 }

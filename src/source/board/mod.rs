@@ -6,6 +6,8 @@
 mod faults;
 mod firmware;
 #[cfg(unix)]
+mod line;
+#[cfg(unix)]
 mod pty;
 #[cfg(unix)]
 mod serve;
@@ -38,6 +40,8 @@ pub struct BoardSettings {
     pub flipped: bool,
     /// Whether values are counts of a converter (format `gelpad`).
     pub counts: bool,
+    /// Whether the readings of each drive are a packet of their own (format `gelpad`).
+    pub by_drive: bool,
     /// Whether it prints a menu at reset and waits for a choice (format `openeit`).
     pub menu: bool,
     /// Number of random bytes that it sends first after a reset.
@@ -57,6 +61,7 @@ impl BoardSettings {
             rotated: false,
             flipped: false,
             counts: false,
+            by_drive: false,
             menu: kind == WireFormat::OpenEit,
             boot_noise: 20,
             seed: 1,
@@ -147,13 +152,29 @@ impl Board {
 
     /// The bytes of a frame. `volts` are the pad's voltages, V/A; `time_us` is the time of the board's clock.
     pub fn frame(&mut self, time_us: u64, volts: &[f32]) -> Vec<u8> {
+        let pieces = self.frame_pieces(time_us, time_us, volts);
+        pieces.into_iter().flat_map(|piece| piece.bytes).collect()
+    }
+
+    /// The bytes of a frame that is read drive after drive from one time of the board's clock to another, in the pieces in which
+    /// they are sent.
+    pub fn frame_pieces(&mut self, from_us: u64, to_us: u64, volts: &[f32]) -> Vec<FramePiece> {
         let values: Vec<f32> = self
             .places
             .iter()
             .map(|place| place.map_or(0.0, |(channel, sign)| sign * volts[channel]))
             .collect();
-        self.firmware.frame(time_us, &values)
+        self.firmware.frame(from_us, to_us, &values)
     }
+}
+
+/// Bytes of a frame that are sent together, or while they are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FramePiece {
+    /// The bytes.
+    pub bytes: Vec<u8>,
+    /// When the first and the last of them are ready, as shares of the time in which the frame is read.
+    pub ready: [f64; 2],
 }
 
 /// The pad's channels in the order of a layout; a missing reading is replaced by its reciprocal twin.

@@ -3,8 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use super::line::Outgoing;
 use super::{Board, BoardSignal, CableFaults, FaultyCable, Pty, RepeatedFault};
 use crate::source::SIMULATED_FRAME_NS;
 use crate::source::clock::now;
@@ -20,6 +21,10 @@ pub struct ServePlan {
     pub link: Option<PathBuf>,
     /// Frames a second; none: as many as the host reads.
     pub frames_per_s: Option<f64>,
+    /// Whether a frame is read drive after drive until the next one begins, as boards do; else at one moment. Only with a rate.
+    pub in_turn: bool,
+    /// Speed of the serial line, baud: ten bits a byte. None: bytes take no time.
+    pub baud: Option<u32>,
     /// Number of frames after which serving ends; none: when it is stopped.
     pub frames: Option<u64>,
     /// Faults of the cable.
@@ -66,6 +71,8 @@ pub fn serve(
         board,
         plan,
         stop,
+        outgoing: Outgoing::new(None, now()),
+        frame_bytes: 0,
     };
     on_message(&format!("port {}", server.pty.path().display()));
     while !server.is_over() {
@@ -95,6 +102,9 @@ struct Server<'a> {
     board: Board,
     plan: ServePlan,
     stop: &'a AtomicBool,
+    outgoing: Outgoing,
+    /// Bytes of the last frame.
+    frame_bytes: usize,
 }
 
 impl Server<'_> {
@@ -103,18 +113,15 @@ impl Server<'_> {
             .plan
             .frames
             .is_some_and(|frames| self.report.frames >= frames);
-        has_all || self.stop.load(Ordering::Relaxed)
+        (has_all && self.outgoing.is_empty()) || self.stop.load(Ordering::Relaxed)
     }
 
     /// Serves from the opening of the port to its closing; returns why it ended.
     fn session(&mut self, signal: &mut BoardSignal) -> io::Result<&'static str> {
         let start = now();
         let boot = self.board.reset();
+        self.outgoing = Outgoing::new(self.plan.baud, start);
         self.send(&boot)?;
-        let period = self
-            .plan
-            .frames_per_s
-            .map(|rate| Duration::from_secs_f64(1.0 / rate));
         let mut due = start;
         let mut free_us = 0;
         let pause = FaultTimer(self.plan.faults.pause);
@@ -135,16 +142,25 @@ impl Server<'_> {
             if self.report.frames.is_multiple_of(16) && !self.pty.is_open() {
                 return Ok("closed");
             }
-            let is_due = period.is_none() || now() >= due;
-            if is_due && self.board.is_sending() && !pause.is_on(elapsed) {
-                let time_us = match period {
+            let is_paused = pause.is_on(elapsed);
+            if !is_paused && let Some(bytes) = self.outgoing.take_due(now()) {
+                self.send(&bytes)?;
+                continue;
+            }
+            let span = self.frame_span();
+            let is_due = span.is_none() || now() >= due;
+            let is_free = self.outgoing.is_empty() && !self.has_all_frames();
+            if is_due && is_free && self.board.is_sending() && !is_paused {
+                due = due.max(self.outgoing.busy_until());
+                let from_us = match span {
                     Some(_) => due.duration_since(start).as_micros() as u64,
                     None => free_us,
                 };
                 free_us += FREE_STEP_US;
-                self.frame(signal, time_us, between.is_on(elapsed))?;
+                self.begin_frame(signal, (due, from_us), span, between.is_on(elapsed));
             } else {
-                let left = due.saturating_duration_since(now());
+                let next = self.outgoing.next_due().filter(|_| !is_paused);
+                let left = next.unwrap_or(due).saturating_duration_since(now());
                 self.pty.wait(if left.is_zero() {
                     NAP / 10
                 } else {
@@ -154,29 +170,61 @@ impl Server<'_> {
                     return Ok("closed");
                 }
             }
-            if let Some(period) = period
+            if let Some(span) = span
                 && is_due
+                && (is_free || is_paused)
             {
-                due += period;
+                due += span;
             }
         }
         Ok("done")
     }
 
-    fn frame(
+    fn has_all_frames(&self) -> bool {
+        self.plan
+            .frames
+            .is_some_and(|frames| self.report.frames >= frames)
+    }
+
+    /// Time from frame to frame: that of the rate, or that of the line if it is longer. None: as fast as the host reads.
+    fn frame_span(&self) -> Option<Duration> {
+        let line = self.outgoing.time_of(self.frame_bytes);
+        let period = self
+            .plan
+            .frames_per_s
+            .map(|rate| Duration::from_secs_f64(1.0 / rate));
+        match period {
+            Some(period) => Some(period.max(line)),
+            None => (!line.is_zero()).then_some(line),
+        }
+    }
+
+    /// Reads a frame that begins at a time, and queues its bytes.
+    fn begin_frame(
         &mut self,
         signal: &mut BoardSignal,
-        time_us: u64,
+        (due, from_us): (Instant, u64),
+        span: Option<Duration>,
         is_between: bool,
-    ) -> io::Result<()> {
-        let volts = signal.read(1000 * time_us);
+    ) {
+        let in_turn = span.filter(|_| self.plan.in_turn);
+        let span = in_turn.unwrap_or_default();
+        let to_us = from_us + span.as_micros() as u64;
+        let volts = match in_turn {
+            Some(_) => signal.read_in_turn(1000 * from_us, 1000 * to_us),
+            None => signal.read(1000 * from_us),
+        };
         let board = match &mut self.plan.other_board {
             Some((other, _)) if is_between => other,
             _ => &mut self.board,
         };
-        let bytes = self.cable.carry(board.frame(time_us, &volts));
+        self.frame_bytes = 0;
+        for piece in board.frame_pieces(from_us, to_us, &volts) {
+            self.frame_bytes += piece.bytes.len();
+            let ready = piece.ready.map(|share| due + span.mul_f64(share));
+            self.outgoing.add(self.cable.carry(piece.bytes), ready);
+        }
         self.report.frames += 1;
-        self.send(&bytes)
     }
 
     /// Sends all bytes; waits for room as long as a host has the port open.

@@ -23,6 +23,8 @@ pub struct LostElectrode {
 /// The pad's voltages over time.
 pub struct BoardSignal {
     pad: SimulatedSource,
+    /// First channel of each drive, and the end of the last.
+    drives: Vec<usize>,
     noise: Noise,
     drift_per_min: f64,
     lost: Option<LostElectrode>,
@@ -56,6 +58,7 @@ impl BoardSignal {
         };
         Ok(Self {
             pad: SimulatedSource::new(pad, script, Noise::new(snr_db, seed))?,
+            drives: pad.protocol.drive_bounds(),
             noise: Noise::new(snr_db, seed),
             drift_per_min,
             lost,
@@ -64,12 +67,29 @@ impl BoardSignal {
         })
     }
 
-    /// One noisy reading of the pad at a time.
+    /// One noisy reading of the whole pad at a moment.
     pub fn read(&mut self, t_ns: Nanos) -> Vec<f32> {
+        let script_ns = t_ns % (self.pad.end_ns() + 1);
+        let volts = self.noise.read(self.pad.volts_at(script_ns));
+        self.disturb(volts, t_ns)
+    }
+
+    /// One noisy reading of the pad, drive after drive from one time to another: the last drive is read at the end.
+    pub fn read_in_turn(&mut self, from_ns: Nanos, to_ns: Nanos) -> Vec<f32> {
+        let count = self.drives.len() as Nanos - 1;
+        let span_ns = to_ns.saturating_sub(from_ns);
+        let mut volts = Vec::new();
+        for (drive, span) in (1..).zip(self.drives.windows(2)) {
+            let t_ns = from_ns + span_ns * drive / count;
+            let script_ns = t_ns % (self.pad.end_ns() + 1);
+            volts.extend_from_slice(&self.pad.volts_at(script_ns)[span[0]..span[1]]);
+        }
+        let volts = self.noise.read(&volts);
+        self.disturb(volts, to_ns)
+    }
+
+    fn disturb(&mut self, mut volts: Vec<f32>, t_ns: Nanos) -> Vec<f32> {
         let gain = 1.0 + self.drift_per_min * t_ns as f64 / MINUTE_NS;
-        let mut volts = self
-            .noise
-            .read(self.pad.volts_at(t_ns % (self.pad.end_ns() + 1)));
         for volt in &mut volts {
             *volt *= gain as f32;
         }

@@ -133,6 +133,8 @@ impl PortReport {
         for one in decoded {
             match one {
                 Decoded::Frame(frame) => self.take_frame(now_ns, frame),
+                // Their frame follows.
+                Decoded::Readings(_) => {}
                 // Opening the port cuts the first frame.
                 Decoded::Garbled { .. } if self.frames == 0 && self.kind.is_some() => {}
                 Decoded::Garbled { reason, bytes } => {

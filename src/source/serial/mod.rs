@@ -146,6 +146,10 @@ impl Source for SerialSource {
         SourcePace::ByDevice
     }
 
+    fn read_in_parts(&mut self) {
+        self.intake.hand_on_parts();
+    }
+
     fn read(&mut self) -> Result<SourceReading, SourceError> {
         if self.readings.is_empty() {
             match self.device.take() {

@@ -37,6 +37,7 @@ pub struct Auto {
     tried: usize,
     announced: bool,
     given_up: bool,
+    hands_up: bool,
     notes: Vec<String>,
 }
 
@@ -89,6 +90,7 @@ impl Auto {
             tried: 0,
             announced: false,
             given_up: false,
+            hands_up: false,
             notes: Vec::new(),
         }
     }
@@ -96,7 +98,11 @@ impl Auto {
     fn restart(&mut self, now_ns: Nanos) {
         let wiring = self.wiring.clone();
         let notes = std::mem::take(&mut self.notes);
+        let hands_up = self.hands_up;
         *self = Self::new(wiring);
+        if hands_up {
+            self.hand_up_readings();
+        }
         self.notes = notes;
         self.since_ns = now_ns;
         self.frame_ns = now_ns;
@@ -158,6 +164,16 @@ impl Dialect for Auto {
             }
         }
         decoded.extend(self.notes.drain(..).map(Decoded::Note));
+    }
+
+    fn hand_up_readings(&mut self) {
+        self.hands_up = true;
+        for candidate in &mut self.candidates {
+            candidate.dialect.hand_up_readings();
+        }
+        if let Some(chosen_dialect) = &mut self.chosen_dialect {
+            chosen_dialect.hand_up_readings();
+        }
     }
 
     fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {

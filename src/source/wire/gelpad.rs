@@ -10,20 +10,29 @@
 //! 12      n values of 4 bytes
 //! ..  u32 CRC-32 (ISO-HDLC, as of zlib) of all before
 //! ```
+//! A packet of version 2 holds some of a frame's values, those of a drive for instance, sent as soon as they are read: after the
+//! time come the place of the first value in the frame and the frame's number of values, both u16, and then the n values.
+//!
 //! All numbers are little-endian. A packet with a wrong check sum is never a frame; decoding restarts after
 //! the next zero byte.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
-use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, Stamp, WireFormat, WireFrame};
+use super::partial::{PartPacket, PartialFrame};
+use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, Readings, Stamp, WireFormat, WireFrame};
 use crate::types::Nanos;
 
-/// Version of the format.
+/// Version of a packet that holds a frame, ...
 const VERSION: u8 = 1;
+/// ... and of one that holds a part of it.
+const PART_VERSION: u8 = 2;
 const HEAD_BYTES: usize = 12;
+/// Bytes after the head in a packet of version 2: first value and number of values of the frame.
+const PART_HEAD_BYTES: usize = 4;
 const SUM_BYTES: usize = 4;
 /// The longest encoded packet: one more byte for every 254.
-const LONGEST_PACKET: usize = cobs::max_encoding_length(HEAD_BYTES + 4 * MOST_VALUES + SUM_BYTES);
+const LONGEST_PACKET: usize =
+    cobs::max_encoding_length(HEAD_BYTES + PART_HEAD_BYTES + 4 * MOST_VALUES + SUM_BYTES);
 /// The board's clock counts microseconds.
 const TICK_NS: u32 = 1000;
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -42,30 +51,60 @@ pub enum Values {
 pub struct Gelpad {
     packet: Vec<u8>,
     overlong: bool,
+    /// The frame that arrives in parts.
+    partial: PartialFrame,
+    hands_up: bool,
+}
+
+/// What a packet holds.
+enum Packet {
+    Frame(WireFrame),
+    Part(PartPacket),
 }
 
 impl Gelpad {
-    fn end_packet(&mut self) -> Option<Decoded> {
+    fn end_packet(&mut self, decoded: &mut Vec<Decoded>) {
         if self.overlong {
             let reason =
                 "a packet without an end: is this gelpad's format, and is the baud rate right?";
-            return Some(Decoded::garbled(reason, &self.packet));
+            decoded.push(Decoded::garbled(reason, &self.packet));
+            return;
         }
         // Zeros between packets have no meaning.
         if self.packet.is_empty() {
-            return None;
+            return;
         }
         // Decoding works in place, so the first bytes are copied to be shown.
         let mut start = [0; super::SHOWN_BYTES];
         let shown_len = self.packet.len().min(start.len());
         start[..shown_len].copy_from_slice(&self.packet[..shown_len]);
-        let decoded = cobs::decode_in_place(&mut self.packet)
+        let packet = cobs::decode_in_place(&mut self.packet)
             .map_err(|_| "a packet with wrong stuffing: bytes were lost".to_owned())
             .and_then(|length| parse_packet(&self.packet[..length]));
-        Some(match decoded {
-            Ok(frame) => Decoded::Frame(frame),
-            Err(reason) => Decoded::garbled(reason, &start[..shown_len]),
-        })
+        let shown = &start[..shown_len];
+        match packet {
+            Ok(Packet::Frame(frame)) => decoded.push(Decoded::Frame(frame)),
+            Ok(Packet::Part(part)) => self.add_part(part, shown, decoded),
+            Err(reason) => decoded.push(Decoded::garbled(reason, shown)),
+        }
+    }
+
+    /// Adds a part to its frame.
+    fn add_part(&mut self, part: PartPacket, shown: &[u8], decoded: &mut Vec<Decoded>) {
+        let readings = self.hands_up.then(|| Readings {
+            first: part.first,
+            values: part.values.clone(),
+            sequence: Some(part.sequence),
+            stamp: Some(part.stamp),
+        });
+        let added = self.partial.add(part);
+        if let Some(reason) = added.problem {
+            decoded.push(Decoded::garbled(reason, shown));
+        }
+        if added.is_next {
+            decoded.extend(readings.map(Decoded::Readings));
+        }
+        decoded.extend(added.frame.map(Decoded::Frame));
     }
 }
 
@@ -80,20 +119,25 @@ impl Dialect for Gelpad {
             self.overlong |= body.len() > room;
             self.packet.extend_from_slice(&body[..body.len().min(room)]);
             if ends {
-                decoded.extend(self.end_packet());
+                self.end_packet(decoded);
                 self.packet.clear();
                 self.overlong = false;
             }
         }
     }
 
+    fn hand_up_readings(&mut self) {
+        self.hands_up = true;
+    }
+
     fn reopened(&mut self) {
         self.packet.clear();
         self.overlong = false;
+        self.partial = PartialFrame::default();
     }
 
     fn held_bytes(&self) -> usize {
-        self.packet.len()
+        self.packet.len() + self.partial.held_bytes()
     }
 
     fn kind(&self) -> Option<WireFormat> {
@@ -101,34 +145,65 @@ impl Dialect for Gelpad {
     }
 }
 
-/// The frame of a packet, or why it is none.
-fn parse_packet(packet: &[u8]) -> Result<WireFrame, String> {
-    let Some((body, sum)) = packet.split_last_chunk::<SUM_BYTES>() else {
-        return Err(format!("a packet of {} bytes", packet.len()));
-    };
+/// What a packet holds, or why it is none.
+fn parse_packet(packet: &[u8]) -> Result<Packet, String> {
+    let short = || format!("a packet of {} bytes", packet.len());
+    let (body, sum) = packet.split_last_chunk::<SUM_BYTES>().ok_or_else(short)?;
     if CRC.checksum(body) != u32::from_le_bytes(*sum) {
         return Err(format!(
             "a packet of {} bytes with a wrong check sum",
             packet.len()
         ));
     }
-    let Some((head, values)) = body.split_first_chunk::<HEAD_BYTES>() else {
-        return Err(format!("a packet of {} bytes", packet.len()));
-    };
+    let (head, rest) = body.split_first_chunk::<HEAD_BYTES>().ok_or_else(short)?;
     let [version, kind, c0, c1, s0, s1, s2, s3, t0, t1, t2, t3] = *head;
-    if version != VERSION {
-        return Err(format!(
-            "version {version} of the format; only version {VERSION} is supported: update gelpad"
-        ));
-    }
     let count = usize::from(u16::from_le_bytes([c0, c1]));
-    if values.len() != 4 * count || !(FEWEST_VALUES..=MOST_VALUES).contains(&count) {
+    let sequence = u32::from_le_bytes([s0, s1, s2, s3]);
+    let stamp = Stamp {
+        ticks: u32::from_le_bytes([t0, t1, t2, t3]),
+        tick_ns: TICK_NS,
+    };
+    match version {
+        VERSION => Ok(Packet::Frame(WireFrame {
+            values: parse_values(kind, count, FEWEST_VALUES, rest)?,
+            sequence: Some(sequence),
+            stamp: Some(stamp),
+            listing: None,
+        })),
+        PART_VERSION => {
+            let (place, rest) = rest
+                .split_first_chunk::<PART_HEAD_BYTES>()
+                .ok_or_else(short)?;
+            let [f0, f1, n0, n1] = *place;
+            let [first, total] = [[f0, f1], [n0, n1]].map(|b| usize::from(u16::from_le_bytes(b)));
+            if first + count > total || !(FEWEST_VALUES..=MOST_VALUES).contains(&total) {
+                return Err(format!(
+                    "a packet with {count} values from the place {first} of a frame of {total}"
+                ));
+            }
+            Ok(Packet::Part(PartPacket {
+                first,
+                total,
+                values: parse_values(kind, count, 1, rest)?,
+                sequence,
+                stamp,
+            }))
+        }
+        _ => Err(format!(
+            "version {version} of the format; only versions up to {PART_VERSION} are supported: update gelpad"
+        )),
+    }
+}
+
+/// The values of a packet, at least `fewest`.
+fn parse_values(kind: u8, count: usize, fewest: usize, bytes: &[u8]) -> Result<Vec<f32>, String> {
+    if bytes.len() != 4 * count || !(fewest..=MOST_VALUES).contains(&count) {
         return Err(format!(
             "a packet with {count} values according to its header, but {} bytes of values",
-            values.len()
+            bytes.len()
         ));
     }
-    let words = values.as_chunks::<4>().0.iter();
+    let words = bytes.as_chunks::<4>().0.iter();
     let values: Vec<f32> = match kind {
         1 => words.map(|word| f32::from_le_bytes(*word)).collect(),
         2 => words.map(|word| i32::from_le_bytes(*word) as f32).collect(),
@@ -136,34 +211,54 @@ fn parse_packet(packet: &[u8]) -> Result<WireFrame, String> {
             return Err(format!("values of unknown type {kind}: 1 is f32, 2 is i32"));
         }
     };
-    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-        return Err(format!("value {index} is {}", values[index]));
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(format!("value {index} is {}", values[index])),
+        None => Ok(values),
     }
-    Ok(WireFrame {
-        values,
-        sequence: Some(u32::from_le_bytes([s0, s1, s2, s3])),
-        stamp: Some(Stamp {
-            ticks: u32::from_le_bytes([t0, t1, t2, t3]),
-            tick_ns: TICK_NS,
-        }),
-        listing: None,
-    })
 }
 
-/// A packet as a board sends it, including the closing zero. I32 rounds each value to a whole number.
+/// A packet of a frame as a board sends it, including the closing zero. I32 rounds each value to a whole number.
 #[must_use]
 pub fn encode(kind: Values, sequence: u32, time_us: u32, values: &[f32]) -> Vec<u8> {
-    let mut packet = Vec::with_capacity(HEAD_BYTES + 4 * values.len() + SUM_BYTES);
-    let count = values.len().min(MOST_VALUES);
-    packet.push(VERSION);
+    let values = &values[..values.len().min(MOST_VALUES)];
+    encode_packet(VERSION, kind, (sequence, time_us), &[], values)
+}
+
+/// A packet of the readings `part` of a frame, which were taken at `time_us`.
+///
+/// # Panics
+/// If the frame has no such values.
+#[must_use]
+pub fn encode_part(
+    kind: Values,
+    sequence: u32,
+    time_us: u32,
+    values: &[f32],
+    part: std::ops::Range<usize>,
+) -> Vec<u8> {
+    let place = [part.start, values.len()].map(|n| (n as u16).to_le_bytes());
+    let head = (sequence, time_us);
+    encode_packet(PART_VERSION, kind, head, &place.concat(), &values[part])
+}
+
+fn encode_packet(
+    version: u8,
+    kind: Values,
+    (sequence, time_us): (u32, u32),
+    place: &[u8],
+    values: &[f32],
+) -> Vec<u8> {
+    let mut packet = Vec::with_capacity(HEAD_BYTES + place.len() + 4 * values.len() + SUM_BYTES);
+    packet.push(version);
     packet.push(match kind {
         Values::F32 => 1,
         Values::I32 => 2,
     });
-    packet.extend_from_slice(&(count as u16).to_le_bytes());
+    packet.extend_from_slice(&(values.len() as u16).to_le_bytes());
     packet.extend_from_slice(&sequence.to_le_bytes());
     packet.extend_from_slice(&time_us.to_le_bytes());
-    for value in &values[..count] {
+    packet.extend_from_slice(place);
+    for value in values {
         packet.extend_from_slice(&match kind {
             Values::F32 => value.to_le_bytes(),
             Values::I32 => (libm::roundf(*value) as i32).to_le_bytes(),
@@ -215,7 +310,7 @@ mod tests {
             assert!(frames(&decoded).is_empty());
             reasons(&decoded)[0].to_owned()
         };
-        assert!(error_of(&|p| p[0] = 2).starts_with("version 2"));
+        assert!(error_of(&|p| p[0] = 3).starts_with("version 3"));
         assert!(error_of(&|p| p[1] = 3).starts_with("values of unknown type 3"));
         assert!(error_of(&|p| p[2] = 6).starts_with("a packet with 6 values"));
         assert!(error_of(&|p| p[14..16].copy_from_slice(&[0xc0, 0x7f])).contains("value 0 is NaN"));

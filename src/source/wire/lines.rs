@@ -6,7 +6,8 @@
 //! the real part, so that the order can be recognised. A line with a word among many numbers is garbled; a
 //! line with few numbers is a message.
 
-use super::text::{LineBuffer, numbers};
+use super::early::{EarlyWords, WordRule};
+use super::text::{LineBuffer, number, numbers};
 use super::{Decoded, Dialect, FEWEST_VALUES, WireFormat};
 use crate::types::Nanos;
 
@@ -17,6 +18,7 @@ const SEPARATORS: [char; 11] = [',', ';', '|', '\t', ' ', '[', ']', '(', ')', '{
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     line: LineBuffer,
+    early: EarlyWords,
     complex: bool,
 }
 
@@ -25,8 +27,8 @@ impl Lines {
     #[must_use]
     pub fn new(complex: bool) -> Self {
         Self {
-            line: LineBuffer::default(),
             complex,
+            ..Self::default()
         }
     }
 }
@@ -34,16 +36,28 @@ impl Lines {
 impl Dialect for Lines {
     fn feed(&mut self, _: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
         let complex = self.complex;
+        let rule = WordRule {
+            is_separator: &|byte| SEPARATORS.contains(&char::from(byte)),
+            may_repeat: true,
+            // A complex value is two words: such lines are read when they end.
+            parse: &|_, word| number(word).ok().filter(|_| !complex),
+        };
+        let parse = |text: &str| parse_line(text, complex);
         self.line
-            .decode(bytes, decoded, |text| parse_line(text, complex));
+            .decode(bytes, decoded, parse, (&mut self.early, &rule));
+    }
+
+    fn hand_up_readings(&mut self) {
+        self.early.switch_on();
     }
 
     fn reopened(&mut self) {
         self.line.clear();
+        self.early.clear();
     }
 
     fn held_bytes(&self) -> usize {
-        self.line.held_bytes()
+        self.line.held_bytes() + self.early.held_bytes()
     }
 
     fn kind(&self) -> Option<WireFormat> {

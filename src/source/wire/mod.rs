@@ -7,9 +7,11 @@
 //! Invariant: a dialect never holds more than [`MOST_HELD_BYTES`], for any input.
 
 mod auto;
+mod early;
 pub mod gelpad;
 pub mod lines;
 pub mod openeit;
+mod partial;
 pub mod request;
 pub mod sciospec;
 pub mod square;
@@ -59,6 +61,32 @@ impl WireFrame {
     }
 }
 
+/// Readings of a frame that has not arrived completely. The whole frame follows, unless it is garbled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readings {
+    /// The place of the first of them in the board's frame.
+    pub first: usize,
+    /// Consecutive values.
+    pub values: Vec<f32>,
+    /// The number of their frame, if the board counts frames.
+    pub sequence: Option<u32>,
+    /// When they were taken by the board's own clock, if it has one.
+    pub stamp: Option<Stamp>,
+}
+
+impl Readings {
+    /// Readings of a board that sends only values.
+    #[must_use]
+    pub fn from_values(first: usize, values: Vec<f32>) -> Self {
+        Self {
+            first,
+            values,
+            sequence: None,
+            stamp: None,
+        }
+    }
+}
+
 /// A time by the board's clock, which overflows after 2^32 ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
@@ -73,6 +101,8 @@ pub struct Stamp {
 pub enum Decoded {
     /// A frame.
     Frame(WireFrame),
+    /// Readings of a frame that is still arriving, see [`Dialect::hand_up_readings`].
+    Readings(Readings),
     /// A garbled frame.
     Garbled {
         /// The reason.
@@ -97,6 +127,9 @@ impl Decoded {
 pub trait Dialect: Send {
     /// Decodes bytes as they arrive and appends the results.
     fn feed(&mut self, now_ns: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>);
+
+    /// From now on, readings of frames that are still arriving are handed up too, where the format allows it.
+    fn hand_up_readings(&mut self) {}
 
     /// A command that the board needs now. Called after every feed, and twenty times a second while nothing arrives.
     fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
@@ -231,6 +264,8 @@ pub struct FormatChoice {
     pub complex: bool,
     /// The order, if it is declared instead of recognised.
     pub order: Option<DeclaredOrder>,
+    /// Whether frames are used only when they are complete, however long they take.
+    pub whole: bool,
 }
 
 /// An order that the player declares.
@@ -271,6 +306,7 @@ impl std::fmt::Display for FormatChoice {
             (self.order == Some(DeclaredOrder::default()), "plain"),
             (order.rotated, "rotated"),
             (order.flipped, "flipped"),
+            (self.whole, "whole"),
         ];
         let mut mark = ':';
         for (_, word) in words.into_iter().filter(|(is, _)| *is) {
@@ -302,6 +338,7 @@ impl std::str::FromStr for FormatChoice {
             let order = format.order.unwrap_or_default();
             match word {
                 "complex" if kind == Some(WireFormat::Lines) => format.complex = true,
+                "whole" => format.whole = true,
                 "plain" => format.order = Some(order),
                 "rotated" => {
                     format.order = Some(DeclaredOrder {
@@ -317,7 +354,7 @@ impl std::str::FromStr for FormatChoice {
                 }
                 _ => {
                     return Err(format!(
-                        "`{word}` cannot be declared for {name}: write plain, rotated, flipped, or lines:complex"
+                        "`{word}` cannot be declared for {name}: write plain, rotated, flipped, whole, or lines:complex"
                     ));
                 }
             }
@@ -339,6 +376,8 @@ mod tests {
             "lines:complex,rotated",
             "request:plain",
             "square:rotated,flipped",
+            "openeit:whole",
+            "auto:flipped,whole",
         ] {
             assert_eq!(text.parse::<FormatChoice>().expect(text).to_string(), text);
         }

@@ -5,6 +5,7 @@
 //! selects imaging. Lines with another tag (the menu, messages) are ignored. A line with the tag but incomplete values is
 //! garbled: every value is printed at least 13 characters wide, so a lost byte is noticed.
 
+use super::early::{EarlyWords, WordRule};
 use super::text::{LineBuffer, number};
 use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, WireFormat};
 use crate::types::{NANOS_PER_MS, Nanos};
@@ -22,6 +23,7 @@ const MENU_WAIT_NS: Nanos = 1000 * NANOS_PER_MS;
 #[derive(Clone, Debug, Default)]
 pub struct OpenEit {
     line: LineBuffer,
+    early: EarlyWords,
     /// When a frame last arrived or the choice was last sent.
     quiet_since_ns: Nanos,
 }
@@ -29,11 +31,21 @@ pub struct OpenEit {
 impl Dialect for OpenEit {
     fn feed(&mut self, now_ns: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
         let before = decoded.len();
-        self.line.decode(bytes, decoded, parse_line);
+        let rule = WordRule {
+            is_separator: &|byte| byte == b',',
+            may_repeat: false,
+            parse: &parse_early,
+        };
+        self.line
+            .decode(bytes, decoded, parse_line, (&mut self.early, &rule));
         let is_frame = |one: &Decoded| matches!(one, Decoded::Frame(_));
         if decoded[before..].iter().any(is_frame) {
             self.quiet_since_ns = now_ns;
         }
+    }
+
+    fn hand_up_readings(&mut self) {
+        self.early.switch_on();
     }
 
     fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
@@ -46,11 +58,12 @@ impl Dialect for OpenEit {
 
     fn reopened(&mut self) {
         self.line.clear();
+        self.early.clear();
         self.quiet_since_ns = 0;
     }
 
     fn held_bytes(&self) -> usize {
-        self.line.held_bytes()
+        self.line.held_bytes() + self.early.held_bytes()
     }
 
     fn kind(&self) -> Option<WireFormat> {
@@ -71,6 +84,18 @@ fn parse_line(text: &str) -> Option<Result<Vec<f32>, String>> {
         return is_frame.then(|| Err(format!("a line of values tagged {short:?}")));
     }
     Some(parse_values(values))
+}
+
+/// The value of a word of a line that is still arriving, which is as wide as the firmware prints it.
+fn parse_early(index: usize, word: &str) -> Option<f32> {
+    let word = match index {
+        0 => {
+            let (tag, word) = word.split_once(':')?;
+            (tag.trim() == TAG).then_some(word.strip_prefix(' ').unwrap_or(word))?
+        }
+        _ => word,
+    };
+    (word.len() >= WIDTH).then(|| number(word).ok())?
 }
 
 fn parse_values(text: &str) -> Result<Vec<f32>, String> {

@@ -5,7 +5,9 @@
 //! sides wait: the request is repeated after a second of silence. Text before the first value is a message.
 
 use super::text::{InvalidLine, LineBuffer, decimals, number};
-use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, SHOWN_BYTES, WireFormat, WireFrame};
+use super::{
+    Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, Readings, SHOWN_BYTES, WireFormat, WireFrame,
+};
 use crate::types::{NANOS_PER_MS, Nanos};
 
 /// The request.
@@ -24,6 +26,9 @@ pub struct Request {
     /// Why the present reply is garbled, and the line that shows it.
     garbled: Option<(String, Vec<u8>)>,
     is_waiting: bool,
+    hands_up: bool,
+    /// Values of the present reply that were handed up.
+    handed_up: usize,
     /// When bytes last arrived or a request was sent.
     quiet_since_ns: Nanos,
 }
@@ -41,6 +46,7 @@ impl Request {
         };
         if text == DONE {
             self.is_waiting = false;
+            self.handed_up = 0;
             let values = std::mem::take(&mut self.values);
             decoded.push(match self.garbled.take() {
                 Some((reason, bytes)) => Decoded::Garbled { reason, bytes },
@@ -89,6 +95,16 @@ impl Dialect for Request {
         let mut buffer = std::mem::take(&mut self.lines);
         buffer.feed(bytes, |line, raw| self.take_line(line, raw, decoded));
         self.lines = buffer;
+        if self.hands_up && self.garbled.is_none() && self.values.len() > self.handed_up {
+            let fresh = self.values[self.handed_up..].to_vec();
+            let readings = Readings::from_values(self.handed_up, fresh);
+            decoded.push(Decoded::Readings(readings));
+            self.handed_up = self.values.len();
+        }
+    }
+
+    fn hand_up_readings(&mut self) {
+        self.hands_up = true;
     }
 
     fn poll_command(&mut self, now_ns: Nanos) -> Option<Vec<u8>> {
@@ -100,12 +116,16 @@ impl Dialect for Request {
         // An incomplete reply is not part of the next one.
         self.lines.clear();
         self.values.clear();
+        self.handed_up = 0;
         self.garbled = None;
         Some(REQUEST.to_vec())
     }
 
     fn reopened(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            hands_up: self.hands_up,
+            ..Self::default()
+        };
     }
 
     fn held_bytes(&self) -> usize {

@@ -1,7 +1,8 @@
 //! N x N text, as sent by the Teensy boards: one line of all pairs, `%.4f, ` each, then `\n`; drives outer,
 //! measurements inner. Driven pairs are not measured and hold arbitrary values, which the arrangement drops.
 
-use super::text::{LineBuffer, numbers, same_decimals};
+use super::early::{EarlyWords, WordRule};
+use super::text::{LineBuffer, number, numbers, same_decimals};
 use super::{Decoded, Dialect, FEWEST_VALUES, WireFormat};
 use crate::types::Nanos;
 
@@ -12,21 +13,33 @@ const ELECTRODES: [usize; 3] = [8, 16, 32];
 #[derive(Clone, Debug, Default)]
 pub struct Square {
     line: LineBuffer,
+    early: EarlyWords,
 }
 
 impl Dialect for Square {
     fn feed(&mut self, _: Nanos, bytes: &[u8], decoded: &mut Vec<Decoded>) {
-        self.line.decode(bytes, decoded, |text| {
-            (text.matches(',').count() >= FEWEST_VALUES).then(|| parse_line(text))
-        });
+        let rule = WordRule {
+            is_separator: &|byte| byte == b',',
+            may_repeat: false,
+            parse: &|_, word| number(word).ok(),
+        };
+        let parse =
+            |text: &str| (text.matches(',').count() >= FEWEST_VALUES).then(|| parse_line(text));
+        self.line
+            .decode(bytes, decoded, parse, (&mut self.early, &rule));
+    }
+
+    fn hand_up_readings(&mut self) {
+        self.early.switch_on();
     }
 
     fn reopened(&mut self) {
         self.line.clear();
+        self.early.clear();
     }
 
     fn held_bytes(&self) -> usize {
-        self.line.held_bytes()
+        self.line.held_bytes() + self.early.held_bytes()
     }
 
     fn kind(&self) -> Option<WireFormat> {

@@ -1,5 +1,6 @@
 //! Lines of text from bytes, for all text formats.
 
+use super::early::{EarlyWords, WordRule};
 use super::{Decoded, MOST_VALUES, WireFrame};
 
 /// A longer line is noise at the wrong baud rate: the values of the largest frame take 14 bytes each.
@@ -55,23 +56,31 @@ impl LineBuffer {
         }
     }
 
-    /// Decodes every complete line with `parse`, which returns none for lines that are to be ignored.
+    /// Decodes every complete line with `parse`, which returns none for lines that are to be ignored, and hands up numbers of
+    /// the incomplete one.
     pub(super) fn decode(
         &mut self,
         bytes: &[u8],
         decoded: &mut Vec<Decoded>,
         parse: impl Fn(&str) -> Option<Result<Vec<f32>, String>>,
+        early: (&mut EarlyWords, &WordRule<'_>),
     ) {
+        let (words, rule) = early;
         self.feed(bytes, |line, raw| {
             let parsed = match line {
                 Ok(text) => parse(text),
                 Err(invalid) => Some(Err(invalid.reason().to_owned())),
             };
+            words.end_line(match &parsed {
+                Some(Ok(values)) => Some(values),
+                _ => None,
+            });
             decoded.extend(parsed.map(|parsed| match parsed {
                 Ok(values) => Decoded::Frame(WireFrame::from_values(values)),
                 Err(reason) => Decoded::garbled(reason, raw),
             }));
         });
+        words.read(&self.line, rule, decoded);
     }
 
     pub(super) fn clear(&mut self) {

@@ -223,19 +223,24 @@ impl Detector {
         self.reference.advance(frame.t_ns);
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
-        if self.is_renumbered(raw, changed) || self.is_shifted(frame, changed) {
+        // Readings of two moments are no other board.
+        let is_other = !self.is_between
+            && (self.is_renumbered(raw, changed) || self.is_shifted(frame, changed));
+        if is_other {
             return;
         }
         if let Some(locator) = &mut self.locator {
             locator.expect_sign(self.sign.expected);
         }
-        self.is_back_at_old_reference(frame, changed);
+        if !self.is_between {
+            self.is_back_at_old_reference(frame, changed);
+        }
         if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
             locator.take_untouched(&self.changes, self.noise().0);
             self.follow_deformation(&locator, frame);
             self.locator = Some(locator);
         }
-        if self.is_rebound(frame) {
+        if !self.is_between && self.is_rebound(frame) {
             return;
         }
         match self.locator.take() {
@@ -352,7 +357,7 @@ impl Detector {
 
     /// Moves the reference by the deformation of the pad that the locator found in the frame.
     fn follow_deformation(&mut self, locator: &Locator, frame: &Frame) {
-        if let Some(deformation) = locator.deformation() {
+        if let Some(deformation) = locator.deformation().filter(|_| !self.is_between) {
             self.reference.shift(&deformation);
             self.reference
                 .relative_changes(&frame.volts, &mut self.changes);

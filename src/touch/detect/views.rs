@@ -3,7 +3,7 @@
 use super::Detector;
 use crate::eit::{ElectrodeMonitor, Reference};
 use crate::touch::Locator;
-use crate::types::{Contact, Image, Touch};
+use crate::types::{Contact, Image, Nanos, Touch};
 
 /// The result of one frame.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +69,11 @@ impl Detector {
     /// The relative change of each channel that the touches explain.
     pub(in crate::touch) fn explained(&self) -> &[f32] {
         &self.explained
+    }
+
+    /// Time of the last frame that its touches explained.
+    pub(in crate::touch) fn explained_ns(&self) -> Nanos {
+        self.explained_ns
     }
 
     /// The response of each located touch, one value per channel.

@@ -10,6 +10,14 @@ use crate::types::Part;
 
 /// A change that explains this many squared deviations, but is not accepted, is unclear.
 const UNCLEAR_GAIN: f64 = 30.0;
+/// A new finger is seen in at least so many parts, ...
+pub(super) const ONSET_PARTS: usize = 3;
+/// ... and its amplitude, relative to a typical one, is at least this.
+const LEAST_AMPLITUDE: f64 = 0.05;
+/// A lift is seen in at least so many parts, ...
+const LIFT_PARTS: usize = 2;
+/// ... and this share of the finger's response, or more, is gone.
+const GONE_SHARE: f64 = 0.6;
 
 /// The sums of one part.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +26,8 @@ struct PartSums {
     /// For each response: sums of r x / v and of r r / v.
     along: Vec<f32>,
     square: Vec<f32>,
+    /// Scratch memory: sums of r / v.
+    sum: Vec<f32>,
     /// Sum of x x / v.
     energy: f64,
     /// Sum of x / v, and the share of its square that shared noise explains.
@@ -35,17 +45,21 @@ pub(super) struct Evidence {
     held: Vec<Vec<f32>>,
     /// What the best change explains.
     best_gain: f64,
+    /// The best new finger and the best lift.
+    onset: Option<Candidate>,
+    lift: Option<Candidate>,
+    /// For each response, its sums over the last parts.
+    along: Vec<f32>,
+    square: Vec<f32>,
 }
 
 /// The response that explains most of the last parts.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Candidate {
     /// Its index: places first, then the fingers that are down.
     pub(super) response: usize,
     /// How many parts it is seen in.
     pub(super) parts: usize,
-    /// Its amplitude.
-    pub(super) amplitude: f64,
     /// The squared deviations that it explains, ...
     pub(super) gain: f64,
     /// ... of so many, ...
@@ -59,6 +73,8 @@ impl Evidence {
     pub(super) fn clear(&mut self) {
         self.count = 0;
         self.best_gain = 0.0;
+        self.onset = None;
+        self.lift = None;
     }
 
     /// Takes over the fingers that are down.
@@ -75,13 +91,6 @@ impl Evidence {
         &self.held[index]
     }
 
-    /// Number of responses: places, then fingers that are down.
-    pub(super) fn responses(&self) -> usize {
-        self.parts[..self.count]
-            .last()
-            .map_or(0, |part| part.along.len())
-    }
-
     /// Number of fingers that are down.
     pub(super) fn held_count(&self) -> usize {
         self.held.len()
@@ -90,6 +99,29 @@ impl Evidence {
     /// Whether something changed that is not yet clear.
     pub(super) fn is_unclear(&self) -> bool {
         self.best_gain > UNCLEAR_GAIN
+    }
+
+    /// The best new finger, if there is one.
+    pub(super) fn onset(&self) -> Option<Candidate> {
+        self.onset
+    }
+
+    /// The best lift of a finger, by its index among those that are down.
+    pub(super) fn lift(&self) -> Option<Candidate> {
+        self.lift
+    }
+
+    /// The squared deviations that a response explains in the last `parts` parts, and its amplitude.
+    pub(super) fn gain(&self, response: usize, parts: usize) -> (f64, f64) {
+        let (mut along, mut square) = (0.0, 0.0);
+        for part in self.last(parts) {
+            along += f64::from(part.along[response]);
+            square += f64::from(part.square[response]);
+        }
+        match along > 0.0 && square > 0.0 {
+            true => (along * along / square, along / square),
+            false => (0.0, 0.0),
+        }
     }
 
     /// Whether a channel was read in the last `parts` parts.
@@ -108,15 +140,16 @@ impl Evidence {
         &self.parts[self.count - parts.min(self.count)..self.count]
     }
 
-    /// Adds a part, with the `responses` of a finger at many places. `expected` is the relative change of a channel by the touches that are down.
-    pub(super) fn add<'a>(
+    /// Adds a part. `responses` are those of a finger at many `places`, channels x places; `expected` is the relative change of a
+    /// channel by the touches that are down.
+    pub(super) fn add(
         &mut self,
         detector: &Detector,
-        responses: impl Iterator<Item = &'a [f32]>,
+        (responses, places): (&[f32], usize),
         part: &Part,
         expected: impl Fn(usize) -> f32,
     ) {
-        let most = self.expected_parts(detector, part);
+        let most = detector.channels().div_ceil(part.volts.len().max(1));
         if self.count >= most {
             self.parts[..self.count].rotate_left(1);
             self.count -= 1;
@@ -124,67 +157,80 @@ impl Evidence {
         if self.parts.len() <= self.count {
             self.parts.push(PartSums::default());
         }
-        let held = std::mem::take(&mut self.held);
         let sums = &mut self.parts[self.count];
         sums.readings.take(detector, part, expected);
-        let sums = &mut self.parts[self.count];
         sums.project(detector);
-        responses.for_each(|response| sums.add_response(response));
-        held.iter().for_each(|response| sums.add_response(response));
-        self.held = held;
+        sums.add_places(responses, places);
+        self.held
+            .iter()
+            .for_each(|response| sums.add_response(response));
         self.count += 1;
-        self.find_best();
+        self.find_best(places);
     }
 
-    /// Parts of a whole frame.
-    fn expected_parts(&self, detector: &Detector, part: &Part) -> usize {
-        detector.channels().div_ceil(part.volts.len().max(1))
-    }
-
-    /// The best response among some, over any number of the last parts; `is_wanted` tells by amplitude.
-    pub(super) fn candidate(
-        &self,
-        among: std::ops::Range<usize>,
-        least_parts: usize,
-        is_wanted: impl Fn(f64) -> bool,
-    ) -> Option<Candidate> {
-        let mut best: Option<Candidate> = None;
-        let mut along = vec![0.0f64; among.len()];
-        let mut square = vec![0.0f64; among.len()];
+    /// The best responses, over any number of the last parts. The first `places` are those of new fingers.
+    fn find_best(&mut self, places: usize) {
+        let responses = places + self.held.len();
+        self.along.clear();
+        self.along.resize(responses, 0.0);
+        self.square.clear();
+        self.square.resize(responses, 0.0);
+        (self.best_gain, self.onset, self.lift) = (0.0, None, None);
         let (mut energy, mut readings) = (0.0, 0);
-        for (before, part) in self.parts[..self.count].iter().rev().enumerate() {
+        let parts = std::mem::take(&mut self.parts);
+        for (before, part) in parts[..self.count].iter().rev().enumerate() {
             energy += part.energy;
             readings += part.readings.changes.len();
-            for (k, response) in among.clone().enumerate() {
-                along[k] += f64::from(part.along[response]);
-                square[k] += f64::from(part.square[response]);
-                if before + 1 < least_parts || square[k] <= 0.0 {
-                    continue;
-                }
-                let gain = along[k] * along[k] / square[k];
-                let amplitude = along[k] / square[k];
-                if best.is_none_or(|best| gain > best.gain) && is_wanted(amplitude) {
-                    best = Some(Candidate {
-                        response,
-                        parts: before + 1,
-                        amplitude,
-                        gain,
-                        energy: 0.0,
-                        readings: 0,
-                    });
-                }
+            let added = part.along.iter().zip(&part.square);
+            let sums = self.along.iter_mut().zip(&mut self.square);
+            let mut is_large = false;
+            for ((along, square), (more_along, more_square)) in sums.zip(added) {
+                *along += more_along;
+                *square += more_square;
+                is_large |= *along * *along > UNCLEAR_GAIN as f32 * *square;
             }
-            if let Some(best) = best.as_mut().filter(|best| best.parts == before + 1) {
-                best.energy = energy;
-                best.readings = readings;
+            // Most parts show noise only.
+            if is_large {
+                let seen = Candidate {
+                    parts: before + 1,
+                    energy,
+                    readings,
+                    ..Candidate::default()
+                };
+                self.take_large(places, seen);
             }
         }
-        best
+        self.parts = parts;
+        if let Some(lift) = &mut self.lift {
+            lift.response -= places;
+        }
     }
 
-    fn find_best(&mut self) {
-        let best = self.candidate(0..self.responses(), 1, |_| true);
-        self.best_gain = best.map_or(0.0, |best| best.gain);
+    /// Compares the sums over the parts of `seen` with the best so far.
+    fn take_large(&mut self, places: usize, seen: Candidate) {
+        for (response, (along, square)) in self.along.iter().zip(&self.square).enumerate() {
+            let (along, square) = (f64::from(*along), f64::from(*square));
+            let power = along * along;
+            // Gains are compared without division: only the best is divided.
+            if power > self.best_gain * square {
+                self.best_gain = power / square;
+            }
+            let (best, is_wanted) = if response < places {
+                let is_wanted = seen.parts >= ONSET_PARTS && along > LEAST_AMPLITUDE * square;
+                (&mut self.onset, is_wanted)
+            } else {
+                let is_wanted = seen.parts >= LIFT_PARTS && along < -GONE_SHARE * square;
+                (&mut self.lift, is_wanted)
+            };
+            let before = best.map_or(0.0, |best| best.gain);
+            if is_wanted && power > before * square {
+                *best = Some(Candidate {
+                    response,
+                    gain: power / square,
+                    ..seen
+                });
+            }
+        }
     }
 }
 
@@ -206,6 +252,35 @@ impl PartSums {
         self.energy = energy - f64::from(self.shared_share * self.mean * self.mean);
         self.along.clear();
         self.square.clear();
+    }
+
+    /// Adds the sums of a finger at many places, at all of them together: the responses are channels x places.
+    fn add_places(&mut self, responses: &[f32], places: usize) {
+        self.along.resize(places, 0.0);
+        self.square.resize(places, 0.0);
+        self.sum.clear();
+        self.sum.resize(places, 0.0);
+        let rows = responses.chunks_exact(places.max(1));
+        let rows = rows.skip(self.readings.first);
+        let readings = self.readings.changes.iter().zip(&self.readings.precisions);
+        for (row, (x, p)) in rows.zip(readings) {
+            let xp = x * p;
+            let sums = self
+                .along
+                .iter_mut()
+                .zip(&mut self.square)
+                .zip(&mut self.sum);
+            for (r, ((along, square), sum)) in row.iter().zip(sums) {
+                *along += r * xp;
+                *square += r * r * p;
+                *sum += r * p;
+            }
+        }
+        let sums = self.along.iter_mut().zip(&mut self.square).zip(&self.sum);
+        for ((along, square), sum) in sums {
+            *along -= self.shared_share * sum * self.mean;
+            *square = (*square - self.shared_share * sum * sum).max(0.0);
+        }
     }
 
     /// Adds the sums of a response, one relative change per channel of the pad.

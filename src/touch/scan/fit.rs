@@ -9,8 +9,6 @@ use super::readings::{MODEL_ERROR, PartReadings};
 use crate::eit::ResponseTable;
 use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
 
-/// Steps of the fit.
-const STEPS: usize = 5;
 /// A step moves a finger at most this far, mm, ...
 const LONGEST_MM: f64 = 6.0;
 /// ... and changes log radius and strength by at most this.
@@ -30,20 +28,29 @@ pub(super) struct FingerBounds {
 }
 
 /// A fitted finger.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
     pub(super) touch: TouchModel,
-    /// Relative change of each channel.
-    pub(super) response: Vec<f32>,
     /// Sum of squared deviations before and after the fit, and of readings.
     pub(super) energy: f64,
     pub(super) rest: f64,
     pub(super) readings: f64,
+    /// What is left, with the prior of size and strength.
+    pub(super) cost: f64,
     /// Standard deviation of its place, mm.
     pub(super) place_mm: f64,
 }
 
+/// Memory of a fit.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FitMemory {
+    pub(super) response: Response,
+    /// The response and its derivatives by x, y, log radius and strength, at the channels of a part.
+    columns: [Vec<f32>; 5],
+}
+
 /// The normal equations at a finger.
+#[derive(Clone, Copy)]
 struct Normal {
     matrix: Matrix4<f64>,
     gradient: Vector4<f64>,
@@ -51,21 +58,21 @@ struct Normal {
     energy: f64,
     rest: f64,
     readings: f64,
-    response: Vec<f32>,
 }
 
-/// Fits a finger to readings. `None` if nothing can be fitted.
+/// Fits a finger to readings, in at most `steps` steps. `None` if nothing can be fitted.
 pub(super) fn fit<'a>(
     table: &ResponseTable,
     bounds: &FingerBounds,
-    start: TouchModel,
+    (start, steps): (TouchModel, usize),
     parts: impl Iterator<Item = &'a PartReadings> + Clone,
+    memory: &mut FitMemory,
 ) -> Option<Fitted> {
     let mut touch = start;
     let mut best: Option<(TouchModel, Normal)> = None;
     let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        let normal = Normal::at(table, bounds, &touch, parts.clone());
+    for _ in 0..steps {
+        let normal = Normal::at(table, bounds, &touch, parts.clone(), memory);
         match &best {
             Some((_, before)) if normal.cost >= before.cost => damping *= 10.0,
             _ => {
@@ -86,10 +93,10 @@ pub(super) fn fit<'a>(
     let place_mm = libm::sqrt(covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0));
     Some(Fitted {
         touch,
-        response: normal.response,
         energy: normal.energy,
         rest: normal.rest,
         readings: normal.readings,
+        cost: normal.cost,
         place_mm,
     })
 }
@@ -107,21 +114,33 @@ fn moved(from: &TouchModel, step: Vector4<f64>, bounds: &FingerBounds) -> TouchM
     touch
 }
 
+impl FitMemory {
+    /// Expands the response and its derivatives at the channels of a part.
+    fn expand(&mut self, table: &ResponseTable, readings: &PartReadings) {
+        let span = readings.span();
+        let coordinates = std::iter::once(&self.response.value).chain(&self.response.derivatives);
+        for (column, coordinates) in self.columns.iter_mut().zip(coordinates) {
+            column.clear();
+            column.resize(span.len(), 0.0);
+            for (dimension, coordinate) in coordinates.iter().enumerate() {
+                let row = &table.basis_row(dimension)[span.clone()];
+                for (value, basis) in column.iter_mut().zip(row) {
+                    *value += coordinate * basis;
+                }
+            }
+        }
+    }
+}
+
 impl Normal {
     fn at<'a>(
         table: &ResponseTable,
         bounds: &FingerBounds,
         touch: &TouchModel,
         parts: impl Iterator<Item = &'a PartReadings>,
+        memory: &mut FitMemory,
     ) -> Self {
-        let mut response = Response::default();
-        table.respond(touch, &mut response);
-        // The response, and its derivatives by x, y, log radius and strength.
-        let mut columns = vec![vec![0.0f32; table.channels()]; 5];
-        table.expand(&response.value, &mut columns[0]);
-        for (column, derivative) in columns[1..].iter_mut().zip(&response.derivatives) {
-            table.expand(derivative, column);
-        }
+        table.respond(touch, &mut memory.response);
         let off = [
             (touch.log_radius - bounds.typical.log_radius) / SPREAD[0],
             (touch.strength - bounds.typical.strength) / SPREAD[1],
@@ -133,21 +152,25 @@ impl Normal {
             gradient[2 + k] = -off[k] / SPREAD[k];
         }
         let (mut energy, mut rest, mut readings) = (0.0, 0.0, 0.0);
-        for (channel, change, precision) in parts.flat_map(PartReadings::iter) {
-            if precision <= 0.0 {
-                continue;
+        for part in parts {
+            memory.expand(table, part);
+            let columns = &memory.columns;
+            for (k, (_, change, precision)) in part.iter().enumerate() {
+                if precision <= 0.0 {
+                    continue;
+                }
+                let explained = f64::from(columns[0][k]);
+                // Of the reading, not of the fit: or a larger finger would always fit better.
+                let model = MODEL_ERROR * change;
+                let precision = precision / (1.0 + precision * model * model);
+                let left = change - explained;
+                let slope = Vector4::from_fn(|axis, _| f64::from(columns[1 + axis][k]));
+                energy += change * change * precision;
+                rest += left * left * precision;
+                readings += 1.0;
+                matrix += precision * slope * slope.transpose();
+                gradient += precision * left * slope;
             }
-            let explained = f64::from(columns[0][channel]);
-            // Of the reading, not of the fit: or a larger finger would always fit better.
-            let model = MODEL_ERROR * change;
-            let precision = precision / (1.0 + precision * model * model);
-            let left = change - explained;
-            let slope = Vector4::from_fn(|k, _| f64::from(columns[1 + k][channel]));
-            energy += change * change * precision;
-            rest += left * left * precision;
-            readings += 1.0;
-            matrix += precision * slope * slope.transpose();
-            gradient += precision * left * slope;
         }
         Self {
             matrix,
@@ -156,7 +179,6 @@ impl Normal {
             energy,
             rest,
             readings,
-            response: columns.swap_remove(0),
         }
     }
 }

@@ -1,48 +1,90 @@
 //! A finger that landed less than a frame ago: its place is fitted again with every part, until each channel has been read under it.
 
-use super::fit::Fitted;
+use super::fit::{FitMemory, Fitted};
 use super::onset::OnsetModel;
 use super::readings::PartReadings;
 use crate::touch::Detector;
 use crate::types::Part;
 
 /// The finger and the readings since it landed, as changes beside the others.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Landing {
-    /// The relative change of each channel by the touches that were down before.
+    /// None while no finger lands.
+    finger: Option<Fitted>,
+    /// The relative change of each channel by the finger, ...
+    response: Vec<f32>,
+    /// ... and by the touches that were down before.
     base: Vec<f32>,
+    /// Parts beyond `count` are scratch memory.
     parts: Vec<PartReadings>,
-    pub(super) fitted: Fitted,
+    count: usize,
 }
 
 impl Landing {
-    /// A finger that was fitted to some readings, beside touches that change the channels by `base`.
-    pub(super) fn new<'a>(
-        fitted: Fitted,
+    /// Whether a finger lands.
+    pub(super) fn is_active(&self) -> bool {
+        self.finger.is_some()
+    }
+
+    /// The finger has landed, or lifted again.
+    pub(super) fn end(&mut self) {
+        self.finger = None;
+        self.count = 0;
+    }
+
+    /// A finger that was fitted to some readings lands, beside touches that change the channels by `base`.
+    pub(super) fn begin<'a>(
+        &mut self,
+        finger: Fitted,
+        model: &OnsetModel,
         readings: impl Iterator<Item = &'a PartReadings>,
         base: &[f32],
-    ) -> Self {
-        Self {
-            base: base.to_vec(),
-            parts: readings.cloned().collect(),
-            fitted,
+        memory: &mut FitMemory,
+    ) {
+        self.end();
+        model.respond(&finger, memory, &mut self.response);
+        self.finger = Some(finger);
+        self.base.clear();
+        self.base.extend_from_slice(base);
+        for part in readings {
+            self.next_part().copy_from(part);
         }
     }
 
     /// Adds a part and fits the finger again. Whether every channel was read under it.
-    pub(super) fn add(&mut self, detector: &Detector, model: &OnsetModel, part: &Part) -> bool {
-        let mut readings = PartReadings::default();
-        readings.take(detector, part, |channel| self.base[channel]);
-        self.parts.push(readings);
-        if let Some(fitted) = model.fit(self.fitted.touch, self.parts.iter()) {
-            self.fitted = fitted;
+    pub(super) fn add(
+        &mut self,
+        detector: &Detector,
+        model: &OnsetModel,
+        part: &Part,
+        memory: &mut FitMemory,
+    ) -> bool {
+        let Some(before) = self.finger else {
+            return false;
+        };
+        let base = std::mem::take(&mut self.base);
+        self.next_part()
+            .take(detector, part, |channel| base[channel]);
+        self.base = base;
+        let parts = &self.parts[..self.count];
+        if let Some(fitted) = model.fit_again(&before, parts.iter(), memory) {
+            model.respond(&fitted, memory, &mut self.response);
+            self.finger = Some(fitted);
         }
-        let read: usize = self.parts.iter().map(|part| part.changes.len()).sum();
+        let read: usize = parts.iter().map(|part| part.changes.len()).sum();
         read >= self.base.len()
+    }
+
+    fn next_part(&mut self) -> &mut PartReadings {
+        if self.parts.len() == self.count {
+            self.parts.push(PartReadings::default());
+        }
+        self.count += 1;
+        &mut self.parts[self.count - 1]
     }
 
     /// The relative change of a channel by all touches.
     pub(super) fn expected(&self, channel: usize) -> f32 {
-        self.base[channel] + self.fitted.response[channel]
+        self.base[channel] + self.response[channel]
     }
 }

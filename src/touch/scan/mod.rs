@@ -19,8 +19,8 @@ mod release;
 use crate::touch::Detector;
 use crate::types::{Frame, Nanos, Part, Phase, Touch};
 use drift::Drift;
-use evidence::Evidence;
-use fit::Fitted;
+use evidence::{Candidate, Evidence};
+use fit::{FitMemory, Fitted};
 use landing::Landing;
 use onset::OnsetModel;
 
@@ -51,9 +51,16 @@ pub struct Scan {
     evidence: Evidence,
     onsets: Option<OnsetModel>,
     /// A finger that landed less than a frame ago.
-    landing: Option<Landing>,
-    /// Channels that were read so far, until all were.
-    read: usize,
+    landing: Landing,
+    memory: FitMemory,
+    /// Whether each channel was ever read, ...
+    is_read: Vec<bool>,
+    /// ... and how many were not.
+    unread: usize,
+    /// Readings that are not current are from before a lift: what the gone finger leaves in them is no touch.
+    is_after_lift: bool,
+    /// The detector found no lift in this frame where the parts show one.
+    has_failed_lift: bool,
     /// Parts since the detector last ran.
     parts: usize,
     /// Frames in a row that ended amid a change that was not yet clear.
@@ -66,10 +73,21 @@ pub struct Scan {
 enum Run {
     /// A frame that was read to its end.
     Whole,
+    /// The same, brought to the present with a moving finger: nothing is learned from it.
+    Moved,
     /// Readings of two frames, with the touches that are known.
     Between,
+    /// The same, in which a finger has lifted.
+    Lift,
     /// The same, in which a finger has landed.
     Landing,
+}
+
+impl Run {
+    /// Whether it is at the end of a frame, or starts anew with a finger that has landed.
+    fn is_at_end(self) -> bool {
+        matches!(self, Self::Whole | Self::Moved | Self::Landing)
+    }
 }
 
 impl Scan {
@@ -80,30 +98,61 @@ impl Scan {
     pub fn process_part(&mut self, detector: &mut Detector, part: &Part, changed: &mut Vec<Touch>) {
         let ends_frame = self.keep(detector, part);
         if !self.can_look_inside(detector) {
-            if ends_frame && self.read >= self.volts.len() {
+            if ends_frame && self.unread == 0 {
                 self.run(detector, part.t_ns, Run::Whole, changed);
             }
             return;
         }
         self.follow_landing(detector, part);
         self.add_evidence(detector, part);
-        if let Some((response, since)) = release::find(&self.evidence) {
-            self.mark_since(since);
-            self.landing = None;
-            self.evidence.clear();
-            for (expected, gone) in self.expected.iter_mut().zip(&response) {
+        if let Some(gone) = self.find_lift() {
+            let were_down = detector.frame_touches().down.len();
+            self.mark_since(gone.parts);
+            self.landing.end();
+            let response = self.evidence.held(gone.response);
+            for (expected, gone) in self.expected.iter_mut().zip(response) {
                 *expected -= gone;
             }
-            self.run(detector, part.t_ns, Run::Between, changed);
+            self.is_after_lift = true;
+            self.run(detector, part.t_ns, Run::Lift, changed);
+            self.has_failed_lift = detector.frame_touches().down.len() == were_down;
+            self.is_after_lift &= !self.has_failed_lift;
+            if !self.has_failed_lift {
+                self.unclear_frames = 0;
+            }
         } else if let Some((fitted, since)) = self.find_onset(detector) {
             self.mark_since(since);
-            let readings = self.evidence.readings(since);
-            self.landing = Some(Landing::new(fitted, readings, &self.expected));
-            self.take_landing();
+            self.is_after_lift = false;
+            self.begin_landing(fitted, since);
             self.run(detector, part.t_ns, Run::Landing, changed);
         } else {
             self.run_when_due(detector, part.t_ns, ends_frame, changed);
         }
+    }
+
+    /// Processes a frame that was read as a whole, between others that came in parts or not.
+    ///
+    /// # Panics
+    /// If the frame has another number of voltages than the pad.
+    pub fn process_frame(
+        &mut self,
+        detector: &mut Detector,
+        frame: &Frame,
+        changed: &mut Vec<Touch>,
+    ) {
+        if self.volts.len() != frame.volts.len() {
+            detector.process_frame(frame, changed);
+            return;
+        }
+        self.volts.copy_from_slice(&frame.volts);
+        self.read_ns.fill(frame.t_ns);
+        self.is_current.fill(true);
+        self.is_read.fill(true);
+        self.unread = 0;
+        self.landing.end();
+        self.evidence.clear();
+        self.unclear_frames = 0;
+        self.run(detector, frame.t_ns, Run::Whole, changed);
     }
 
     /// Runs the detector at the end of a frame, and more often while something moves or lands.
@@ -117,7 +166,7 @@ impl Scan {
         self.parts += 1;
         let is_touched = self.evidence.held_count() > 0;
         let is_unclear = self.evidence.is_unclear();
-        if self.landing.is_some() {
+        if self.landing.is_active() {
             self.run(detector, t_ns, Run::Between, changed);
         } else if ends_frame {
             // A change that is under way is no fault of an electrode, nor the untouched pad.
@@ -126,9 +175,15 @@ impl Scan {
             } else {
                 0
             };
+            let is_moving = !self.rates.is_empty();
+            let is_mixed = !self.is_current.iter().all(|is_current| *is_current);
             match self.unclear_frames {
                 1 if !is_touched => {}
+                // A moving finger that lifts looks like two for a moment.
+                1 if is_moving => self.run(detector, t_ns, Run::Between, changed),
                 1..=UNCLEAR_FRAMES => self.run(detector, t_ns, Run::Landing, changed),
+                _ if is_mixed => self.run(detector, t_ns, Run::Landing, changed),
+                _ if is_moving => self.run(detector, t_ns, Run::Moved, changed),
                 _ => self.run(detector, t_ns, Run::Whole, changed),
             }
         } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.rates.is_empty())
@@ -151,20 +206,25 @@ impl Scan {
             self.contained = vec![0.0; channels];
             self.expected = vec![0.0; channels];
             self.is_current = vec![true; channels];
+            self.is_read = vec![false; channels];
+            self.unread = channels;
         }
         let span = part.first..part.first + part.volts.len();
         self.volts[span.clone()].copy_from_slice(&part.volts);
         self.read_ns[span.clone()].fill(part.t_ns);
         self.is_current[span.clone()].fill(true);
         self.contained[span.clone()].copy_from_slice(&self.expected[span.clone()]);
-        self.read += part.volts.len();
+        if self.unread > 0 {
+            self.is_read[span.clone()].fill(true);
+            self.unread = self.is_read.iter().filter(|is_read| !**is_read).count();
+        }
         span.end == channels
     }
 
     /// Whether parts say more than frames: there is a reference and a table, and parts are in the pad's order.
     fn can_look_inside(&self, detector: &Detector) -> bool {
         detector.is_ready()
-            && self.read >= self.volts.len()
+            && self.unread == 0
             && detector.locator().is_some()
             && detector.is_in_own_order()
     }
@@ -195,32 +255,47 @@ impl Scan {
             .add(detector, model.responses(), part, expected);
     }
 
+    /// A finger that lifted. If the detector did not agree, it is asked again when the frame is complete.
+    fn find_lift(&self) -> Option<Candidate> {
+        release::find(&self.evidence).filter(|_| !self.has_failed_lift)
+    }
+
     /// A finger that went down, and how many parts ago. While one lands, no other is looked for.
-    fn find_onset(&self, detector: &Detector) -> Option<(Fitted, usize)> {
-        if self.landing.is_some() {
+    fn find_onset(&mut self, detector: &Detector) -> Option<(Fitted, usize)> {
+        if self.landing.is_active() {
             return None;
         }
-        self.onsets.as_ref()?.find(detector, &self.evidence)
+        let model = self.onsets.as_ref()?;
+        model.find(detector, &self.evidence, &mut self.memory)
+    }
+
+    /// A finger that went down `since` parts ago lands.
+    fn begin_landing(&mut self, fitted: Fitted, since: usize) {
+        if let Some(model) = &self.onsets {
+            let readings = self.evidence.readings(since);
+            let (expected, memory) = (&self.expected, &mut self.memory);
+            self.landing
+                .begin(fitted, model, readings, expected, memory);
+            self.take_landing();
+        }
     }
 
     /// Fits a finger that has just landed again.
     fn follow_landing(&mut self, detector: &Detector, part: &Part) {
-        let (Some(landing), Some(model)) = (&mut self.landing, &self.onsets) else {
+        let Some(model) = self.onsets.as_ref().filter(|_| self.landing.is_active()) else {
             return;
         };
-        let is_read = landing.add(detector, model, part);
+        let is_read = self.landing.add(detector, model, part, &mut self.memory);
         self.take_landing();
         if is_read {
-            self.landing = None;
+            self.landing.end();
         }
     }
 
     /// The channels are expected to change as the landing finger changes them.
     fn take_landing(&mut self) {
-        if let Some(landing) = &self.landing {
-            for (channel, expected) in self.expected.iter_mut().enumerate() {
-                *expected = landing.expected(channel);
-            }
+        for (channel, expected) in self.expected.iter_mut().enumerate() {
+            *expected = self.landing.expected(channel);
         }
     }
 
@@ -239,7 +314,10 @@ impl Scan {
         self.completed.t_ns = t_ns;
         self.completed.volts.clone_from(&self.volts);
         for (channel, volt) in self.completed.volts.iter_mut().enumerate() {
-            let moved = if !self.is_current[channel] {
+            let moved = if !self.is_current[channel] && self.is_after_lift {
+                *volt = (reference[channel] * f64::from(1.0 + self.expected[channel])) as f32;
+                0.0
+            } else if !self.is_current[channel] {
                 self.expected[channel] - self.contained[channel]
             } else if let Some(rate) = self.rates.get(channel) {
                 let age_s = t_ns.saturating_sub(self.read_ns[channel]) as f32 * 1e-9;
@@ -258,8 +336,12 @@ impl Scan {
         self.complete(detector, t_ns);
         match run {
             Run::Whole => detector.process_frame(&self.completed, changed),
-            Run::Between => detector.process_between(&self.completed, 0, changed),
-            Run::Landing => detector.process_between(&self.completed, 1, changed),
+            Run::Between | Run::Lift => {
+                detector.process_between(&self.completed, 0, changed);
+            }
+            Run::Landing | Run::Moved => {
+                detector.process_between(&self.completed, 1, changed);
+            }
         }
         self.expected.fill(0.0);
         if !detector.frame_touches().down.is_empty() {
@@ -273,20 +355,24 @@ impl Scan {
         self.run_ns = t_ns;
         let down = detector.frame_touches().down;
         match run {
-            Run::Whole => self.drift.take(t_ns, down),
+            Run::Whole | Run::Moved => self.drift.take(t_ns, down),
             Run::Landing => self.drift.clear(),
-            Run::Between if changed.iter().any(|touch| touch.phase == Phase::Up) => {
+            Run::Between | Run::Lift if changed.iter().any(|touch| touch.phase == Phase::Up) => {
                 self.drift.clear();
             }
-            Run::Between => {}
+            Run::Between | Run::Lift => {}
         }
-        if self.landing.is_some() {
+        if self.landing.is_active() {
             self.rates.clear();
-        } else if run != Run::Between {
+        } else if run.is_at_end() {
             self.drift.rates(detector.locator(), &mut self.rates);
         }
-        if run != Run::Between {
-            self.evidence.clear();
+        if run.is_at_end() {
+            self.has_failed_lift = false;
+            // A frame that nothing explains says no more about what changed than its parts.
+            if detector.explained_ns() == t_ns {
+                self.evidence.clear();
+            }
         }
         self.evidence.set_held(detector);
         self.parts = 0;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::evidence::Evidence;
-use super::fit::{FingerBounds, Fitted, fit};
+use super::evidence::{Evidence, ONSET_PARTS};
+use super::fit::{FingerBounds, FitMemory, Fitted, fit};
 use super::readings::PartReadings;
 use crate::eit::ResponseTable;
 use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
@@ -13,18 +13,24 @@ use crate::types::PointMm;
 
 /// Places along the pad's longer side at which a finger is looked for: 10 mm apart on a pad of 100 mm.
 const ALONG: f64 = 10.0;
-/// A finger explains so many squared deviations: every part asks again at many places, sixteen times as often as frames do, ...
+/// A finger explains so many squared deviations: every part asks again at many places, sixteen times as often as frames do.
 const LEAST_GAIN: f64 = 60.0;
-/// ... in at least so many parts.
-const LEAST_PARTS: usize = 3;
-/// Amplitude of the faintest finger, relative to a typical one.
-const LEAST_AMPLITUDE: f64 = 0.05;
+/// Steps of the first fit of a finger, ...
+const FIRST_STEPS: usize = 7;
+/// ... and of the next ones, which start from the one before.
+const NEXT_STEPS: usize = 3;
 /// The fitted finger leaves at most this many squared deviations a reading ...
 const REST: f64 = 4.0;
 /// ... and this share of what changed.
 const REST_SHARE: f64 = 0.1;
 /// Its place is known to this standard deviation, mm: a region needs no more.
 const PLACE_MM: f64 = 1.2;
+/// A place that is farther than this from the best one is another, mm; ...
+const ELSEWHERE_MM: f64 = 16.0;
+/// ... fits that end nearer than this to each other are the same.
+const SAME_MM: f64 = 5.0;
+/// A finger is surely where it is fitted, and not elsewhere, if that explains so many squared deviations more: odds of 400 to 1.
+const SURE: f64 = 12.0;
 /// New fingers are at least this far from those that are down, mm: nearer changes are theirs.
 const APART_MM: f64 = 14.0;
 
@@ -35,7 +41,7 @@ pub(super) struct OnsetModel {
     sign: TouchSign,
     bounds: FingerBounds,
     places_mm: Vec<PointMm>,
-    /// Places x channels.
+    /// Channels x places.
     responses: Vec<f32>,
 }
 
@@ -63,6 +69,7 @@ impl OnsetModel {
         };
         let mut response = Response::default();
         let mut changes = vec![0.0; model.table.channels()];
+        let mut by_place = Vec::new();
         for row in 0..=steps[1] {
             for column in 0..=steps[0] {
                 let centre_mm = [column as f64 * pitch_mm, row as f64 * pitch_mm];
@@ -74,10 +81,14 @@ impl OnsetModel {
                 model.table.expand(&response.value, &mut changes);
                 if changes.iter().any(|change| *change != 0.0) {
                     model.places_mm.push(centre_mm);
-                    model.responses.extend_from_slice(&changes);
+                    by_place.extend_from_slice(&changes);
                 }
             }
         }
+        let (channels, places) = (changes.len(), model.places_mm.len());
+        let transposed = (0..channels * places)
+            .map(|index| by_place[index % places * channels + index / places]);
+        model.responses = transposed.collect();
         model
     }
 
@@ -86,49 +97,104 @@ impl OnsetModel {
         self.sign == sign && Arc::ptr_eq(&self.table, locator.table())
     }
 
-    /// The responses, in the order of the places.
-    pub(super) fn responses(&self) -> impl Iterator<Item = &[f32]> {
-        self.responses.chunks_exact(self.table.channels())
+    /// The responses, channels x places, and the number of places.
+    pub(super) fn responses(&self) -> (&[f32], usize) {
+        (&self.responses, self.places_mm.len())
     }
 
     /// A finger that went down, and how many parts ago.
-    pub(super) fn find(&self, detector: &Detector, evidence: &Evidence) -> Option<(Fitted, usize)> {
-        let best = evidence.candidate(0..self.places_mm.len(), LEAST_PARTS, |amplitude| {
-            amplitude > LEAST_AMPLITUDE
-        })?;
-        if best.gain < LEAST_GAIN {
-            return None;
-        }
-        let start = TouchModel {
-            centre_mm: self.places_mm[best.response],
-            strength: (best.amplitude * self.bounds.typical.strength).clamp(0.02, MOST_STRENGTH),
-            ..self.bounds.typical
-        };
+    pub(super) fn find(
+        &self,
+        detector: &Detector,
+        evidence: &Evidence,
+        memory: &mut FitMemory,
+    ) -> Option<(Fitted, usize)> {
+        let best = evidence.onset().filter(|best| best.gain >= LEAST_GAIN)?;
         // The part in which the finger landed shows it half.
         let candidates = [best.parts, best.parts.saturating_sub(1)];
         candidates
             .into_iter()
-            .filter(|parts| *parts >= LEAST_PARTS)
+            .filter(|parts| *parts >= ONSET_PARTS)
             .find_map(|parts| {
-                let fitted = self.fit(start, evidence.readings(parts))?;
+                let fitted = self.fit_first(best.response, evidence, parts, memory)?;
                 let is_clear = fitted.rest < REST * fitted.readings + REST_SHARE * fitted.energy
                     && fitted.energy - fitted.rest > LEAST_GAIN
                     && fitted.place_mm < PLACE_MM;
                 let is_apart = detector.frame_touches().down.iter().all(|down| {
-                    let [x, y] = down.contact.centre_mm;
-                    let [a, b] = fitted.touch.centre_mm;
-                    libm::hypot(a - x, b - y) > APART_MM
+                    distance_mm(down.contact.centre_mm, fitted.touch.centre_mm) > APART_MM
                 });
                 (is_clear && is_apart).then_some((fitted, parts))
             })
     }
 
-    /// Fits a finger to the readings of some parts.
-    pub(super) fn fit<'a>(
+    /// Fits a finger to the last `parts` parts, from the best place and from the best one elsewhere. `None` if both explain them.
+    fn fit_first(
         &self,
-        start: TouchModel,
-        parts: impl Iterator<Item = &'a PartReadings> + Clone,
+        best: usize,
+        evidence: &Evidence,
+        parts: usize,
+        memory: &mut FitMemory,
     ) -> Option<Fitted> {
-        fit(&self.table, &self.bounds, start, parts)
+        let elsewhere = self.best_elsewhere(best, evidence, parts);
+        let starts = [Some(best), elsewhere];
+        let [one, other] = starts.map(|start| {
+            let start = self.start(start?, evidence, parts);
+            let readings = evidence.readings(parts);
+            fit(&self.table, &self.bounds, start, readings, memory)
+        });
+        let (Some(one), Some(other)) = (one, other) else {
+            return one.or(other);
+        };
+        let (best, rival) = match one.cost <= other.cost {
+            true => (one, other),
+            false => (other, one),
+        };
+        let is_same = distance_mm(best.touch.centre_mm, rival.touch.centre_mm) < SAME_MM;
+        (is_same || rival.cost - best.cost > SURE).then_some(best)
     }
+
+    /// A typical finger at a place, as strong as the last `parts` parts show it.
+    fn start(&self, response: usize, evidence: &Evidence, parts: usize) -> (TouchModel, usize) {
+        let (_, amplitude) = evidence.gain(response, parts);
+        let strength = (amplitude * self.bounds.typical.strength).clamp(0.02, MOST_STRENGTH);
+        let touch = TouchModel {
+            centre_mm: self.places_mm[response],
+            strength,
+            ..self.bounds.typical
+        };
+        (touch, FIRST_STEPS)
+    }
+
+    /// The place that explains most of the last `parts` parts, not near the best one.
+    fn best_elsewhere(&self, best: usize, evidence: &Evidence, parts: usize) -> Option<usize> {
+        let best_mm = self.places_mm[best];
+        (0..self.places_mm.len())
+            .filter(|place| distance_mm(self.places_mm[*place], best_mm) > ELSEWHERE_MM)
+            .map(|place| (place, evidence.gain(place, parts).0))
+            .filter(|(_, gain)| *gain > 0.0)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(place, _)| place)
+    }
+
+    /// Fits a finger that was fitted before to more readings.
+    pub(super) fn fit_again<'a>(
+        &self,
+        before: &Fitted,
+        parts: impl Iterator<Item = &'a PartReadings> + Clone,
+        memory: &mut FitMemory,
+    ) -> Option<Fitted> {
+        let start = (before.touch, NEXT_STEPS);
+        fit(&self.table, &self.bounds, start, parts, memory)
+    }
+
+    /// The relative change of each channel by a finger.
+    pub(super) fn respond(&self, finger: &Fitted, memory: &mut FitMemory, changes: &mut Vec<f32>) {
+        self.table.respond(&finger.touch, &mut memory.response);
+        changes.resize(self.table.channels(), 0.0);
+        self.table.expand(&memory.response.value, changes);
+    }
+}
+
+fn distance_mm(a: PointMm, b: PointMm) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
 }

@@ -22,6 +22,13 @@ impl PartReadings {
         self.first..self.first + self.changes.len()
     }
 
+    /// Copies other readings, into the memory that is there.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.first = other.first;
+        self.changes.clone_from(&other.changes);
+        self.precisions.clone_from(&other.precisions);
+    }
+
     /// Channel, change and precision of each reading.
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
         let values = self.changes.iter().zip(&self.precisions);

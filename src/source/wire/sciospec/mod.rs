@@ -16,7 +16,7 @@ use super::{Decoded, Dialect, SHOWN_BYTES, WireFormat, Wiring};
 use crate::pad::Pair;
 use crate::types::{NANOS_PER_MS, Nanos};
 pub use rows::encode_row;
-use rows::{ROW_BYTES, Row, Rows};
+use rows::{AddedRow, ROW_BYTES, Row, Rows};
 
 /// Longest wait for an answer.
 const ANSWER_NS: Nanos = 500 * NANOS_PER_MS;
@@ -106,8 +106,11 @@ impl Sciospec {
         match tag {
             ACK => self.take_answer(data[0], decoded),
             MEASURE => match Row::parse(data).and_then(|row| self.rows.add(row)) {
-                Ok(Some(frame)) => decoded.push(Decoded::Frame(frame)),
-                Ok(None) => {}
+                Ok(added) => {
+                    let AddedRow { readings, frame } = added;
+                    decoded.extend(readings.map(Decoded::Readings));
+                    decoded.extend(frame.map(Decoded::Frame));
+                }
                 Err(reason) => {
                     self.rows.drop_cycle();
                     decoded.push(Decoded::garbled(reason, &bytes[..whole]));
@@ -181,8 +184,16 @@ impl Dialect for Sciospec {
         Some(command)
     }
 
+    fn hand_up_readings(&mut self) {
+        self.rows.hand_up_readings();
+    }
+
     fn reopened(&mut self) {
+        let hands_up = self.rows.hands_up();
         *self = Self::new(&self.wiring);
+        if hands_up {
+            self.hand_up_readings();
+        }
     }
 
     fn stop_command(&self) -> &'static [u8] {

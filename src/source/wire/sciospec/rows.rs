@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::MEASURE;
 use crate::pad::{Channel, Pair, Protocol};
-use crate::source::wire::{Stamp, WireFrame};
+use crate::source::wire::{Readings, Stamp, WireFrame};
 
 /// Number of electrodes of a group, and so of potentials of a row.
 const GROUP: usize = 16;
@@ -78,10 +78,75 @@ pub(super) struct Rows {
     is_interrupted: bool,
     /// How often rows were missing since the last frame.
     interruptions: u32,
+    /// Whether the readings of a drive are handed up before their frame is complete.
+    hands_up: bool,
+}
+
+/// What a row completes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct AddedRow {
+    /// The readings of its drive, if they are handed up.
+    pub(super) readings: Option<Readings>,
+    /// Its frame.
+    pub(super) frame: Option<WireFrame>,
 }
 
 impl Rows {
-    pub(super) fn add(&mut self, row: Row) -> Result<Option<WireFrame>, String> {
+    /// From now on the readings of each drive are handed up.
+    pub(super) fn hand_up_readings(&mut self) {
+        self.hands_up = true;
+    }
+
+    pub(super) fn hands_up(&self) -> bool {
+        self.hands_up
+    }
+
+    /// Forgets the rows and the cycle.
+    fn restart(&mut self) {
+        *self = Self {
+            hands_up: self.hands_up,
+            ..Self::default()
+        };
+    }
+
+    /// Adds a row.
+    pub(super) fn add(&mut self, row: Row) -> Result<AddedRow, String> {
+        let (drive, ms) = (row.drive, row.ms);
+        let groups = self.cycle.iter().filter(|place| place.1 == drive).count();
+        let ends_drive = row.group + 1 == groups;
+        let frame = self.collect(row)?;
+        let readings = (self.hands_up && ends_drive)
+            .then(|| self.last_readings(&frame, drive, groups))
+            .flatten();
+        let readings = readings.map(|(first, values)| Readings {
+            stamp: Some(stamp(ms)),
+            ..Readings::from_values(first, values)
+        });
+        Ok(AddedRow { readings, frame })
+    }
+
+    /// The values of the drive that was added last, and the place of the first of them.
+    fn last_readings(
+        &self,
+        frame: &Option<WireFrame>,
+        drive: Pair,
+        groups: usize,
+    ) -> Option<(usize, Vec<f32>)> {
+        match frame {
+            Some(frame) => {
+                let listing = frame.listing.as_ref()?;
+                let first = listing.iter().position(|channel| channel.drive == drive)?;
+                Some((first, frame.values[first..].to_vec()))
+            }
+            None => {
+                let before = self.rows.len().checked_sub(groups)?;
+                let (earlier, last) = self.rows.split_at(before);
+                Some((values(earlier).count(), values(last).collect()))
+            }
+        }
+    }
+
+    fn collect(&mut self, row: Row) -> Result<Option<WireFrame>, String> {
         let position = (row.group, row.drive);
         if self.cycle.is_empty() {
             return self.learn(row, position);
@@ -100,7 +165,7 @@ impl Rows {
         }
         if !self.cycle.contains(&position) {
             // The cycle was learned from a frame that lacked its end.
-            *self = Self::default();
+            self.restart();
             return Err("a drive that was not in the frames before".to_owned());
         }
         if self.is_interrupted || self.rows.is_empty() {
@@ -156,7 +221,7 @@ impl Rows {
         self.rows.clear();
         self.interruptions += 1;
         if self.interruptions == MOST_INTERRUPTIONS {
-            *self = Self::default();
+            self.restart();
         }
     }
 
@@ -164,21 +229,12 @@ impl Rows {
     fn frame(&mut self) -> WireFrame {
         self.interruptions = 0;
         let ticks = self.rows.first().map_or(0, |row| row.ms);
-        let mut values = Vec::with_capacity(self.listing.as_ref().map_or(0, |list| list.len()));
-        for rows in self.rows.chunk_by(|a, b| a.drive == b.drive) {
-            let potentials: Vec<f32> = rows.iter().flat_map(|row| row.potentials).collect();
-            for Channel { measure, .. } in adjacent(rows[0].drive, potentials.len()) {
-                values.push(potentials[measure.1] - potentials[measure.0]);
-            }
-        }
+        let values = values(&self.rows).collect();
         self.rows.clear();
         WireFrame {
             values,
             sequence: None,
-            stamp: Some(Stamp {
-                ticks,
-                tick_ns: TICK_NS,
-            }),
+            stamp: Some(stamp(ticks)),
             listing: self.listing.clone(),
         }
     }
@@ -186,6 +242,22 @@ impl Rows {
     pub(super) fn held_bytes(&self) -> usize {
         size_of_val(self.rows.as_slice()) + size_of_val(self.cycle.as_slice())
     }
+}
+
+fn stamp(ms: u32) -> Stamp {
+    Stamp {
+        ticks: ms,
+        tick_ns: TICK_NS,
+    }
+}
+
+/// The differences of the potentials of some rows.
+fn values(rows: &[Row]) -> impl Iterator<Item = f32> + '_ {
+    rows.chunk_by(|a, b| a.drive == b.drive).flat_map(|rows| {
+        let potentials: Vec<f32> = rows.iter().flat_map(|row| row.potentials).collect();
+        adjacent(rows[0].drive, potentials.len())
+            .map(move |Channel { measure, .. }| potentials[measure.1] - potentials[measure.0])
+    })
 }
 
 /// The channels of the values of a cycle.

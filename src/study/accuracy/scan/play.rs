@@ -87,18 +87,16 @@ impl<'a> Session<'a> {
         snr_db: f64,
         by_parts: bool,
     ) -> Self {
-        let drives = bench.pad.protocol.drives();
-        let starts = (0..drives.len()).filter(|c| *c == 0 || drives[*c] != drives[*c - 1]);
         Self {
             bench,
             specimen,
             detector: bench.sensing.new_detector(),
             scan: by_parts.then(Scan::default),
             noise: Noise::new(snr_db, bench.seed ^ 0x5ca9),
-            bounds: starts.chain([drives.len()]).collect(),
+            bounds: bench.pad.protocol.drive_bounds(),
             period_s: 1.0 / rate,
             parts: 0,
-            frame: vec![0.0; drives.len()],
+            frame: vec![0.0; bench.pad.channels()],
             seen: BTreeMap::new(),
             changed: Vec::new(),
             played: Played::default(),

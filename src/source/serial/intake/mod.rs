@@ -4,6 +4,12 @@
 //! that was cut must not pass for a frame of another layout. Their median tells the order. Afterwards a frame
 //! with another number of values is garbled, until the board has changed to that number for good.
 
+mod parts;
+#[cfg(test)]
+mod parts_tests;
+#[cfg(test)]
+mod tests;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -14,7 +20,8 @@ use crate::source::clock::DeviceClock;
 use crate::source::leading::leading_columns;
 use crate::source::wire::{Decoded, Dialect, FormatChoice, WireFrame, Wiring};
 use crate::source::{SourceError, SourceReading};
-use crate::types::{Frame, Nanos};
+use crate::types::{Frame, Nanos, Part};
+use parts::PartIntake;
 
 /// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
@@ -32,6 +39,9 @@ pub(super) struct FrameIntake {
     unsure: Vec<(WireFrame, Nanos)>,
     clock: DeviceClock,
     sequence: Sequence,
+    /// Hands on frames that are still arriving.
+    parts: PartIntake,
+    last_ns: Nanos,
     /// Columns before the readings, which are ignored.
     leading: usize,
     /// Whether a frame has arrived since the port was opened: what is garbled before was cut by the opening.
@@ -51,9 +61,19 @@ impl FrameIntake {
             unsure: Vec::new(),
             clock: DeviceClock::default(),
             sequence: Sequence::default(),
+            parts: PartIntake::default(),
+            last_ns: 0,
             leading: 0,
             begun: false,
             decoded: Vec::new(),
+        }
+    }
+
+    /// From now on frames are handed on in parts while they arrive, if that takes long.
+    pub(super) fn hand_on_parts(&mut self) {
+        if !self.format.whole {
+            self.parts.switch_on();
+            self.dialect.hand_up_readings();
         }
     }
 
@@ -70,14 +90,30 @@ impl FrameIntake {
         readings: &mut VecDeque<SourceReading>,
     ) -> Result<(), SourceError> {
         let mut decoded = std::mem::take(&mut self.decoded);
+        let before = readings.len();
+        let mut are_stamped = false;
         self.dialect
             .feed(now_ns.saturating_sub(opened_ns), bytes, &mut decoded);
         for one in decoded.drain(..) {
             match one {
-                Decoded::Frame(frame) => self.frame(frame, now_ns, readings)?,
+                Decoded::Frame(frame) => {
+                    are_stamped |= frame.stamp.is_some();
+                    self.frame(frame, now_ns, readings)?;
+                }
+                Decoded::Readings(part) => {
+                    are_stamped |= part.stamp.is_some();
+                    if let Some(arrangement) = &self.arrangement {
+                        let context = (arrangement, &mut self.clock);
+                        self.parts
+                            .take_readings(part, self.leading, now_ns, context, readings);
+                    }
+                }
                 Decoded::Garbled { reason, .. } if self.begun => {
                     // If the board counts frames, the next number tells how many were lost.
                     let frames = u64::from(!self.sequence.is_counted());
+                    if frames > 0 {
+                        self.parts.abandon();
+                    }
                     readings.push_back(SourceReading::Skipped { reason, frames });
                 }
                 Decoded::Garbled { reason, .. } => {
@@ -87,7 +123,24 @@ impl FrameIntake {
             }
         }
         self.decoded = decoded;
+        if !are_stamped {
+            self.spread_times(readings.range_mut(before..));
+        }
         Ok(())
+    }
+
+    /// Spreads the times of parts that arrived together.
+    fn spread_times<'a>(&mut self, fresh: impl Iterator<Item = &'a mut SourceReading>) {
+        let mut parts: Vec<&mut Part> = fresh
+            .filter_map(|reading| match reading {
+                SourceReading::Part(part) => Some(part),
+                _ => None,
+            })
+            .collect();
+        self.parts.spread_times(self.last_ns, &mut parts);
+        if let Some(last) = parts.last() {
+            self.last_ns = last.t_ns;
+        }
     }
 
     /// A command that the board needs now.
@@ -105,6 +158,7 @@ impl FrameIntake {
         self.clock.reset();
         self.unsure.clear();
         self.sequence = Sequence::default();
+        self.parts.reset();
         self.begun = false;
     }
 
@@ -127,6 +181,7 @@ impl FrameIntake {
             self.deliver(&frame, now_ns, volts, readings);
             return Ok(());
         }
+        self.parts.abandon();
         if !self.counts.contains(&count) && !self.may_have_leading(count) {
             self.report_count(count, readings);
             return Ok(());
@@ -207,6 +262,7 @@ impl FrameIntake {
                 self.deliver(&frame, arrived_ns, volts, readings);
             }
         }
+        self.parts.set_arrangement(&found);
         self.arrangement = Some(found);
         self.listing = listing;
         Ok(())
@@ -234,6 +290,7 @@ impl FrameIntake {
                 });
             }
             Place::Older => {
+                self.parts.abandon();
                 let number = frame.sequence.unwrap_or(0);
                 readings.push_back(SourceReading::Skipped {
                     reason: format!("frame number {number} again, or too late"),
@@ -242,7 +299,16 @@ impl FrameIntake {
                 return;
             }
         }
+        let number = (frame.sequence, frame.stamp);
+        let clock = &mut self.clock;
+        if self
+            .parts
+            .end_frame(&volts, number, arrived_ns, clock, readings)
+        {
+            return;
+        }
         let t_ns = self.clock.frame_time(frame.stamp, arrived_ns);
+        self.last_ns = t_ns;
         readings.push_back(SourceReading::Frame(Frame { t_ns, volts }));
     }
 
@@ -276,141 +342,5 @@ impl FrameIntake {
                 values[values.len() / 2]
             })
             .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pad::shipped_pad;
-    use crate::source::SimulatedPad;
-    use crate::source::wire::gelpad::{Values, encode};
-    use crate::source::wire::{WireFormat, openeit};
-
-    fn pad(name: &str) -> Pad {
-        Pad::from_toml(name, shipped_pad(name).expect("shipped").toml).expect("sound")
-    }
-
-    fn rest(pad: &Pad) -> Vec<f32> {
-        let volts = SimulatedPad::new(pad).and_then(|simulated| simulated.volts(&[]));
-        let volts = volts.expect("solved");
-        volts.into_iter().map(|volt| 1e3 * volt as f32).collect()
-    }
-
-    fn readings_of(intake: &mut FrameIntake, bytes: &[u8]) -> Vec<SourceReading> {
-        let mut readings = VecDeque::new();
-        intake.feed(5, 0, bytes, &mut readings).expect("fits");
-        readings.into()
-    }
-
-    fn frames(readings: &[SourceReading]) -> usize {
-        let is_frame = |reading: &&SourceReading| matches!(reading, SourceReading::Frame(_));
-        readings.iter().filter(is_frame).count()
-    }
-
-    fn lost(readings: &[SourceReading]) -> u64 {
-        let frames = |reading: &SourceReading| match reading {
-            SourceReading::Skipped { frames, .. } => *frames,
-            _ => 0,
-        };
-        readings.iter().map(frames).sum()
-    }
-
-    #[test]
-    fn losses_are_counted_once_by_the_numbers_of_the_board() {
-        let pad = pad("edinburgh-lattice");
-        let volts = rest(&pad);
-        let mut intake = FrameIntake::new(&pad, WireFormat::Gelpad.into());
-        let packet = |n: u32| encode(Values::F32, n, n.wrapping_mul(1000), &volts);
-        // The count overflows in between.
-        let begin: Vec<u8> = (0..5_u32).flat_map(|n| packet(n.wrapping_sub(2))).collect();
-        assert_eq!(frames(&readings_of(&mut intake, &begin)), 5);
-        let mut damaged = packet(3);
-        damaged[100] ^= 0x55;
-        // Number 3 is garbled, 4 and 5 never arrive.
-        let readings = readings_of(&mut intake, &[damaged, packet(6)].concat());
-        assert_eq!((frames(&readings), lost(&readings)), (1, 3));
-        // A board that was reset restarts its count: no frame counts as lost.
-        let readings = readings_of(&mut intake, &packet(0));
-        assert_eq!((frames(&readings), lost(&readings)), (1, 0));
-    }
-
-    #[test]
-    fn late_and_repeated_packets_are_dropped_and_counted() {
-        let pad = pad("edinburgh-lattice");
-        let volts = rest(&pad);
-        let mut intake = FrameIntake::new(&pad, WireFormat::Gelpad.into());
-        let packet = |n: u32| encode(Values::F32, n, n.wrapping_mul(1000), &volts);
-        let numbers = [70, 71, 72, 73, 72, 73, 73, 74];
-        let bytes: Vec<u8> = numbers.into_iter().flat_map(packet).collect();
-        let readings = readings_of(&mut intake, &bytes);
-        assert_eq!((frames(&readings), lost(&readings)), (5, 0));
-        let is_skip = |one: &&SourceReading| matches!(one, SourceReading::Skipped { .. });
-        assert_eq!(readings.iter().filter(is_skip).count(), 3);
-    }
-
-    #[test]
-    fn columns_before_the_readings_are_ignored() {
-        let pad = pad("edinburgh-lattice");
-        let volts = rest(&pad);
-        let words: Vec<String> = volts.iter().map(|volt| format!("{volt:.5}")).collect();
-        let decimal_commas = words.join("\t").replace('.', ",");
-        for (line, case) in [
-            (format!("@,{}", words.join(",")), "a counter"),
-            (
-                format!("@;{:.3};{}", 0.5, words.join(";")),
-                "a counter and a time",
-            ),
-            (format!("[{}]", words.join(", ")), "brackets"),
-            (
-                format!("@ [{}]", words.join(" ")),
-                "a counter before brackets",
-            ),
-            (format!("@\t{decimal_commas}"), "decimal commas"),
-        ] {
-            for format in ["auto", "lines"] {
-                let format = format.parse().expect("a format");
-                let mut intake = FrameIntake::new(&pad, format);
-                let text: String = (7..17)
-                    .map(|number| format!("{}\r\n", line.replace('@', &number.to_string())))
-                    .collect();
-                let readings = readings_of(&mut intake, text.as_bytes());
-                assert_eq!((frames(&readings), lost(&readings)), (10, 0), "{case}");
-                let SourceReading::Frame(frame) = &readings[9] else {
-                    panic!("{case}: {readings:?}");
-                };
-                assert!((frame.volts[3] - volts[3]).abs() < 1e-4, "{case}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_cut_line_is_never_a_frame_of_another_layout() {
-        let pad = pad("openeit-lattice");
-        let volts = rest(&pad);
-        let mut intake = FrameIntake::new(&pad, WireFormat::OpenEit.into());
-        let whole = openeit::encode(&volts);
-        let cut = openeit::encode(&volts[..104]);
-        let sound: String = std::iter::repeat_n(whole.as_str(), 3).collect();
-        assert_eq!(frames(&readings_of(&mut intake, sound.as_bytes())), 3);
-        let readings = readings_of(
-            &mut intake,
-            format!("{cut}{cut}{whole}{cut}{cut}{whole}").as_bytes(),
-        );
-        assert_eq!((frames(&readings), lost(&readings)), (2, 4));
-    }
-
-    #[test]
-    fn a_board_of_another_protocol_is_refused_with_a_clear_error() {
-        let mut intake = FrameIntake::new(&pad("edinburgh-lattice"), WireFormat::OpenEit.into());
-        let text: String =
-            std::iter::repeat_n(openeit::encode(&rest(&pad("openeit-lattice"))), 3).collect();
-        let error = intake
-            .feed(0, 0, text.as_bytes(), &mut VecDeque::new())
-            .expect_err("192 for 208");
-        assert!(
-            error.to_string().contains("192 voltages of opposite drive"),
-            "{error}"
-        );
     }
 }
