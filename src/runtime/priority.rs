@@ -12,10 +12,10 @@ const NICENESS: i32 = -10;
 #[cfg(target_os = "linux")]
 pub(super) fn raise() {
     // On Linux, none stands for the calling thread.
-    if rustix::process::setpriority_process(None, NICENESS).is_err() {
-        if let Err(error) = ask_realtime_kit() {
-            tracing::debug!("no higher priority: {error}");
-        }
+    if rustix::process::setpriority_process(None, NICENESS).is_err()
+        && let Err(error) = ask_realtime_kit()
+    {
+        tracing::debug!("no higher priority: {error}");
     }
 }
 
