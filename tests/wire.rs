@@ -4,11 +4,12 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use gelpad::source::wire::gelpad::{Values, encode, encode_part};
+use gelpad::pad::{Channel, Pair};
+use gelpad::source::wire::gelpad::{Values, encode, encode_listing, encode_part};
 use gelpad::source::wire::{Decoded, Dialect, gelpad::Gelpad};
 
 /// Reads type, sequence, time and count, then the values, and writes the packet of the frame and those of its two halves;
-/// repeats until the input ends.
+/// repeats until the input ends. Last come the names of six readings.
 const PROGRAM: &str = r#"
 #include <stdio.h>
 #include "gelpad_wire.h"
@@ -42,6 +43,8 @@ int main(void) {
             fwrite(packet, 1, length, stdout);
         }
     }
+    static const uint8_t readings[6][4] = {{0, 1, 2, 3}, {0, 1, 3, 4}, {4, 5, 0, 1}, {4, 5, 2, 3}, {2, 3, 0, 1}, {2, 3, 5, 255}};
+    fwrite(packet, 1, gelpad_encode_readings(packet, sizeof packet, readings, 6), stdout);
     return 0;
 }
 "#;
@@ -123,6 +126,19 @@ fn the_c_header_writes_the_same_bits_as_the_library() {
             sent.extend([values.clone(), values]);
         }
     }
+    let named = [
+        [0, 1, 2, 3],
+        [0, 1, 3, 4],
+        [4, 5, 0, 1],
+        [4, 5, 2, 3],
+        [2, 3, 0, 1],
+        [2, 3, 5, 255],
+    ];
+    let named = named.map(|[a, b, p, q]| Channel {
+        drive: Pair(a, b),
+        measure: Pair(p, q),
+    });
+    expected.extend(encode_listing(&named));
     let mut running = Command::new(&program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

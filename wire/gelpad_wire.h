@@ -1,4 +1,4 @@
-/* gelpad's wire format, versions 1 and 2, for firmware: see docs/wire.md.
+/* gelpad's wire format, versions 1 to 3, for firmware: see docs/wire.md.
  *
  * A single header for C99 or C++, without libraries, allocation or tables, for the smallest boards.
  *
@@ -18,6 +18,11 @@
  *     }
  *     sequence++;
  *
+ * A board with an order of its own (`gelpad study protocol` writes such tables) names its readings at start-up and every hundred
+ * frames:
+ *
+ *     length = gelpad_encode_readings(packet, sizeof packet, gelpad_readings, 208);
+ *
  * Send one zero byte at start-up, so that earlier bytes are not part of the first packet.
  * Licensed under MIT or Apache-2.0, at your choice.
  */
@@ -34,6 +39,7 @@ extern "C" {
 
 #define GELPAD_VERSION 1      /* a packet that holds a frame */
 #define GELPAD_PART_VERSION 2 /* a packet that holds some values of a frame */
+#define GELPAD_READINGS_VERSION 3 /* a packet that names the readings of a frame */
 #define GELPAD_KIND_F32 1 /* volts, or any other unit, the same for all values */
 #define GELPAD_KIND_I32 2 /* counts of a converter */
 #define GELPAD_MOST_VALUES 2048
@@ -180,6 +186,22 @@ static inline size_t gelpad_encode_part_i32(uint8_t *out, size_t room, uint32_t 
     }
     for (index = 0; index < count; index++) {
         gelpad_put_u32(&p, (uint32_t)values[first + index]);
+    }
+    return gelpad_end(&p);
+}
+
+/* A packet that names count readings in the order of the frame. Each has four electrodes, counted from 0: current flows into the
+ * first and out of the second; the value is the potential of the fourth minus that of the third. */
+static inline size_t gelpad_encode_readings(uint8_t *out, size_t room, const uint8_t readings[][4], uint16_t count) {
+    gelpad_packet p;
+    uint16_t index, electrode;
+    if (!gelpad_begin(&p, out, room, GELPAD_READINGS_VERSION, 0, 0, 0, count)) {
+        return 0;
+    }
+    for (index = 0; index < count; index++) {
+        for (electrode = 0; electrode < 4; electrode++) {
+            gelpad_put(&p, readings[index][electrode]);
+        }
     }
     return gelpad_end(&p);
 }

@@ -9,6 +9,7 @@ use super::args::AccuracyArgs;
 use super::exit::Ending;
 use super::progress::{case_bar, case_progress, solve_pad};
 use crate::app::pads::load_pad;
+use crate::study::accuracy::identified::IdentifyExtent;
 use crate::study::accuracy::real::{Extent, conditions, own_conditions};
 use crate::study::accuracy::scan::ScanExtent;
 use crate::study::accuracy::{Accuracy, AccuracySettings};
@@ -40,6 +41,18 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         let findings = study.play_scans(extent, case_progress(&bar))?;
         bar.finish_and_clear();
         job::write_whole(&args.out, "scan.json", findings.json()?.as_bytes())?;
+        write!(std::io::stdout().lock(), "{}", findings.table())?;
+        return Ok(Ending::Done);
+    }
+    if args.identify {
+        let extent = if args.quick {
+            IdentifyExtent::QUICK
+        } else {
+            IdentifyExtent::FULL
+        };
+        let findings = study.locate_on_built_pads(extent, case_progress(&bar))?;
+        bar.finish_and_clear();
+        job::write_whole(&args.out, "identified.json", findings.json()?.as_bytes())?;
         write!(std::io::stdout().lock(), "{}", findings.table())?;
         return Ok(Ending::Done);
     }

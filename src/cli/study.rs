@@ -11,6 +11,7 @@ use super::progress::{case_bar, case_progress};
 use crate::app::pads::{PadText, load_pad};
 use crate::study::job::{self, Folder, Shard, Study};
 use crate::study::phantoms::{self, Phantoms};
+use crate::study::protocol::{self, ProtocolStudy};
 use crate::study::thickness::{self, Thickness};
 use crate::study::width::{self, Width};
 
@@ -21,6 +22,7 @@ enum Settings {
     Width(width::WidthSettings),
     Phantoms(phantoms::PhantomSettings),
     Thickness(Box<thickness::ThicknessSettings>),
+    Protocol(protocol::ProtocolSettings),
 }
 
 pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
@@ -75,11 +77,31 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
             };
             (common, Settings::Thickness(Box::new(settings)))
         }
+        StudyCommand::Protocol {
+            common,
+            snr,
+            keep,
+            quick,
+            seed,
+        } => {
+            let (pad, pad_toml) = pad(common)?;
+            let settings = protocol::ProtocolSettings {
+                version: version(),
+                pad,
+                pad_toml,
+                snr_db: *snr,
+                keep_mm: *keep,
+                quick: *quick,
+                seed: *seed,
+            };
+            (common, Settings::Protocol(settings))
+        }
     };
     let (out, shard) = (&common.out, common.shard);
     match &settings {
         Settings::Width(of) => solve(&Width::new(of.clone())?, &settings, out, shard),
         Settings::Phantoms(of) => solve(&Phantoms::new(of.clone())?, &settings, out, shard),
+        Settings::Protocol(of) => solve(&ProtocolStudy::new(of.clone())?, &settings, out, shard),
         Settings::Thickness(of) => {
             let study = Thickness::new((**of).clone())?;
             print_estimate(&study)?;
@@ -149,6 +171,7 @@ fn merge(folders: &[std::path::PathBuf], out: &Path) -> anyhow::Result<Ending> {
     match settings {
         Settings::Width(of) => write(&Width::new(of)?, &folder)?,
         Settings::Phantoms(of) => write(&Phantoms::new(of)?, &folder)?,
+        Settings::Protocol(of) => write(&ProtocolStudy::new(of)?, &folder)?,
         Settings::Thickness(of) => write(&Thickness::new(*of)?, &folder)?,
     }
     finish(&folder, Shard::ALL)

@@ -14,6 +14,7 @@ use crate::pad::Protocol;
 use crate::types::PixelGrid;
 
 /// Sums over elements of weight x grad u_k . grad u_l, for all pairs of fields.
+#[derive(Clone)]
 struct Sensitivity {
     fields: usize,
     sums: Vec<f64>,
@@ -83,6 +84,32 @@ pub fn element_jacobian(
             .iter_mut()
             .zip(sensitivity.channels(protocol))
         {
+            *entry = value;
+        }
+    }
+    jacobian
+}
+
+/// Channels x cells: change of a reading per relative change of a cell's conductivity, V/A. Each triangle has its cell and its
+/// conductivity, S/m.
+pub(super) fn cell_jacobian(
+    model: &ForwardModel,
+    fields: &Fields,
+    protocol: &Protocol,
+    of_triangle: &[(usize, f64)],
+    cells: usize,
+) -> Mat<f64> {
+    let mut sensitivities = vec![Sensitivity::new(fields.len()); cells];
+    let mut gradients = [vec![0.0; fields.len()], vec![0.0; fields.len()]];
+    for (triangle, (cell, siemens)) in of_triangle.iter().enumerate() {
+        let [x, y] = &mut gradients;
+        model.gradients(fields, triangle, x, y);
+        sensitivities[*cell].add(siemens * model.weight(triangle), x, y);
+    }
+    let mut jacobian = Mat::zeros(protocol.channels.len(), cells);
+    for (cell, sensitivity) in sensitivities.iter().enumerate() {
+        let column = jacobian.col_mut(cell).iter_mut();
+        for (entry, value) in column.zip(sensitivity.channels(protocol)) {
             *entry = value;
         }
     }

@@ -7,6 +7,7 @@ pub(crate) mod cholesky;
 mod electrode_monitor;
 mod first_frames;
 mod forward;
+pub mod identify;
 mod jacobian;
 mod kalman;
 pub mod mesh;

@@ -13,6 +13,7 @@ mod outline;
 mod protocol;
 mod shipped;
 mod spec;
+mod unevenness;
 
 pub use conductor::{Conductor, Lattice};
 pub use electrodes::Electrode;
@@ -20,6 +21,7 @@ pub use numbering::{Direction, Numbering, Renumbered};
 pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
+pub use unevenness::{Unevenness, cell_sites_mm};
 
 use crate::types::{Method, SourceErrors};
 
@@ -67,6 +69,8 @@ pub struct Pad {
     pub thickness_mm: f64,
     /// Conductivity of the untouched layer, S/m.
     pub background_s_per_m: f64,
+    /// How the conductivity differs from place to place.
+    pub unevenness: Unevenness,
     /// Electrodes on the outline, as the board numbers them.
     pub electrodes: Vec<Electrode>,
     /// How the board numbers the electrodes.
@@ -95,6 +99,12 @@ impl Pad {
     #[must_use]
     pub fn channels(&self) -> usize {
         self.protocol.channels.len()
+    }
+
+    /// Conductivity of the untouched layer at a point that holds conductor, S/m.
+    #[must_use]
+    pub fn conductivity_at(&self, point: [f64; 2]) -> f64 {
+        self.background_s_per_m * self.unevenness.factor_at(point)
     }
 
     /// Whether there is conductor at a point.

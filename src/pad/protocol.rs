@@ -61,6 +61,12 @@ pub enum ProtocolError {
     /// The reciprocal half needs equal drives and measurements.
     #[error("the reciprocal half needs the same pattern for stimulation and measurement")]
     NoHalf,
+    /// An order of drives that does not list each drive once.
+    #[error("`order` must list each of the {drives} drives once, as numbers from 0 to {}", .drives - 1)]
+    NoOrder {
+        /// Number of drives.
+        drives: usize,
+    },
 }
 
 impl Protocol {
@@ -88,6 +94,33 @@ impl Protocol {
         let starts =
             (0..channels.len()).filter(|c| *c == 0 || channels[*c].drive != channels[*c - 1].drive);
         starts.chain([channels.len()]).collect()
+    }
+
+    /// The same readings with the drives in another order: first those of the drive with the number `order[0]`. The readings
+    /// of each drive keep their order. Drives are numbered as in [`Protocol::drives`].
+    ///
+    /// # Errors
+    /// [`ProtocolError::NoOrder`].
+    pub fn with_drive_order(&self, order: &[usize]) -> Result<Self, ProtocolError> {
+        let drive_of = self.drives();
+        let drives = drive_of
+            .iter()
+            .max()
+            .map_or(0, |last| usize::from(*last) + 1);
+        let mut sorted = order.to_vec();
+        sorted.sort_unstable();
+        if !sorted.into_iter().eq(0..drives) {
+            return Err(ProtocolError::NoOrder { drives });
+        }
+        let of_drive = |drive: usize| {
+            let numbered = self.channels.iter().zip(&drive_of);
+            numbered
+                .filter_map(move |(channel, of)| (usize::from(*of) == drive).then_some(*channel))
+        };
+        Ok(Self {
+            electrodes: self.electrodes,
+            channels: order.iter().flat_map(|drive| of_drive(*drive)).collect(),
+        })
     }
 
     /// Every drive of a list with every measurement of another that shares no electrode with it.
@@ -240,6 +273,29 @@ mod tests {
             );
         }
         assert!(adjacent(true).reciprocal().iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn drives_in_another_order_keep_their_readings() {
+        let full = adjacent(false);
+        let order: Vec<usize> = (0..16).map(|k| 5 * k % 16).collect();
+        let spread = full.with_drive_order(&order).expect("each drive once");
+        assert_eq!(spread.channels[13].drive, Pair(5, 6));
+        assert_eq!(spread.channels[13..26], full.channels[65..78]);
+        let mut sorted = spread.channels;
+        sorted.sort_by_key(|channel| (channel.drive, channel.measure));
+        assert!(sorted.iter().all(|channel| full.channels.contains(channel)));
+        sorted.dedup();
+        assert_eq!(sorted.len(), full.channels.len());
+        for wrong in [&order[..15], &[0; 16]] {
+            let error = full
+                .with_drive_order(wrong)
+                .expect_err("a drive is missing");
+            assert_eq!(
+                error.to_string(),
+                "`order` must list each of the 16 drives once, as numbers from 0 to 15"
+            );
+        }
     }
 
     #[test]

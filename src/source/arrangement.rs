@@ -8,6 +8,7 @@
 use crate::eit::order::{Layout, Order, OrderError, recognise_order};
 use crate::pad::{Channel, Pad, Pair};
 
+use super::own_order::is_own_order;
 use super::wire::DeclaredOrder;
 
 /// Where each of a pad's channels is in a board's frame.
@@ -69,6 +70,9 @@ impl Arrangement {
         if let Some(listing) = listing {
             return Self::from_listing(values, listing, pad);
         }
+        if declared.is_none() && is_own_order(values, pad) {
+            return Ok(Self::unchanged(pad, ""));
+        }
         let volts: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
         let order = match declared {
             Some(DeclaredOrder { rotated, flipped }) => {
@@ -78,7 +82,13 @@ impl Arrangement {
         };
         match order {
             Ok(order) => Self::from_order(&order, values.len(), pad),
-            Err(error) if values.len() == pad.channels() => Ok(Self::unchanged(pad, &error)),
+            Err(error) if values.len() == pad.channels() => {
+                let why = match error {
+                    OrderError::NoneFits(_) => " is assumed: no known order fits",
+                    _ => " is assumed: the order cannot be recognised",
+                };
+                Ok(Self::unchanged(pad, why))
+            }
             Err(OrderError::Ambiguous | OrderError::NoneFits(_)) => {
                 let order = Order::from_declaration(values.len(), electrodes, false, false)?;
                 let found = Self::from_order(&order, values.len(), pad)?;
@@ -94,18 +104,14 @@ impl Arrangement {
         }
     }
 
-    /// The frame is taken as it is, in the pad's order; the description says why.
-    fn unchanged(pad: &Pad, why: &OrderError) -> Self {
+    /// The frame is taken as it is, in the pad's order; `why` ends the description.
+    fn unchanged(pad: &Pad, why: &str) -> Self {
         let count = pad.channels();
-        let why = match why {
-            OrderError::NoneFits(_) => "no known order fits",
-            _ => "the order cannot be recognised",
-        };
         Self {
             places: (0..count).map(|place| (place, 1.0)).collect(),
             values: count,
             drives: pad.protocol.drives(),
-            summary: format!("{count} voltages a frame; {why}: the pad's own order is assumed"),
+            summary: format!("{count} voltages a frame; the pad's own order{why}"),
         }
     }
 
@@ -211,6 +217,12 @@ impl Arrangement {
             .iter()
             .map(|(place, sign)| sign * values[*place])
             .collect()
+    }
+
+    /// Whether another arrangement gives the same frames.
+    #[must_use]
+    pub fn reads_as(&self, other: &Self) -> bool {
+        (&self.places, self.values) == (&other.places, other.values)
     }
 
     /// Values of the board's frame.
@@ -326,7 +338,7 @@ fn places(there: &[Channel], pad: &Pad, layout: Layout) -> Option<Vec<(usize, f3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pad::{SHIPPED_PADS, shipped_pad};
+    use crate::pad::{Protocol, SHIPPED_PADS, shipped_pad};
     use crate::source::SimulatedPad;
 
     fn pad(name: &str) -> Pad {
@@ -391,6 +403,36 @@ mod tests {
         let found = Arrangement::find(&stream, None, Some(declared), &pad).expect("declared");
         // The measurements of drive 2 start after it, with (4, 5), and end with (0, 1).
         assert_eq!(found.apply(&stream)[26], -stream[26 + 12]);
+    }
+
+    #[test]
+    fn a_pads_own_order_is_recognised_beside_that_of_layouts() {
+        let standard = pad("edinburgh-lattice");
+        let volts = rest(&standard);
+        let order: Vec<usize> = (0..16).map(|k| 5 * k % 16).collect();
+        let spread = standard.protocol.with_drive_order(&order).expect("sound");
+        let half = Layout::AdjacentHalf.stream_channels(16, false);
+        let backwards = Protocol {
+            electrodes: 16,
+            channels: half.into_iter().rev().collect(),
+        };
+        for protocol in [spread, backwards] {
+            let place = |channel: &Channel| {
+                let all = &standard.protocol.channels;
+                all.iter().position(|c| c == channel).expect("read")
+            };
+            let own: Vec<f32> = protocol.channels.iter().map(|c| volts[place(c)]).collect();
+            let pad = Pad {
+                protocol,
+                ..standard.clone()
+            };
+            let found = Arrangement::find(&own, None, None, &pad).expect("its own");
+            assert_eq!(found.apply(&own), own, "{}", found.summary());
+            assert!(found.summary().ends_with("the pad's own order"));
+            // A board that goes round the pad serves it too.
+            let found = Arrangement::find(&volts, None, None, &pad).expect("adjacent");
+            assert_eq!(found.apply(&volts), own, "{}", found.summary());
+        }
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod gamepad;
 mod leading;
 mod live;
 mod noise;
+mod own_order;
 mod recorded;
 mod robot;
 mod rounded;

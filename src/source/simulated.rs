@@ -43,13 +43,17 @@ impl SimulatedPad {
     /// # Errors
     /// The forward model cannot be solved for this conductivity.
     pub fn volts(&self, presses: &[Press]) -> Result<Vec<f64>, ForwardError> {
-        let conductivity = self.model.mesh().mean_over_triangles(|point| {
+        let mut conductivity = self.model.mesh().mean_over_triangles(|point| {
             let factor: f64 = presses.iter().map(|press| press.factor(point)).product();
             match self.pad.touch_sign {
                 TouchSign::Rise => self.pad.background_s_per_m * factor,
                 TouchSign::Fall => self.pad.background_s_per_m / factor,
             }
         });
+        let mesh = self.model.mesh();
+        for (triangle, siemens) in conductivity.iter_mut().enumerate() {
+            *siemens *= self.pad.unevenness.factor_at(mesh.centroid_mm(triangle));
+        }
         let fields = self.model.solve(&conductivity)?;
         Ok(fields.voltages(&self.pad.protocol))
     }

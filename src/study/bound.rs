@@ -31,21 +31,9 @@ impl PressBound {
     }
 
     /// Mean distance of the estimate from the truth for Gaussian errors with the bound's covariance, mm.
-    ///
-    /// In polar form: the mean of a Rayleigh distribution times the mean radius of the ellipse over the circle.
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
-        const STEPS: usize = 64;
-        let [xx, yy, xy] = self.place_mm2;
-        let (middle, spread) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
-        let mean_radius = (0..STEPS)
-            .map(|step| {
-                let angle = std::f64::consts::TAU * step as f64 / STEPS as f64;
-                (middle + spread * angle.cos()).max(0.0).sqrt()
-            })
-            .sum::<f64>()
-            / STEPS as f64;
-        (std::f64::consts::PI / 2.0).sqrt() * mean_radius
+        mean_distance_mm(self.place_mm2)
     }
 
     /// The bound with the noise multiplied by `times`.
@@ -56,6 +44,22 @@ impl PressBound {
             volume_share: self.volume_share * times,
         }
     }
+}
+
+/// Mean distance of Gaussian errors with these variances along x and y and this covariance, mm.
+///
+/// In polar form: the mean of a Rayleigh distribution times the mean radius of the ellipse over the circle.
+pub(super) fn mean_distance_mm([xx, yy, xy]: [f64; 3]) -> f64 {
+    const STEPS: usize = 64;
+    let (middle, spread) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
+    let mean_radius = (0..STEPS)
+        .map(|step| {
+            let angle = std::f64::consts::TAU * step as f64 / STEPS as f64;
+            (middle + spread * angle.cos()).max(0.0).sqrt()
+        })
+        .sum::<f64>()
+        / STEPS as f64;
+    (std::f64::consts::PI / 2.0).sqrt() * mean_radius
 }
 
 /// A pad in its touched state, solved.
@@ -125,6 +129,16 @@ pub struct Slopes {
 }
 
 impl Slopes {
+    /// The derivatives of each reading by the unknowns of the first press, in these deviations of the readings (V/A).
+    pub(super) fn of_first_press(&self, deviations: &[f64]) -> Vec<[f64; PRESS_UNKNOWNS]> {
+        let channels = deviations.iter().enumerate();
+        channels
+            .map(|(channel, deviation)| {
+                std::array::from_fn(|unknown| self.derivative[(channel, unknown)] / deviation)
+            })
+            .collect()
+    }
+
     /// The bound of each press with all presses unknown, for readings with these standard deviations (V/A); `None` if the
     /// readings do not determine the presses.
     ///

@@ -9,6 +9,7 @@ pub mod job;
 mod merit;
 mod phantom;
 pub mod phantoms;
+pub mod protocol;
 mod report;
 pub mod solid;
 pub mod thickness;
@@ -16,6 +17,7 @@ mod vary;
 pub mod width;
 
 pub use crate::eit::{Press, conductivity_factor};
+use bound::mean_distance_mm;
 pub use bound::{PressBound, PressedPad, Slopes, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};

@@ -39,6 +39,8 @@ pub struct Report {
     pub csvs: Vec<Table>,
     /// Figures.
     pub figures: Vec<Figure>,
+    /// Texts beside the report: file name and content.
+    pub files: Vec<(String, String)>,
 }
 
 impl Report {
@@ -54,6 +56,9 @@ impl Report {
         for figure in &self.figures {
             write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
             write(&format!("{}.png", figure.name), &figure.png)?;
+        }
+        for (name, text) in &self.files {
+            write(name, text.as_bytes())?;
         }
         write("report.md", self.markdown().as_bytes())?;
         write("report.html", self.html().as_bytes())
@@ -149,6 +154,14 @@ impl Table {
             title: title.into(),
             head: head.iter().map(|&name| name.to_owned()).collect(),
             rows: rows.into_iter().collect(),
+        }
+    }
+
+    /// The same table under another title.
+    pub(super) fn titled(self, title: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            ..self
         }
     }
 

@@ -77,6 +77,12 @@ impl SensingBuilder {
         })
     }
 
+    /// The reconstruction method.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
     /// Adds the pad's response table: touches are located in the voltages.
     ///
     /// # Panics

@@ -41,6 +41,9 @@ pub(in crate::cli) struct AccuracyArgs {
     /// Play the conditions of real boards, pads and hands, and print what is missed, false and off
     #[arg(long)]
     pub real: bool,
+    /// With --real: pads that differ from their drawing, with the drawing and with the pad as found from its readings at rest
+    #[arg(long, requires = "real", conflicts_with_all = ["only", "disturb"])]
+    pub identify: bool,
     /// Play presses on a pad whose drives are read one after another, frame by frame and part by part
     #[arg(long, conflicts_with = "real")]
     pub scan: bool,
@@ -111,6 +114,28 @@ Examples:
         /// One coarse case of each kind
         #[arg(long)]
         quick: bool,
+    },
+    /// In which order to read the drives, and which readings to leave out
+    #[command(after_help = "\
+Examples:
+  gelpad study protocol --out protocol                            the best order, and what 0.3 mm at 60 dB needs
+  gelpad study protocol --out fast --snr 70 --keep 0.5 --pad ./my-pad.toml
+  gelpad accuracy --scan --pad protocol/pad-order.toml --out scan   (how soon presses are then seen)")]
+    Protocol {
+        #[command(flatten)]
+        common: StudyArgs,
+        /// Signal-to-noise ratio of each reading, dB
+        #[arg(long, value_name = "DB", value_parser = snr, default_value_t = 60.0)]
+        snr: f64,
+        /// Mean error of place that the fewest readings keep, mm
+        #[arg(long, value_name = "MM", default_value_t = 0.3)]
+        keep: f64,
+        /// Fewer fingers
+        #[arg(long)]
+        quick: bool,
+        /// Seed of the fingers
+        #[arg(long, value_name = "N", default_value_t = 1)]
+        seed: u64,
     },
     /// Merge the folders of all shards
     #[command(after_help = "Example: gelpad study merge part1 part2 --out whole")]

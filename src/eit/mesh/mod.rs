@@ -23,6 +23,14 @@ impl Mesh {
         }
     }
 
+    /// The conductivity of each triangle of an untouched pad, S/m.
+    #[must_use]
+    pub fn background_s_per_m(&self, pad: &Pad) -> Vec<f64> {
+        (0..self.triangles.len())
+            .map(|triangle| pad.conductivity_at(self.centroid_mm(triangle)))
+            .collect()
+    }
+
     /// Lines along x and y of a rectangular pad's grid, mm, including the lines in `also`; `None` for round pads.
     #[must_use]
     pub fn grid_lines_mm(pad: &Pad, size: MeshSize, also: [&[f64]; 2]) -> Option<[Vec<f64>; 2]> {

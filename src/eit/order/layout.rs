@@ -25,6 +25,16 @@ impl Layout {
             .find(|layout| layout.readings(electrodes) == Some(voltages))
     }
 
+    /// The layout whose stream has exactly these channels, rotated or not.
+    #[must_use]
+    pub fn of_channels(channels: &[Channel], electrodes: usize) -> Option<Self> {
+        Self::from_count(channels.len(), electrodes).filter(|layout| {
+            [false, true]
+                .into_iter()
+                .any(|rotated| layout.stream_channels(electrodes, rotated) == channels)
+        })
+    }
+
     /// All layouts.
     pub const ALL: [Self; 4] = [
         Self::Adjacent,

@@ -16,7 +16,7 @@ pub use layout::Layout;
 use crate::pad::Channel;
 
 /// The right order has less error than this: measured pads show 2 to 5 %, wrong orders about 80 %.
-const SURE_ERROR: f64 = 0.25;
+pub(crate) const SURE_ERROR: f64 = 0.25;
 /// The second best order must be this many times worse, or the order is ambiguous.
 const SURE_RATIO: f64 = 2.0;
 

@@ -56,7 +56,7 @@ impl Linearised {
     pub fn from_pad(pad: &Pad) -> Result<Self, SetupError> {
         let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
         let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad))?;
-        let fields = model.solve_even(pad.background_s_per_m)?;
+        let fields = model.solve(&model.mesh().background_s_per_m(pad))?;
         let volts = fields.voltages(&pad.protocol);
         if let Some(channel) = dead_channel(&volts) {
             return Err(SetupError::DeadChannel { channel });
@@ -67,9 +67,10 @@ impl Linearised {
             coverage,
             matrix: mut jacobian,
         } = pixel_jacobian(&model, &fields, &pad.protocol, &grid);
-        for column in 0..jacobian.ncols() {
+        for (column, pixel) in active.iter().enumerate() {
+            let background = pad.conductivity_at(grid.centre_mm(*pixel));
             for (entry, volt) in jacobian.col_mut(column).iter_mut().zip(&volts) {
-                *entry *= pad.background_s_per_m / volt;
+                *entry *= background / volt;
             }
         }
         Ok(Self {

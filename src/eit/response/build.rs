@@ -84,13 +84,18 @@ impl ResponseBuilder {
             protocol,
             ..
         } = pad;
-        format!(
+        let key = format!(
             "{VERSION} {} {outline:?} {conductor:?} {electrodes:?} {:?} {:?} {:?} {protocol:?}",
             solver_constants(),
             pad.thickness_mm,
             pad.background_s_per_m,
             pad.contact_impedance_ohm_m2,
-        )
+        );
+        if pad.unevenness.is_even() {
+            key
+        } else {
+            format!("{key} {:?}", pad.unevenness)
+        }
     }
 
     /// Number of rows.

@@ -43,6 +43,8 @@ pub struct Scatterer {
 #[derive(Clone, Debug)]
 struct Level {
     model: ForwardModel,
+    /// Conductivity of each triangle, S/m.
+    background: Vec<f64>,
     fields: Fields,
     volts: Vec<f64>,
     triangles: Buckets,
@@ -56,13 +58,12 @@ impl Scatterer {
     pub fn new(pad: &Pad) -> Result<Self, SetupError> {
         let fine = Level::new(pad, Mesh::from_pad(pad, MeshSize::reconstruction(pad)))?;
         let coarse = Level::new(pad, coarse_mesh(pad))?;
-        let even = vec![pad.background_s_per_m; coarse.model.mesh().triangles.len()];
-        let inverse = coarse.model.dense_inverse(&even)?;
+        let inverse = coarse.model.dense_inverse(&coarse.background)?;
         let all: Vec<usize> = (0..fine.model.mesh().triangles.len()).collect();
         let mut fine_linear = element_jacobian(&fine.model, &fine.fields, &pad.protocol, &all);
         for triangle in 0..fine_linear.ncols() {
             for (entry, volt) in fine_linear.col_mut(triangle).iter_mut().zip(&fine.volts) {
-                *entry *= pad.background_s_per_m / volt;
+                *entry *= fine.background[triangle] / volt;
             }
         }
         Ok(Self {
@@ -136,7 +137,8 @@ impl Scatterer {
         let model = &self.coarse.model;
         let mut entries = Vec::with_capacity(9 * local.under.len());
         for (triangle, places) in &local.under {
-            let siemens = self.pad.background_s_per_m * mean_of(model.mesh(), *triangle, &change);
+            let siemens =
+                self.coarse.background[*triangle] * mean_of(model.mesh(), *triangle, &change);
             if siemens == 0.0 {
                 continue;
             }
@@ -241,13 +243,15 @@ impl Level {
     fn new(pad: &Pad, mesh: Mesh) -> Result<Self, SetupError> {
         let triangles = Buckets::new(&mesh);
         let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad))?;
-        let fields = model.solve_even(pad.background_s_per_m)?;
+        let background = model.mesh().background_s_per_m(pad);
+        let fields = model.solve(&background)?;
         let volts = fields.voltages(&pad.protocol);
         if let Some(channel) = crate::eit::reconstruct::dead_channel(&volts) {
             return Err(SetupError::DeadChannel { channel });
         }
         Ok(Self {
             model,
+            background,
             fields,
             volts,
             triangles,

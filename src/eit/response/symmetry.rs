@@ -48,6 +48,7 @@ impl Orbits {
     pub(super) fn new(pad: &Pad, places: &Places) -> Self {
         let symmetries: Vec<Symmetry> = TURNS
             .iter()
+            .filter(|turn| **turn == TURNS[0] || pad.unevenness.is_even())
             .filter_map(|turn| Symmetry::new(*turn, pad))
             .filter(|symmetry| {
                 (0..places.len()).all(|index| symmetry.image(index, pad, places).is_some())

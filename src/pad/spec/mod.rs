@@ -64,6 +64,9 @@ struct OutlineSpec {
 struct LayerSpec {
     thickness_mm: Spanned<f64>,
     background_s_per_m: Spanned<f64>,
+    /// Sites (x, y, mm) and the factor of the conductivity around each.
+    #[serde(default)]
+    conductance: Vec<Spanned<[f64; 3]>>,
 }
 
 #[derive(Deserialize)]
@@ -80,6 +83,7 @@ struct LatticeSpec {
 struct ElectrodesSpec {
     count: Spanned<i64>,
     width_mm: Spanned<f64>,
+    each_width_mm: Option<Spanned<Vec<f64>>>,
     first_mm: Option<Spanned<f64>>,
     first_deg: Option<Spanned<f64>>,
     at_mm: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
@@ -107,6 +111,8 @@ struct ProtocolSpec {
     drives: Option<Vec<[usize; 2]>>,
     measures: Option<Vec<[usize; 2]>>,
     channels: Option<Vec<[usize; 4]>>,
+    /// The drives in the order in which they are read, numbered as listed.
+    order: Option<Spanned<Vec<usize>>>,
 }
 
 #[derive(Default, Deserialize, PartialEq, Eq)]
@@ -148,6 +154,7 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
         conductor,
         thickness_mm: positive(&spec.layer.thickness_mm, "the layer's thickness")?,
         background_s_per_m: positive(&spec.layer.background_s_per_m, "the conductivity")?,
+        unevenness: geometry::unevenness(&spec.layer.conductance)?,
         electrodes,
         numbering,
         contact_impedance_ohm_m2: positive(

@@ -55,6 +55,12 @@ pub(super) fn protocol(
     };
     let protocol =
         made.map_err(|error| Diagnostic::new(spec.span(), error.to_string(), "in this table"))?;
+    let protocol = match &written.order {
+        Some(order) => protocol
+            .with_drive_order(order.get_ref())
+            .map_err(|error| Diagnostic::new(order.span(), error.to_string(), "here"))?,
+        None => protocol,
+    };
     if protocol.channels.len() > MOST_CHANNELS {
         return Err(Diagnostic::new(
             spec.span(),

@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::{BoardSettings, FramePiece};
+use crate::eit::order::Layout;
 use crate::pad::{Channel, Pair, Protocol};
 use crate::source::wire::{WireFormat, Wiring, gelpad, lines, openeit, request, sciospec, square};
 
@@ -18,6 +19,8 @@ const MENU: &str = "OpenEIT\r\nA) Time Series\r\nB) Bioimpedance Spectroscopy\r\
 const RECEIVE_BUFFER: usize = 512;
 /// First bytes of an instrument's commands.
 const COMMANDS: std::ops::RangeInclusive<u8> = 0xa1..=0xd3;
+/// A board that names its readings does so before each frame whose number is a multiple of this.
+const NAMED_FRAMES: u32 = 100;
 /// Number of electrodes of an instrument's channel group.
 const GROUP: usize = 16;
 
@@ -198,25 +201,54 @@ impl Firmware {
         [from_us, to_us]: [u64; 2],
         values: &[f32],
     ) -> Vec<FramePiece> {
+        let mut named = if self.names_readings() && sequence.is_multiple_of(NAMED_FRAMES) {
+            gelpad::encode_listing(&self.protocol.channels)
+        } else {
+            Vec::new()
+        };
         if !self.settings.by_drive {
+            named.extend(gelpad::encode(kind, sequence, to_us as u32, values));
             return vec![FramePiece {
-                bytes: gelpad::encode(kind, sequence, to_us as u32, values),
+                bytes: named,
                 ready: [1.0; 2],
             }];
         }
-        let drives = self.wiring.drives.len();
-        let start = |drive: usize| values.len() * drive / drives;
-        (0..drives)
-            .map(|drive| {
-                let share = (drive + 1) as f64 / drives as f64;
+        let bounds = self.part_bounds(values.len());
+        bounds
+            .windows(2)
+            .map(|part| {
+                let share = part[1] as f64 / values.len() as f64;
                 let time_us = from_us + (share * (to_us - from_us) as f64) as u64;
-                let part = start(drive)..start(drive + 1);
+                let mut bytes = std::mem::take(&mut named);
+                bytes.extend(gelpad::encode_part(
+                    kind,
+                    sequence,
+                    time_us as u32,
+                    values,
+                    part[0]..part[1],
+                ));
                 FramePiece {
-                    bytes: gelpad::encode_part(kind, sequence, time_us as u32, values, part),
+                    bytes,
                     ready: [share; 2],
                 }
             })
             .collect()
+    }
+
+    /// Whether its order is the pad's own, which no layout has.
+    fn names_readings(&self) -> bool {
+        let protocol = &self.protocol;
+        self.settings.layout.is_none()
+            && Layout::of_channels(&protocol.channels, protocol.electrodes).is_none()
+    }
+
+    /// Where the readings of each drive begin, and the end of the last. Layouts read each drive equally often.
+    fn part_bounds(&self, values: usize) -> Vec<usize> {
+        if self.settings.layout.is_none() {
+            return self.protocol.drive_bounds();
+        }
+        let drives = self.wiring.drives.len();
+        (0..=drives).map(|drive| values * drive / drives).collect()
     }
 
     /// Potentials whose differences are the values; where no value links a potential to its neighbour, it starts at zero.

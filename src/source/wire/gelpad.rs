@@ -13,19 +13,27 @@
 //! A packet of version 2 holds some of a frame's values, those of a drive for instance, sent as soon as they are read: after the
 //! time come the place of the first value in the frame and the frame's number of values, both u16, and then the n values.
 //!
+//! A packet of version 3 names the readings: n times the electrodes of drive and measurement, a byte each, in the order of the
+//! frame. A board sends it at start-up and now and then.
+//!
 //! All numbers are little-endian. A packet with a wrong check sum is never a frame; decoding restarts after
 //! the next zero byte.
+
+use std::sync::Arc;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 use super::partial::{PartPacket, PartialFrame};
 use super::{Decoded, Dialect, FEWEST_VALUES, MOST_VALUES, Readings, Stamp, WireFormat, WireFrame};
+use crate::pad::{Channel, Pair};
 use crate::types::Nanos;
 
 /// Version of a packet that holds a frame, ...
 const VERSION: u8 = 1;
-/// ... and of one that holds a part of it.
+/// ... of one that holds a part of it, ...
 const PART_VERSION: u8 = 2;
+/// ... and of one that names the readings of a frame.
+const LISTING_VERSION: u8 = 3;
 const HEAD_BYTES: usize = 12;
 /// Bytes after the head in a packet of version 2: first value and number of values of the frame.
 const PART_HEAD_BYTES: usize = 4;
@@ -54,12 +62,15 @@ pub struct Gelpad {
     /// The frame that arrives in parts.
     partial: PartialFrame,
     hands_up: bool,
+    /// The readings of a frame, if the board named them.
+    listing: Option<Arc<[Channel]>>,
 }
 
 /// What a packet holds.
 enum Packet {
     Frame(WireFrame),
     Part(PartPacket),
+    Listing(Vec<Channel>),
 }
 
 impl Gelpad {
@@ -83,10 +94,20 @@ impl Gelpad {
             .and_then(|length| parse_packet(&self.packet[..length]));
         let shown = &start[..shown_len];
         match packet {
-            Ok(Packet::Frame(frame)) => decoded.push(Decoded::Frame(frame)),
+            Ok(Packet::Frame(frame)) => decoded.push(self.with_listing(frame)),
             Ok(Packet::Part(part)) => self.add_part(part, shown, decoded),
+            Ok(Packet::Listing(channels)) => self.listing = Some(channels.into()),
             Err(reason) => decoded.push(Decoded::garbled(reason, shown)),
         }
+    }
+
+    /// A frame with the names of its readings, if the board named as many.
+    fn with_listing(&self, frame: WireFrame) -> Decoded {
+        let listing = self.listing.clone();
+        Decoded::Frame(WireFrame {
+            listing: listing.filter(|names| names.len() == frame.values.len()),
+            ..frame
+        })
     }
 
     /// Adds a part to its frame.
@@ -104,7 +125,7 @@ impl Gelpad {
         if added.is_next {
             decoded.extend(readings.map(Decoded::Readings));
         }
-        decoded.extend(added.frame.map(Decoded::Frame));
+        decoded.extend(added.frame.map(|frame| self.with_listing(frame)));
     }
 }
 
@@ -134,10 +155,12 @@ impl Dialect for Gelpad {
         self.packet.clear();
         self.overlong = false;
         self.partial = PartialFrame::default();
+        self.listing = None;
     }
 
     fn held_bytes(&self) -> usize {
-        self.packet.len() + self.partial.held_bytes()
+        let listed = self.listing.as_deref().map_or(0, size_of_val::<[Channel]>);
+        self.packet.len() + self.partial.held_bytes() + listed
     }
 
     fn kind(&self) -> Option<WireFormat> {
@@ -189,9 +212,36 @@ fn parse_packet(packet: &[u8]) -> Result<Packet, String> {
                 stamp,
             }))
         }
+        LISTING_VERSION => Ok(Packet::Listing(parse_listing(count, rest)?)),
         _ => Err(format!(
-            "version {version} of the format; only versions up to {PART_VERSION} are supported: update gelpad"
+            "version {version} of the format; only versions up to {LISTING_VERSION} are supported: update gelpad"
         )),
+    }
+}
+
+/// The readings that a packet names.
+fn parse_listing(count: usize, bytes: &[u8]) -> Result<Vec<Channel>, String> {
+    if bytes.len() != 4 * count || !(FEWEST_VALUES..=MOST_VALUES).contains(&count) {
+        return Err(format!(
+            "a packet that names {count} readings according to its header, in {} bytes",
+            bytes.len()
+        ));
+    }
+    let readings = bytes.as_chunks::<4>().0.iter();
+    let channels = readings.map(|electrodes| {
+        let [a, b, p, q] = electrodes.map(usize::from);
+        Channel {
+            drive: Pair(a, b),
+            measure: Pair(p, q),
+        }
+    });
+    let channels: Vec<Channel> = channels.collect();
+    match channels
+        .iter()
+        .position(|c| c.drive.0 == c.drive.1 || c.measure.0 == c.measure.1)
+    {
+        Some(index) => Err(format!("reading {index} has an electrode twice")),
+        None => Ok(channels),
     }
 }
 
@@ -241,6 +291,19 @@ pub fn encode_part(
     encode_packet(PART_VERSION, kind, head, &place.concat(), &values[part])
 }
 
+/// A packet that names the readings of a frame, in order. Electrodes are numbered by a byte.
+#[must_use]
+pub fn encode_listing(channels: &[Channel]) -> Vec<u8> {
+    let channels = &channels[..channels.len().min(MOST_VALUES)];
+    let mut packet = vec![LISTING_VERSION, 0];
+    packet.extend_from_slice(&(channels.len() as u16).to_le_bytes());
+    packet.resize(HEAD_BYTES, 0);
+    for Channel { drive, measure } in channels {
+        packet.extend([drive.0, drive.1, measure.0, measure.1].map(|electrode| electrode as u8));
+    }
+    finish_packet(packet)
+}
+
 fn encode_packet(
     version: u8,
     kind: Values,
@@ -264,6 +327,11 @@ fn encode_packet(
             Values::I32 => (libm::roundf(*value) as i32).to_le_bytes(),
         });
     }
+    finish_packet(packet)
+}
+
+/// Adds the check sum, stuffing and the closing zero.
+fn finish_packet(mut packet: Vec<u8>) -> Vec<u8> {
     packet.extend_from_slice(&CRC.checksum(&packet).to_le_bytes());
     let mut encoded = cobs::encode_vec(&packet);
     encoded.push(0);
@@ -310,11 +378,42 @@ mod tests {
             assert!(frames(&decoded).is_empty());
             reasons(&decoded)[0].to_owned()
         };
-        assert!(error_of(&|p| p[0] = 3).starts_with("version 3"));
+        assert!(error_of(&|p| p[0] = 4).starts_with("version 4"));
+        assert!(error_of(&|p| p[0] = 3).contains("has an electrode twice"));
         assert!(error_of(&|p| p[1] = 3).starts_with("values of unknown type 3"));
         assert!(error_of(&|p| p[2] = 6).starts_with("a packet with 6 values"));
         assert!(error_of(&|p| p[14..16].copy_from_slice(&[0xc0, 0x7f])).contains("value 0 is NaN"));
         assert!(error_of(&|p| p.truncate(3)).starts_with("a packet of 7 bytes"));
+    }
+
+    #[test]
+    fn readings_are_named_until_the_board_is_opened_again() {
+        let channels: Vec<Channel> = (0..6)
+            .map(|k| Channel {
+                drive: Pair(k, k + 1),
+                measure: Pair(k + 3, k + 2),
+            })
+            .collect();
+        let mut board = Gelpad::default();
+        let mut decoded = Vec::new();
+        board.feed(0, &encode_listing(&channels), &mut decoded);
+        for count in [6, 7] {
+            board.feed(
+                0,
+                &encode(Values::F32, 1, 2, &vec![0.5; count]),
+                &mut decoded,
+            );
+        }
+        board.reopened();
+        board.feed(0, &encode(Values::F32, 3, 4, &[0.5; 6]), &mut decoded);
+        let named: Vec<bool> = decoded
+            .iter()
+            .map(|item| match item {
+                Decoded::Frame(frame) => frame.listing.as_deref() == Some(channels.as_slice()),
+                _ => panic!("{item:?}"),
+            })
+            .collect();
+        assert_eq!(named, [true, false, false]);
     }
 
     #[test]

@@ -31,7 +31,7 @@ const MOST_ATTEMPTS: usize = 100_000;
 
 /// A source of random touches on one pad.
 #[derive(Clone, Debug)]
-pub(super) struct Draws {
+pub(in crate::study) struct Draws {
     random: ChaCha8Rng,
     outline: Outline,
     scale: f64,
@@ -65,7 +65,7 @@ pub(super) fn scale(pad: &Pad) -> f64 {
 }
 
 impl Draws {
-    pub(super) fn new(pad: &Pad, seed: u64, stream: u64) -> Self {
+    pub(in crate::study) fn new(pad: &Pad, seed: u64, stream: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
         Self {
@@ -93,7 +93,7 @@ impl Draws {
     }
 
     /// Presses at least [`APART_MM`] apart.
-    pub(super) fn presses(&mut self, count: usize) -> Result<Vec<Press>, StudyError> {
+    pub(in crate::study) fn presses(&mut self, count: usize) -> Result<Vec<Press>, StudyError> {
         self.presses_apart(count, APART_MM)
     }
 

@@ -6,17 +6,18 @@
 
 mod csv;
 mod discrimination;
-mod draws;
+pub(super) mod draws;
 mod efficiency;
 mod figure;
 mod findings;
+pub mod identified;
 mod noise;
 pub mod real;
 mod report;
 pub mod scan;
 mod score;
 mod sensing;
-mod specimen;
+pub(super) mod specimen;
 mod spread;
 mod touches;
 
@@ -205,6 +206,18 @@ impl Accuracy {
             seed: self.settings.seed,
             conditions: real::play_all(&self.bench, conditions, extent, progress)?,
         })
+    }
+
+    /// Locates touches on pads that differ from their drawing.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved.
+    pub fn locate_on_built_pads(
+        &self,
+        extent: identified::IdentifyExtent,
+        progress: impl Fn(usize, usize) + Sync,
+    ) -> Result<identified::IdentifyFindings, StudyError> {
+        identified::play_all(&self.bench, self.bench.sensing.builder(), extent, progress)
     }
 
     /// Plays presses on a pad whose drives are read in turn.

@@ -333,6 +333,7 @@ impl Accuracy {
             tables: findings.tables(),
             csvs: findings.csvs(),
             figures: vec![self.figure(findings).draw()?],
+            files: Vec::new(),
         })
     }
 }

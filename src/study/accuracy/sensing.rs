@@ -50,6 +50,11 @@ impl Sensing {
         })
     }
 
+    /// What builds the sensing.
+    pub(super) fn builder(&self) -> &SensingBuilder {
+        &self.builder
+    }
+
     /// A detector before its first frame.
     pub(super) fn new_detector(&self) -> Detector {
         self.detector.clone()

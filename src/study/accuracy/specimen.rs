@@ -18,7 +18,7 @@ const MOST_PERIODS: f64 = 1.5;
 
 /// A pad and its readings at rest.
 #[derive(Clone, Debug)]
-pub(super) struct Specimen {
+pub(in crate::study) struct Specimen {
     pub model: ForwardModel,
     /// Conductivity of each triangle at rest, S/m.
     pub background: Vec<f64>,
@@ -46,20 +46,20 @@ impl Specimen {
             .map(|triangle| {
                 let point = mesh.centroid_mm(triangle);
                 let amplitude: f64 = waves.iter().map(|wave| wave.at(point)).sum();
-                pad.background_s_per_m * libm::exp(amplitude)
+                pad.conductivity_at(point) * libm::exp(amplitude)
             })
             .collect();
         Self::new(pad, mesh, &contacts, background)
     }
 
     /// The pad as the model that reconstructs images assumes it.
-    pub(super) fn ideal(pad: &Pad) -> Result<Self, ForwardError> {
+    pub(in crate::study) fn ideal(pad: &Pad) -> Result<Self, ForwardError> {
         let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
-        let background = vec![pad.background_s_per_m; mesh.triangles.len()];
+        let background = mesh.background_s_per_m(pad);
         Self::new(pad, mesh, &ContactModel::from_pad(pad), background)
     }
 
-    fn new(
+    pub(super) fn new(
         pad: &Pad,
         mesh: Mesh,
         contacts: &ContactModel,
@@ -84,7 +84,7 @@ impl Specimen {
     }
 
     /// The readings under presses, V/A, and their derivatives by the unknowns of the presses.
-    pub(super) fn pressed(
+    pub(in crate::study) fn pressed(
         &self,
         pad: &Pad,
         presses: &[Press],

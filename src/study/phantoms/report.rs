@@ -20,6 +20,7 @@ impl Phantoms {
             tables: vec![self.table(outcomes)],
             csvs: vec![self.csv(outcomes)],
             figures: vec![self.gallery(outcomes).draw()?],
+            files: Vec::new(),
         })
     }
 

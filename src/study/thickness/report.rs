@@ -48,6 +48,7 @@ impl Thickness {
             tables: self.tables(&groups, &layers_mm, outcomes),
             csvs: vec![self.csv(outcomes)],
             figures: figures.collect::<Result<_, _>>()?,
+            files: Vec::new(),
         })
     }
 

@@ -23,6 +23,7 @@ impl Width {
             tables: vec![self.summary(outcomes)],
             csvs: self.csvs(outcomes),
             figures: self.figures(outcomes)?,
+            files: Vec::new(),
         })
     }
 

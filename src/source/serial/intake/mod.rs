@@ -172,6 +172,7 @@ impl FrameIntake {
             frame.values.drain(..self.leading);
         }
         let count = frame.values.len();
+        self.take_listing(&frame);
         if let Some(arrangement) = &self.arrangement
             && arrangement.values() == count
             && self.listing == frame.listing
@@ -230,6 +231,28 @@ impl FrameIntake {
             frame.values.drain(..columns);
         }
         true
+    }
+
+    /// A board whose order was found from its readings names them: from now on its names count.
+    fn take_listing(&mut self, frame: &WireFrame) {
+        let is_news = self.arrangement.is_some() && self.listing.is_none();
+        let listing = frame.listing.as_deref().filter(|_| is_news);
+        let Some(Ok(named)) =
+            listing.map(|listing| Arrangement::find(&frame.values, Some(listing), None, &self.pad))
+        else {
+            return;
+        };
+        if self
+            .arrangement
+            .as_ref()
+            .is_some_and(|found| !found.reads_as(&named))
+        {
+            tracing::info!(target: "gelpad::told", "{}", named.summary());
+            self.parts.abandon();
+            self.parts.set_arrangement(&named);
+            self.arrangement = Some(named);
+        }
+        self.listing.clone_from(&frame.listing);
     }
 
     /// Finds the arrangement from the frames that are not sure yet, and delivers them.

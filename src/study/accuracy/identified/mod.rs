@@ -1,0 +1,357 @@
+//! `gelpad accuracy --real --identify`: pads that differ from their drawing, located with the drawing, with the pad as found from its readings
+//! at rest ([`crate::eit::identify`]), and with the pad as it is.
+
+mod built;
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::Bench;
+use super::draws::Draws;
+use super::noise::{Instrument, NoiseKind};
+use super::score::{REACH_MM, Score};
+use super::sensing::Sensing;
+use crate::eit::ResponseBuilder;
+use crate::eit::identify::identify;
+use crate::pad::Pad;
+use crate::stats::mean;
+use crate::study::{StudyError, job};
+use crate::touch::SensingBuilder;
+use built::{BuiltPad, Tolerance};
+
+/// White noise, dB, proportional to each reading.
+const SNR_DB: f64 = 60.0;
+/// Frames of the untouched pad from which it is identified: a second.
+const REST_FRAMES: usize = 100;
+/// Half-width of a 95 % interval in standard errors.
+const INTERVAL: f64 = 1.96;
+
+/// How much is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IdentifyExtent {
+    /// Pads of each kind.
+    pub pads: usize,
+    /// Touches on each pad.
+    pub touches: usize,
+}
+
+impl IdentifyExtent {
+    /// Some minutes on two cores.
+    pub const FULL: Self = Self {
+        pads: 6,
+        touches: 50,
+    };
+    /// About a minute.
+    pub const QUICK: Self = Self {
+        pads: 1,
+        touches: 20,
+    };
+}
+
+/// A kind of pads.
+struct Kind {
+    name: &'static str,
+    tolerance: Tolerance,
+    /// Mean error of place with the pad as found, mm.
+    goal_mm: Option<f64>,
+}
+
+/// As good as hands build them: channels +-5 %, pieces +-10 %, lines +-0.2 mm, electrodes +-0.5 mm and +-10 %, contacts x 0.3 to 3.
+const REALISTIC: Tolerance = Tolerance {
+    widths: 0.05,
+    pieces: 0.1,
+    lines_mm: 0.2,
+    electrodes_mm: 0.5,
+    lengths: 0.1,
+    contacts: 3.0,
+    thickness: 0.1,
+    gradient: 0.0,
+};
+const NOTHING: Tolerance = Tolerance {
+    widths: 0.0,
+    pieces: 0.0,
+    lines_mm: 0.0,
+    electrodes_mm: 0.0,
+    lengths: 0.0,
+    contacts: 0.0,
+    thickness: 0.0,
+    gradient: 0.0,
+};
+
+fn kinds() -> [Kind; 7] {
+    let kind = |name, tolerance, goal_mm| Kind {
+        name,
+        tolerance,
+        goal_mm,
+    };
+    [
+        kind("as drawn", NOTHING, None),
+        kind("realistic build", REALISTIC, Some(0.33)),
+        kind(
+            "twice that, gradient 30 %",
+            Tolerance {
+                widths: 0.1,
+                pieces: 0.2,
+                lines_mm: 0.4,
+                electrodes_mm: 1.0,
+                lengths: 0.2,
+                contacts: 3.0,
+                thickness: 0.2,
+                gradient: 0.15,
+            },
+            Some(0.45),
+        ),
+        kind(
+            "thickness, smooth, sd 20 %",
+            Tolerance {
+                thickness: 0.2,
+                ..NOTHING
+            },
+            Some(0.22),
+        ),
+        kind(
+            "electrodes +-2 mm",
+            Tolerance {
+                electrodes_mm: 2.0,
+                ..NOTHING
+            },
+            Some(0.33),
+        ),
+        kind(
+            "pieces +-20 %",
+            Tolerance {
+                pieces: 0.2,
+                ..NOTHING
+            },
+            Some(0.39),
+        ),
+        kind(
+            "widths +-20 %",
+            Tolerance {
+                widths: 0.2,
+                ..NOTHING
+            },
+            Some(0.48),
+        ),
+    ]
+}
+
+/// What was found on one pad with one model.
+#[derive(Clone, Debug, Default)]
+struct Located {
+    off_mm: Vec<f64>,
+    missed: usize,
+    others: usize,
+}
+
+/// Results of one kind of pads.
+#[derive(Clone, Debug, Serialize)]
+pub struct IdentifyRow {
+    /// The kind.
+    pub kind: String,
+    /// Touches, on all pads.
+    pub touches: usize,
+    /// Root mean square difference of readings at rest from the model as drawn, and as found, mean over the pads.
+    pub misfit: [f64; 2],
+    /// With the drawing, the pad as found, and the pad as it is.
+    pub models: [ModelRow; 3],
+    /// Goal of the mean error with the pad as found, mm.
+    pub goal_mm: Option<f64>,
+}
+
+/// Results with one model of the pads.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ModelRow {
+    /// Mean error of place, mm, and half its 95 % interval over the pads.
+    pub mean_mm: [f64; 2],
+    /// Touches not detected.
+    pub missed: usize,
+    /// Touches detected where there was none.
+    pub others: usize,
+}
+
+/// All rows.
+#[derive(Clone, Debug, Serialize)]
+pub struct IdentifyFindings {
+    /// Seed of pads, touches and noise.
+    pub seed: u64,
+    /// One for each kind.
+    pub rows: Vec<IdentifyRow>,
+}
+
+/// One pad, read with three models.
+struct PadFindings {
+    misfit: [f64; 2],
+    models: [Located; 3],
+}
+
+/// Draws pads of every kind.
+pub(super) fn play_all(
+    bench: &Bench,
+    builder: &SensingBuilder,
+    extent: IdentifyExtent,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<IdentifyFindings, StudyError> {
+    let kinds = kinds();
+    let runs: Vec<(usize, usize)> = (0..kinds.len())
+        .flat_map(|kind| (0..extent.pads).map(move |pad| (kind, pad)))
+        .collect();
+    let found: Vec<PadFindings> = job::solve_in_parallel(
+        &runs,
+        |(kind, pad)| {
+            let stream = 5000 + 100 * *kind as u64 + *pad as u64;
+            locate_on_pad(
+                bench,
+                builder,
+                &kinds[*kind].tolerance,
+                extent.touches,
+                stream,
+            )
+        },
+        progress,
+    )?;
+    let rows = kinds.iter().enumerate().map(|(index, kind)| {
+        let own = runs.iter().zip(&found).filter(|((of, _), _)| *of == index);
+        let own: Vec<&PadFindings> = own.map(|(_, found)| found).collect();
+        IdentifyRow {
+            kind: kind.name.to_owned(),
+            touches: extent.pads * extent.touches,
+            misfit: [0, 1].map(|k| mean(own.iter().map(|found| found.misfit[k]))),
+            models: [0, 1, 2].map(|model| {
+                let located: Vec<&Located> = own.iter().map(|found| &found.models[model]).collect();
+                ModelRow::new(&located)
+            }),
+            goal_mm: kind.goal_mm,
+        }
+    });
+    Ok(IdentifyFindings {
+        seed: bench.seed,
+        rows: rows.collect(),
+    })
+}
+
+fn locate_on_pad(
+    bench: &Bench,
+    builder: &SensingBuilder,
+    tolerance: &Tolerance,
+    touches: usize,
+    stream: u64,
+) -> Result<PadFindings, StudyError> {
+    let drawing = &bench.pad;
+    let mut draws = Draws::new(drawing, bench.seed, stream);
+    let built = BuiltPad::draw(drawing, tolerance, &mut draws)?;
+    let instrument = Instrument {
+        kind: NoiseKind::Proportional,
+        snr_db: SNR_DB,
+        rest: &built.specimen.rest,
+    };
+    let frames = instrument.frames(&built.specimen.rest, draws.seed(), REST_FRAMES);
+    let means: Vec<f64> = (0..drawing.channels())
+        .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))))
+        .collect();
+    let noise = super::noise::share(SNR_DB) / libm::sqrt(REST_FRAMES as f64);
+    let identified = identify(drawing, &means, &vec![noise; means.len()])
+        .map_err(|error| StudyError::refused(error.to_string()))?;
+    let readers = [
+        Sensing::from_pad(drawing, builder.clone())?,
+        sensing_of(&identified.pad, builder)?,
+        sensing_of(&built.pad, builder)?,
+    ];
+    let seed = draws.seed();
+    let rested = readers
+        .iter()
+        .map(|sensing| sensing.rested(&instrument, seed))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut models: [Located; 3] = Default::default();
+    for _ in 0..touches {
+        let presses = draws.presses(1)?;
+        let (volts, _) = built.specimen.pressed(&built.pad, &presses)?;
+        let frame = instrument.frame(&volts, draws.seed());
+        for (rested, located) in rested.iter().zip(&mut models) {
+            let score = Score::new(&presses, &rested.contacts(&frame), REACH_MM * bench.scale);
+            located.missed += score.missed();
+            located.others += score.false_touches;
+            located
+                .off_mm
+                .extend(score.found.iter().flatten().map(|found| found.off_mm));
+        }
+    }
+    Ok(PadFindings {
+        misfit: identified.misfit,
+        models,
+    })
+}
+
+/// The sensing with the table of a pad, solved here.
+fn sensing_of(pad: &Pad, like: &SensingBuilder) -> Result<Sensing, StudyError> {
+    let responses = ResponseBuilder::new(pad)?;
+    let rows: Vec<_> = (0..responses.rows())
+        .map(|row| responses.solve_row(row))
+        .collect();
+    let table = Arc::new(responses.finish(&rows));
+    let builder = SensingBuilder::new(pad, like.method())?.with_table(table);
+    Sensing::from_pad(pad, builder)
+}
+
+impl ModelRow {
+    fn new(pads: &[&Located]) -> Self {
+        let means: Vec<f64> = pads
+            .iter()
+            .map(|pad| mean(pad.off_mm.iter().copied()))
+            .collect();
+        let all = mean(means.iter().copied());
+        let variance = means.iter().map(|m| (m - all) * (m - all)).sum::<f64>()
+            / (means.len() as f64 - 1.0).max(1.0);
+        Self {
+            mean_mm: [all, INTERVAL * libm::sqrt(variance / means.len() as f64)],
+            missed: pads.iter().map(|pad| pad.missed).sum(),
+            others: pads.iter().map(|pad| pad.others).sum(),
+        }
+    }
+}
+
+impl IdentifyFindings {
+    /// As JSON.
+    ///
+    /// # Errors
+    /// A defect.
+    pub fn json(&self) -> Result<String, StudyError> {
+        serde_json::to_string_pretty(self).map_err(StudyError::internal)
+    }
+
+    /// As a Markdown table.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "One touch at {SNR_DB} dB, seed {}: mean error of place, mm (half a 95 % interval over pads), and misfit of the readings at rest.\n\n\
+             | pad | as drawn | as found | as it is | goal, as found | missed, of | misfit: drawn, found |\n\
+             | --- | --- | --- | --- | --- | --- | --- |\n",
+            self.seed
+        );
+        for row in &self.rows {
+            let [drawn, found, true_model] = &row.models;
+            let figure =
+                |model: &ModelRow| format!("{:.2} ({:.2})", model.mean_mm[0], model.mean_mm[1]);
+            let goal = row
+                .goal_mm
+                .map_or("1.05 x drawn".to_owned(), |goal| format!("{goal:.2}"));
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} | {} | {goal} | {}, {}, {} of {} | {:.1} %, {:.2} % |",
+                row.kind,
+                figure(drawn),
+                figure(found),
+                figure(true_model),
+                drawn.missed,
+                found.missed,
+                true_model.missed,
+                row.touches,
+                100.0 * row.misfit[0],
+                100.0 * row.misfit[1],
+            );
+        }
+        text
+    }
+}
