@@ -46,15 +46,20 @@ pub fn load(pad: &Pad, folder: &Path) -> Option<ResponseTable> {
     }
 }
 
-/// Solves a pad's table on all cores. `progress` gets the number of finished rows and of all rows.
+/// Receives the number of finished rows of a table, and of all rows.
+pub type RowProgress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Solves a pad's table on all cores; that of a pad with deviations from the table of its drawing.
 ///
 /// # Errors
 /// A pad that cannot be solved.
-pub fn solve(
-    pad: &Pad,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<ResponseTable, SetupError> {
-    let builder = ResponseBuilder::new(pad)?;
+pub fn solve(pad: &Pad, progress: RowProgress<'_>) -> Result<ResponseTable, SetupError> {
+    let builder = if pad.deviations.is_none() {
+        ResponseBuilder::new(pad)?
+    } else {
+        let drawing = load_or_solve(&pad.drawing(), progress)?;
+        ResponseBuilder::from_drawing(pad, Arc::new(drawing))?
+    };
     let count = builder.rows();
     let done = AtomicUsize::new(0);
     let rows: Vec<ResponseRow> = (0..count)
@@ -102,10 +107,7 @@ pub fn sensing_builder(
 ///
 /// # Errors
 /// A pad that cannot be solved. A cache that cannot be written only logs a warning.
-pub fn load_or_solve(
-    pad: &Pad,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<ResponseTable, SetupError> {
+pub fn load_or_solve(pad: &Pad, progress: RowProgress<'_>) -> Result<ResponseTable, SetupError> {
     let folder = folder();
     if let Some(table) = folder.as_deref().and_then(|folder| load(pad, folder)) {
         return Ok(table);

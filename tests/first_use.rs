@@ -79,7 +79,7 @@ fn wait_until(game: &mut RunningGame, mut is_so: impl FnMut(&mut RunningGame) ->
 fn the_table_is_taken_between_two_touches() {
     let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
     let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-    let table = Arc::new(cache::load_or_solve(&pad, |_, _| ()).expect("solvable"));
+    let table = Arc::new(cache::load_or_solve(&pad, &|_, _| ()).expect("solvable"));
     let builder = SensingBuilder::new(&pad, Method::default()).expect("solvable");
     let sensing = Arc::new(builder.build_initial().expect("a matrix"));
     let mario = shipped_profile("super-mario").expect("shipped");

@@ -13,7 +13,7 @@ use rand_distr::{Distribution, Uniform};
 
 /// Relative errors of the table's responses, ascending.
 fn errors(pad: &Pad, sign: TouchSign, touches: usize) -> Vec<f64> {
-    let table = cache::load_or_solve(pad, |_, _| ()).expect("solvable");
+    let table = cache::load_or_solve(pad, &|_, _| ()).expect("solvable");
     let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
     let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad)).expect("solvable");
     let background = pad.background_s_per_m;
@@ -86,7 +86,7 @@ fn the_table_of_the_lattice_is_within_a_few_per_cent_of_the_forward_model() {
 #[test]
 fn a_table_that_is_read_again_is_the_same() {
     let pad = lattice::pad();
-    let table = cache::solve(&pad, |_, _| ()).expect("solvable");
+    let table = cache::solve(&pad, &|_, _| ()).expect("solvable");
     let bytes = table.to_bytes();
     assert!(bytes.len() < 7 << 20, "{} bytes", bytes.len());
     assert_eq!(ResponseTable::from_bytes(&bytes, &pad), Ok(table));

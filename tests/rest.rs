@@ -64,7 +64,7 @@ impl Bench {
     fn new(seed: u64) -> Self {
         let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
         let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
-        let table = gelpad::cache::load_or_solve(&pad, |_, _| ()).expect("solvable");
+        let table = gelpad::cache::load_or_solve(&pad, &|_, _| ()).expect("solvable");
         let builder = SensingBuilder::new(&pad, Method::default()).expect("sound");
         let builder = builder.with_table(Arc::new(table));
         let sensing = builder.build_initial().expect("a matrix");

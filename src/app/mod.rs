@@ -10,6 +10,7 @@ pub mod file_watch;
 pub mod focus_gate;
 pub(crate) mod folders;
 mod gamepads;
+pub(crate) mod identify;
 mod listeners;
 mod load_timeline;
 mod local_services;

@@ -112,7 +112,7 @@ fn solve(pad: &Pad, progress: &TableInProgress) -> Option<Arc<ResponseTable>> {
         .map_err(|error| error.to_string())
         .and_then(|threads| {
             threads.install(|| {
-                cache::load_or_solve(pad, |done, rows| progress.report(done, rows))
+                cache::load_or_solve(pad, &|done, rows| progress.report(done, rows))
                     .map_err(|error| error.to_string())
             })
         });

@@ -53,6 +53,7 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         let findings = study.locate_on_built_pads(extent, case_progress(&bar))?;
         bar.finish_and_clear();
         job::write_whole(&args.out, "identified.json", findings.json()?.as_bytes())?;
+        job::write_whole(&args.out, "found-and-true.png", &findings.figure()?.png)?;
         write!(std::io::stdout().lock(), "{}", findings.table())?;
         return Ok(Ending::Done);
     }

@@ -12,6 +12,7 @@ mod doctor;
 mod drawing;
 mod exit;
 mod export;
+mod identify;
 mod input;
 mod listen;
 mod live;

@@ -4,6 +4,7 @@ use std::io::Write as _;
 
 use super::args::PadCommand;
 use super::exit::Ending;
+use super::identify;
 use super::map::Map;
 use super::message::for_stdout;
 use crate::app::pads::{load_pad, reconstruction};
@@ -45,6 +46,10 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
                 Map::new(pad.outline.size_mm(), 60).pad(&pad).framed()
             )?;
             writeln!(stdout, "{}", printable(&facts(&pad, &linearised)))?;
+        }
+        PadCommand::Identify(args) => {
+            drop(stdout);
+            return identify::run(args);
         }
     }
     Ok(Ending::Done)

@@ -7,21 +7,21 @@
 //! counter-clockwise from 0, and so are electrodes unless the file says otherwise.
 
 mod conductor;
+mod deviations;
 mod electrodes;
 mod numbering;
 mod outline;
 mod protocol;
 mod shipped;
 mod spec;
-mod unevenness;
 
 pub use conductor::{Conductor, Lattice};
+pub use deviations::{Deviations, ElectrodeDeviation, cell_sites_mm};
 pub use electrodes::Electrode;
 pub use numbering::{Direction, Numbering, Renumbered};
 pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
-pub use unevenness::{Unevenness, cell_sites_mm};
 
 use crate::types::{Method, SourceErrors};
 
@@ -69,8 +69,8 @@ pub struct Pad {
     pub thickness_mm: f64,
     /// Conductivity of the untouched layer, S/m.
     pub background_s_per_m: f64,
-    /// How the conductivity differs from place to place.
-    pub unevenness: Unevenness,
+    /// How the pad differs from its drawing. The electrodes include theirs.
+    pub deviations: Deviations,
     /// Electrodes on the outline, as the board numbers them.
     pub electrodes: Vec<Electrode>,
     /// How the board numbers the electrodes.
@@ -104,7 +104,7 @@ impl Pad {
     /// Conductivity of the untouched layer at a point that holds conductor, S/m.
     #[must_use]
     pub fn conductivity_at(&self, point: [f64; 2]) -> f64 {
-        self.background_s_per_m * self.unevenness.factor_at(point)
+        self.background_s_per_m * self.deviations.factor_at(point)
     }
 
     /// Whether there is conductor at a point.

@@ -52,7 +52,7 @@ impl SimulatedPad {
         });
         let mesh = self.model.mesh();
         for (triangle, siemens) in conductivity.iter_mut().enumerate() {
-            *siemens *= self.pad.unevenness.factor_at(mesh.centroid_mm(triangle));
+            *siemens *= self.pad.deviations.factor_at(mesh.centroid_mm(triangle));
         }
         let fields = self.model.solve(&conductivity)?;
         Ok(fields.voltages(&self.pad.protocol))

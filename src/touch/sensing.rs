@@ -83,6 +83,12 @@ impl SensingBuilder {
         self.method
     }
 
+    /// The pad's response table, if it has one.
+    #[must_use]
+    pub fn table(&self) -> Option<&Arc<ResponseTable>> {
+        self.table.as_ref()
+    }
+
     /// Adds the pad's response table: touches are located in the voltages.
     ///
     /// # Panics

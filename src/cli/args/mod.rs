@@ -14,7 +14,7 @@ pub(super) use calibrate::CalibrateArgs;
 pub(super) use play::PlayArgs;
 pub(super) use recordings::{ExportArgs, ExportFormat, RecoverArgs, ReplayArgs};
 pub(super) use study::{AccuracyArgs, StudyArgs, StudyCommand};
-pub(super) use texts::{PadCommand, ProfileCommand, ShowArgs};
+pub(super) use texts::{IdentifyArgs, PadCommand, ProfileCommand, ShowArgs};
 pub(super) use values::{OutputArg, PrintArg};
 pub(super) use window::WindowArgs;
 

@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::board::BoardArgs;
+use super::values::{snr, source};
+use crate::app::services::SourceChoice;
+
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example: gelpad pad check ./my-pad.toml")]
 pub(in crate::cli) enum PadCommand {
@@ -27,6 +31,42 @@ pub(in crate::cli) enum PadCommand {
         #[arg(long)]
         toml: bool,
     },
+    /// Find how the connected pad differs from its drawing, from a second of untouched frames
+    #[command(after_help = "\
+Examples:
+  gelpad pad identify --source serial:/dev/ttyACM0 -o my-pad.toml     then: gelpad play --pad ./my-pad.toml ...
+  gelpad pad identify --source replay:untouched.csv --map found.png
+  gelpad pad identify --source simulated:touches.txt                  the simulated pad differs by its mesh only
+
+The pad must not be touched. Nothing is written if no pad like the drawing explains the readings.")]
+    Identify(IdentifyArgs),
+}
+
+#[derive(Args, Debug)]
+pub(in crate::cli) struct IdentifyArgs {
+    /// The pad's drawing: a shipped pad, or a file (contains `/` or ends in `.toml`)
+    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    pub pad: String,
+    /// Where frames come from: serial:PORT, replay:FILE or simulated:SCRIPT
+    #[arg(long, value_parser = source)]
+    pub source: SourceChoice,
+    /// File for the pad as found
+    #[arg(short, long, value_name = "FILE.toml")]
+    pub output: Option<PathBuf>,
+    /// Draw the conductance that was found, as PNG or SVG
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Untouched frames to read
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(5..=10_000))]
+    pub frames: u32,
+    /// Signal-to-noise ratio of the simulated pad, dB
+    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr)]
+    pub snr: f64,
+    /// Seed of the simulated noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub board: BoardArgs,
 }
 
 #[derive(Debug, Subcommand)]

@@ -1,17 +1,22 @@
-//! The most likely unknowns of a linear model with Gaussian priors, and how wide the prior should be.
+//! The most likely unknowns of a linear model with Gaussian priors, and how wide each part of the prior should be.
 //!
 //! With y the readings, J their derivatives, S the prior's covariance and R the readings': the estimate is S J' (J S J' + R)^-1 y, and the
-//! evidence of y is the density of a Gaussian with covariance J S J' + R (Bishop 2006, 3.5). The sums run over readings, which are fewer than
-//! unknowns.
+//! evidence of y is the density of a Gaussian with covariance J S J' + R (Bishop 2006, 3.5). S is a sum over the ways in which pads differ,
+//! each with a factor; the factors that make the readings most likely are searched one after another. The sums run over readings,
+//! which are fewer than unknowns.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
-use super::prior::Prior;
+use super::prior::{Component, Prior};
 use super::{Compared, MODEL_ERROR};
 
-/// Factors of the prior's deviations that are tried.
-const SPREADS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0];
+/// Factors of a component's deviations that are tried, ...
+const SPREADS: [f64; 8] = [0.03, 0.1, 0.25, 0.5, 1.0, 1.6, 2.5, 4.0];
+/// ... so many times for each component in the first search, and once in the others, ...
+const FIRST_SWEEPS: usize = 2;
+/// ... with this standard deviation of their logarithms beforehand: a pad is seldom ten times worse than usual.
+const LOG_SPREAD_SD: f64 = 1.5;
 /// Standard deviation of the logarithm of the board's gain, beside the gain that fits best.
 const GAIN_SD: f64 = 0.1;
 
@@ -20,16 +25,25 @@ const GAIN_SD: f64 = 0.1;
 pub(super) struct Estimate {
     /// Cells, shifts, stretches.
     pub(super) values: Vec<f64>,
-    /// Factor of the prior's deviations.
-    pub(super) spread: f64,
+    /// Factors of the components' deviations; none before the first search.
+    spreads: Vec<f64>,
 }
 
 impl Estimate {
     /// The drawing.
-    pub(super) fn none(unknowns: usize) -> Self {
+    pub(super) fn none(prior: &Prior) -> Self {
         Self {
-            values: vec![0.0; unknowns],
-            spread: 1.0,
+            values: vec![0.0; prior.len()],
+            spreads: Vec::new(),
+        }
+    }
+
+    /// The mean of two estimates.
+    pub(super) fn halfway_to(&self, other: &Self) -> Self {
+        let pairs = self.values.iter().zip(&other.values);
+        Self {
+            values: pairs.map(|(a, b)| 0.5 * (a + b)).collect(),
+            spreads: self.spreads.clone(),
         }
     }
 }
@@ -47,18 +61,19 @@ pub(super) struct LinearModel {
 }
 
 impl LinearModel {
-    /// `cells` is in V/A per relative change, `electrodes` relative per mm; `deviations` are relative.
+    /// `volts` are those of the model, V/A. The slopes by cells are in V/A per relative change, those by electrodes relative per mm;
+    /// `deviations` are relative.
     pub(super) fn new(
         compared: &Compared,
-        cells: &Mat<f64>,
-        electrodes: &Mat<f64>,
+        volts: &[f64],
+        [cells, electrodes]: [&Mat<f64>; 2],
         deviations: &[f64],
     ) -> Self {
         let unknowns = cells.ncols() + electrodes.ncols();
         let of_reading = |reading: usize| (compared.usable[reading], compared.units[reading]);
         let size = |reading: usize| {
             let (channel, unit) = of_reading(reading);
-            compared.model[channel] / unit
+            volts[channel] / unit
         };
         let count = compared.usable.len();
         Self {
@@ -81,7 +96,7 @@ impl LinearModel {
     }
 }
 
-/// The most likely estimate with the most likely spread of the prior.
+/// The most likely estimate with the most likely spreads of the prior's components.
 pub(super) fn most_likely(model: &LinearModel, prior: &Prior, present: &Estimate) -> Estimate {
     let count = model.residuals.len();
     // The model is linear about the present estimate: this is what it must explain from nothing.
@@ -93,43 +108,89 @@ pub(super) fn most_likely(model: &LinearModel, prior: &Prior, present: &Estimate
         })
         .collect();
     let target = Mat::from_fn(count, 1, |reading, _| target[reading]);
-    let spread_readings = prior_times_slopes(model, prior);
-    let explained = &model.slopes * &spread_readings;
-    let fits = SPREADS.into_iter().filter_map(|spread| {
+    let gains: Vec<Mat<f64>> = prior
+        .components
+        .iter()
+        .map(|component| covariance_with_readings(component, prior, model))
+        .collect();
+    let explained: Vec<Mat<f64>> = gains.iter().map(|gain| &model.slopes * gain).collect();
+    let weigh = |spreads: &[f64]| -> Option<(f64, Mat<f64>)> {
         let covariance = Mat::from_fn(count, count, |i, j| {
             let gain = GAIN_SD * GAIN_SD * model.gain[i] * model.gain[j];
             let own = if i == j { model.variances[i] } else { 0.0 };
-            spread * spread * explained[(i, j)] + gain + own
+            let parts = explained.iter().zip(spreads);
+            gain + own
+                + parts
+                    .map(|(part, spread)| spread * spread * part[(i, j)])
+                    .sum::<f64>()
         });
         let factor = covariance.llt(Side::Lower).ok()?;
         let weighted = factor.solve(&target);
-        Some((spread, evidence(&factor, &weighted, &target), weighted))
-    });
-    let best = fits.max_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((spread, _, weighted)) = best else {
+        let usual: f64 = spreads
+            .iter()
+            .map(|spread| libm::log(*spread) / LOG_SPREAD_SD)
+            .map(|log| -0.5 * log * log)
+            .sum();
+        Some((evidence(&factor, &weighted, &target) + usual, weighted))
+    };
+    let is_first = present.spreads.is_empty();
+    let mut spreads = if is_first {
+        vec![1.0; gains.len()]
+    } else {
+        present.spreads.clone()
+    };
+    let sweeps = if is_first { FIRST_SWEEPS } else { 1 };
+    let Some(mut best) = weigh(&spreads) else {
         return present.clone();
     };
-    let values = &spread_readings * &weighted;
-    Estimate {
-        values: values
-            .col(0)
-            .iter()
-            .map(|value| spread * spread * value)
-            .collect(),
-        spread,
+    for component in (0..sweeps).flat_map(|_| 0..gains.len()) {
+        for spread in SPREADS {
+            let mut tried = spreads.clone();
+            tried[component] = spread;
+            if let Some(other) = weigh(&tried).filter(|other| other.0 > best.0) {
+                (best, spreads) = (other, tried);
+            }
+        }
+    }
+    let mut values = vec![0.0; prior.len()];
+    for (gain, spread) in gains.iter().zip(&spreads) {
+        let part = gain * &best.1;
+        for (value, part) in values.iter_mut().zip(part.col(0).iter()) {
+            *value += spread * spread * part;
+        }
+    }
+    Estimate { values, spreads }
+}
+
+/// A component's covariance times the transposed slopes: unknowns x readings.
+fn covariance_with_readings(component: &Component, prior: &Prior, model: &LinearModel) -> Mat<f64> {
+    let count = model.residuals.len();
+    let (cells, electrodes) = (prior.cells, prior.electrodes);
+    match component {
+        Component::Cells(covariance) => {
+            let of_cells = covariance * model.slopes.get(.., ..cells).transpose();
+            Mat::from_fn(prior.len(), count, |unknown, reading| {
+                if unknown < cells {
+                    of_cells[(unknown, reading)]
+                } else {
+                    0.0
+                }
+            })
+        }
+        Component::Shifts(variances) => independent(variances, cells, prior.len(), model),
+        Component::Stretches(variances) => {
+            independent(variances, cells + electrodes, prior.len(), model)
+        }
     }
 }
 
-/// The prior's covariance times the transposed slopes: unknowns x readings.
-fn prior_times_slopes(model: &LinearModel, prior: &Prior) -> Mat<f64> {
-    let cells = prior.cells.nrows();
-    let count = model.residuals.len();
-    let of_cells = &prior.cells * model.slopes.get(.., ..cells).transpose();
-    Mat::from_fn(prior.len(), count, |unknown, reading| {
-        match unknown.checked_sub(cells) {
-            None => of_cells[(unknown, reading)],
-            Some(electrode) => prior.electrodes[electrode] * model.slopes[(reading, unknown)],
-        }
+/// The same for independent unknowns from `first` on.
+fn independent(variances: &[f64], first: usize, unknowns: usize, model: &LinearModel) -> Mat<f64> {
+    Mat::from_fn(unknowns, model.residuals.len(), |unknown, reading| {
+        let variance = unknown
+            .checked_sub(first)
+            .and_then(|index| variances.get(index));
+        variance.map_or(0.0, |variance| variance * model.slopes[(reading, unknown)])
     })
 }
 

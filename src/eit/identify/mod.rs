@@ -12,42 +12,40 @@ mod fit;
 mod prior;
 mod sensitivity;
 
+use faer::Mat;
+
 use super::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
-use crate::pad::{Electrode, Pad, Unevenness, cell_sites_mm};
+use crate::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm};
 use fit::{Estimate, LinearModel};
 
 /// The forward model's own error, as a share of a reading: two meshes differ by so much.
 const MODEL_ERROR: f64 = 2e-3;
 /// Readings below this share of the largest count as if they were that large: their relative errors have no bound.
 const LEAST_SHARE: f64 = 0.01;
-/// Linearisations. The estimate changes by less than a tenth of its deviation after three.
-const ROUNDS: usize = 4;
+/// Most linearisations. Usual pads need three.
+const MOST_ROUNDS: usize = 8;
+/// A round that lowers the misfit by less than this share is the last, as is one that ends well below the model's own error.
+const LEAST_GAIN: f64 = 0.03;
+const WELL_BELOW: f64 = 0.3;
+/// Rounds after which the electrodes have moved so little that the derivatives by their places stay the same.
+const ELECTRODE_ROUNDS: usize = 2;
+/// A step that raises the misfit is halved up to so many times.
+const MOST_HALVINGS: usize = 3;
 /// A found pad whose readings differ from those measured by more than this share, root mean square, explains nothing.
 const MOST_MISFIT: f64 = 0.05;
 /// Electrodes are found at most this far from their drawing, mm, and this much longer or shorter, as a share.
 const MOST_SHIFT_MM: f64 = 2.0;
 const MOST_STRETCH: f64 = 0.5;
+/// Cells conduct at most e^3 = 20 times more or less than drawn.
+const MOST_LOG: f64 = 3.0;
 
 /// A pad as found.
 #[derive(Clone, Debug)]
 pub struct IdentifiedPad {
     /// The drawing with the conductance and the electrodes that were found.
     pub pad: Pad,
-    /// How far each electrode is from its drawing, along the edge, and how much longer it is, mm.
-    pub electrodes: Vec<ElectrodeDeviation>,
     /// Root mean square of the relative differences between readings and model: as drawn, and as found.
     pub misfit: [f64; 2],
-    /// How much the pad differs from its drawing, in units of what is usual.
-    pub spread: f64,
-}
-
-/// How an electrode differs from its drawing, mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ElectrodeDeviation {
-    /// Along the edge, counter-clockwise.
-    pub shift_mm: f64,
-    /// Of its length.
-    pub stretch_mm: f64,
 }
 
 /// Why no pad is found.
@@ -102,41 +100,139 @@ pub fn identify(
             channels,
         });
     }
-    let drawing = Pad {
-        unevenness: Unevenness::default(),
-        ..drawing.clone()
-    };
-    let sites = cell_sites_mm(&drawing);
-    let prior = prior::covariance(&drawing, &sites);
-    let electrode_slopes = sensitivity::of_electrodes(&drawing)?;
-    let mut estimate = Estimate::none(prior.len());
-    let mut misfits = Vec::with_capacity(ROUNDS + 1);
-    for round in 0..=ROUNDS {
-        let pad = pad_with(&drawing, &sites, &estimate.values);
-        let solved = Solved::new(&pad)?;
-        let compared = Compared::new(&solved.volts, volts, &usable);
-        misfits.push(compared.misfit());
-        if round == ROUNDS {
-            break;
-        }
-        let cell_slopes = sensitivity::of_cells(&solved, &pad, sites.len());
-        let model = LinearModel::new(&compared, &cell_slopes, &electrode_slopes, deviations);
-        estimate = fit::most_likely(&model, &prior, &estimate);
-    }
-    let misfit = [misfits[0], misfits[ROUNDS]];
+    let search = Search::new(drawing.drawing(), volts, &usable, deviations);
+    let (estimate, misfit) = search.run()?;
     if misfit[1] > MOST_MISFIT || misfit[1].is_nan() {
         return Err(IdentifyError::OtherPad {
-            pad: drawing.name,
+            pad: search.drawing.name,
             misfit,
         });
     }
-    let electrodes = deviations_of(&drawing, sites.len(), &estimate.values);
     Ok(IdentifiedPad {
-        pad: pad_with(&drawing, &sites, &estimate.values),
-        electrodes,
+        pad: search.pad_with(&estimate.values),
         misfit,
-        spread: estimate.spread,
     })
+}
+
+/// What stays the same while the estimate changes.
+struct Search<'a> {
+    drawing: Pad,
+    sites: Vec<[f64; 2]>,
+    prior: prior::Prior,
+    measured: &'a [f64],
+    usable: &'a [usize],
+    deviations: &'a [f64],
+}
+
+impl<'a> Search<'a> {
+    fn new(drawing: Pad, measured: &'a [f64], usable: &'a [usize], deviations: &'a [f64]) -> Self {
+        let sites = cell_sites_mm(&drawing);
+        Self {
+            prior: prior::Prior::new(&drawing, &sites),
+            sites,
+            drawing,
+            measured,
+            usable,
+            deviations,
+        }
+    }
+
+    /// The most likely estimate, and the misfits of the drawing and of the estimate.
+    fn run(&self) -> Result<(Estimate, [f64; 2]), ForwardError> {
+        let mut best = Trial::new(self, Estimate::none(&self.prior))?;
+        let drawn = best.compared.misfit();
+        let mut electrode_slopes = sensitivity::of_electrodes(&best.pad)?;
+        for round in 1..=MOST_ROUNDS {
+            let before = best.compared.misfit();
+            let Some(next) = self.step(&best, &electrode_slopes)? else {
+                break;
+            };
+            best = next;
+            let misfit = best.compared.misfit();
+            let is_last = misfit > (1.0 - LEAST_GAIN) * before || misfit < WELL_BELOW * MODEL_ERROR;
+            if is_last && round > ELECTRODE_ROUNDS {
+                break;
+            }
+            if round < ELECTRODE_ROUNDS {
+                electrode_slopes = sensitivity::of_electrodes(&best.pad)?;
+            }
+        }
+        let found = best.compared.misfit();
+        Ok((best.estimate, [drawn, found]))
+    }
+
+    /// A better trial; `None` if even a short step makes the misfit larger.
+    fn step(
+        &self,
+        best: &Trial,
+        electrode_slopes: &Mat<f64>,
+    ) -> Result<Option<Trial>, ForwardError> {
+        let slopes = sensitivity::of_cells(&best.solved, &best.pad, self.sites.len());
+        let model = LinearModel::new(
+            &best.compared,
+            &best.solved.volts,
+            [&slopes, electrode_slopes],
+            self.deviations,
+        );
+        let mut aim = fit::most_likely(&model, &self.prior, &best.estimate);
+        for _ in 0..=MOST_HALVINGS {
+            let trial = Trial::new(self, aim.clone())?;
+            if trial.compared.misfit() < best.compared.misfit() {
+                return Ok(Some(trial));
+            }
+            aim = aim.halfway_to(&best.estimate);
+        }
+        Ok(None)
+    }
+
+    /// The drawing with these values of the unknowns: logarithms of the cells' factors, then shifts and stretches of the
+    /// electrodes, within limits.
+    fn pad_with(&self, values: &[f64]) -> Pad {
+        let (cells, electrodes) = values.split_at(self.sites.len());
+        let (shifts, stretches) = electrodes.split_at(self.drawing.electrodes.len());
+        let moved = self
+            .drawing
+            .electrodes
+            .iter()
+            .zip(shifts.iter().zip(stretches));
+        self.drawing.with_deviations(Deviations::new(
+            self.sites
+                .iter()
+                .zip(cells)
+                .map(|(site, log)| (*site, libm::exp(log.clamp(-MOST_LOG, MOST_LOG))))
+                .collect(),
+            moved
+                .map(|(electrode, (shift, stretch))| {
+                    let most = MOST_STRETCH * electrode.width_mm;
+                    ElectrodeDeviation {
+                        shift_mm: shift.clamp(-MOST_SHIFT_MM, MOST_SHIFT_MM),
+                        stretch_mm: stretch.clamp(-most, most),
+                    }
+                })
+                .collect(),
+        ))
+    }
+}
+
+/// An estimate, solved and compared with the readings.
+struct Trial {
+    estimate: Estimate,
+    pad: Pad,
+    solved: Solved,
+    compared: Compared,
+}
+
+impl Trial {
+    fn new(search: &Search, estimate: Estimate) -> Result<Self, ForwardError> {
+        let pad = search.pad_with(&estimate.values);
+        let solved = Solved::new(&pad)?;
+        Ok(Self {
+            compared: Compared::new(&solved.volts, search.measured, search.usable),
+            estimate,
+            pad,
+            solved,
+        })
+    }
 }
 
 /// A pad with its solution.
@@ -161,17 +257,16 @@ impl Solved {
 }
 
 /// Measured readings beside those of a model, with the gain that fits best.
-struct Compared<'a> {
-    usable: &'a [usize],
-    model: &'a [f64],
+struct Compared {
+    usable: Vec<usize>,
     /// Unit of each usable reading's differences: its own size in the model, within limits.
     units: Vec<f64>,
     /// Measured minus modelled, in these units.
     residuals: Vec<f64>,
 }
 
-impl<'a> Compared<'a> {
-    fn new(model: &'a [f64], measured: &[f64], usable: &'a [usize]) -> Self {
+impl Compared {
+    fn new(model: &[f64], measured: &[f64], usable: &[usize]) -> Self {
         let largest = model.iter().fold(0.0f64, |most, volt| most.max(volt.abs()));
         let units: Vec<f64> = usable
             .iter()
@@ -195,8 +290,7 @@ impl<'a> Compared<'a> {
                 .zip(&units)
                 .map(|(channel, unit)| (gain * read(*channel) - model[*channel]) / unit)
                 .collect(),
-            usable,
-            model,
+            usable: usable.to_vec(),
             units,
         }
     }
@@ -205,50 +299,5 @@ impl<'a> Compared<'a> {
     fn misfit(&self) -> f64 {
         let sum: f64 = self.residuals.iter().map(|r| r * r).sum();
         libm::sqrt(sum / self.residuals.len() as f64)
-    }
-}
-
-/// The drawing with these values of the unknowns: logarithms of the cells' factors, then shifts and stretches of the electrodes.
-fn pad_with(drawing: &Pad, sites: &[[f64; 2]], values: &[f64]) -> Pad {
-    let cells = sites
-        .iter()
-        .zip(values)
-        .map(|(site, log)| (*site, libm::exp(*log)))
-        .collect();
-    let moved = deviations_of(drawing, sites.len(), values);
-    let electrodes = drawing.electrodes.iter().zip(moved);
-    Pad {
-        unevenness: Unevenness::new(cells),
-        electrodes: electrodes
-            .map(|(electrode, deviation)| deviation.applied_to(electrode))
-            .collect(),
-        ..drawing.clone()
-    }
-}
-
-/// The electrodes' part of the unknowns, within limits.
-fn deviations_of(drawing: &Pad, cells: usize, values: &[f64]) -> Vec<ElectrodeDeviation> {
-    let count = drawing.electrodes.len();
-    let (shifts, stretches) = values[cells..cells + 2 * count].split_at(count);
-    drawing
-        .electrodes
-        .iter()
-        .zip(shifts.iter().zip(stretches))
-        .map(|(electrode, (shift, stretch))| {
-            let most = MOST_STRETCH * electrode.width_mm;
-            ElectrodeDeviation {
-                shift_mm: shift.clamp(-MOST_SHIFT_MM, MOST_SHIFT_MM),
-                stretch_mm: stretch.clamp(-most, most),
-            }
-        })
-        .collect()
-}
-
-impl ElectrodeDeviation {
-    fn applied_to(self, electrode: &Electrode) -> Electrode {
-        Electrode {
-            start_mm: electrode.start_mm + self.shift_mm - self.stretch_mm / 2.0,
-            width_mm: electrode.width_mm + self.stretch_mm,
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! How pads of a kind usually differ from their drawing: covariances of the unknowns.
+//! How pads usually differ from their drawing: covariances of the unknowns, one for each way to differ.
 //!
 //! Cells differ by themselves (casting), along a channel (its width), smoothly over the pad (thickness, drying) and along a gradient. Electrodes
 //! are placed and cut by hand.
@@ -23,63 +23,86 @@ const STRETCH_SD: f64 = 0.1;
 /// Cells on one channel lie this near its centre line, mm.
 const SAME_LINE_MM: f64 = 1e-6;
 
-/// The prior of all unknowns: cells (dense), shifts and stretches of the electrodes (independent).
-pub(super) struct Prior {
+/// A way in which pads differ, independent of the others; how much they do is found from the readings.
+pub(super) enum Component {
     /// Covariance of the logarithms of the cells' conductance.
-    pub(super) cells: Mat<f64>,
-    /// Variances of the electrodes' shifts, then stretches, mm2.
-    pub(super) electrodes: Vec<f64>,
+    Cells(Mat<f64>),
+    /// Variances of the electrodes' shifts, mm2.
+    Shifts(Vec<f64>),
+    /// Variances of the electrodes' stretches, mm2.
+    Stretches(Vec<f64>),
+}
+
+/// The prior of all unknowns: cells, then shifts and stretches of the electrodes.
+pub(super) struct Prior {
+    /// Cells by themselves, along channels, smoothly and along a gradient; electrodes.
+    pub(super) components: Vec<Component>,
+    /// Number of cells, and of electrodes.
+    pub(super) cells: usize,
+    pub(super) electrodes: usize,
 }
 
 impl Prior {
+    /// The prior of a pad with cells at these sites.
+    pub(super) fn new(pad: &Pad, sites: &[PointMm]) -> Self {
+        let covariance = |of: &dyn Fn(usize, usize) -> f64| {
+            Component::Cells(Mat::from_fn(sites.len(), sites.len(), of))
+        };
+        let size = pad.outline.size_mm();
+        let longer = size[0].max(size[1]);
+        let smooth_mm = SMOOTH_SHARE * longer;
+        let smooth = |i: usize, j: usize| {
+            let [dx, dy] = [0, 1].map(|k| sites[i][k] - sites[j][k]);
+            let distance2 = (dx * dx + dy * dy) / (smooth_mm * smooth_mm);
+            SMOOTH_SD * SMOOTH_SD * libm::exp(-0.5 * distance2)
+        };
+        let from_middle = |i: usize| [0, 1].map(|k| 2.0 * sites[i][k] / longer - size[k] / longer);
+        let gradient = |i: usize, j: usize| {
+            let (u, v) = (from_middle(i), from_middle(j));
+            GRADIENT_SD * GRADIENT_SD * (u[0] * v[0] + u[1] * v[1])
+        };
+        let channel = |i: usize, j: usize| match is_one_channel(pad, sites[i], sites[j]) {
+            true => CHANNEL_SD * CHANNEL_SD,
+            false => 0.0,
+        };
+        let own = |i: usize, j: usize| if i == j { CELL_SD * CELL_SD } else { 0.0 };
+        let shifts = vec![SHIFT_SD_MM * SHIFT_SD_MM; pad.electrodes.len()];
+        let stretches = pad.electrodes.iter().map(|electrode| {
+            let sd = STRETCH_SD * electrode.width_mm;
+            sd * sd
+        });
+        Self {
+            components: vec![
+                covariance(&own),
+                covariance(&channel),
+                covariance(&smooth),
+                covariance(&gradient),
+                Component::Shifts(shifts),
+                Component::Stretches(stretches.collect()),
+            ],
+            cells: sites.len(),
+            electrodes: pad.electrodes.len(),
+        }
+    }
+
     /// Number of unknowns.
     pub(super) fn len(&self) -> usize {
-        self.cells.nrows() + self.electrodes.len()
+        self.cells + 2 * self.electrodes
     }
 }
 
-/// The prior of a pad with cells at these sites.
-pub(super) fn covariance(pad: &Pad, sites: &[PointMm]) -> Prior {
-    let size = pad.outline.size_mm();
-    let longer = size[0].max(size[1]);
-    let smooth_mm = SMOOTH_SHARE * longer;
-    let from_middle = |site: PointMm| [0, 1].map(|k| 2.0 * site[k] / longer - size[k] / longer);
-    let on_one_channel = |a: PointMm, b: PointMm| {
-        let Conductor::Lattice(lattice) = &pad.conductor else {
-            return false;
-        };
-        let lines = [&lattice.x_lines_mm, &lattice.y_lines_mm];
-        (0..2).any(|axis| {
-            let is_on = |at: f64| {
-                lines[axis]
-                    .iter()
-                    .any(|line| (line - at).abs() < SAME_LINE_MM)
-            };
-            is_on(a[axis]) && (a[axis] - b[axis]).abs() < SAME_LINE_MM
-        })
+/// Whether two sites lie on the same channel of a lattice.
+fn is_one_channel(pad: &Pad, a: PointMm, b: PointMm) -> bool {
+    let Conductor::Lattice(lattice) = &pad.conductor else {
+        return false;
     };
-    let cells = Mat::from_fn(sites.len(), sites.len(), |i, j| {
-        let (a, b) = (sites[i], sites[j]);
-        let [dx, dy] = [a[0] - b[0], a[1] - b[1]];
-        let smooth = libm::exp(-0.5 * (dx * dx + dy * dy) / (smooth_mm * smooth_mm));
-        let (u, v) = (from_middle(a), from_middle(b));
-        let mut covariance = SMOOTH_SD * SMOOTH_SD * smooth
-            + GRADIENT_SD * GRADIENT_SD * (u[0] * v[0] + u[1] * v[1]);
-        if on_one_channel(a, b) {
-            covariance += CHANNEL_SD * CHANNEL_SD;
-        }
-        if i == j {
-            covariance += CELL_SD * CELL_SD;
-        }
-        covariance
-    });
-    let shifts = pad.electrodes.iter().map(|_| SHIFT_SD_MM * SHIFT_SD_MM);
-    let stretches = pad.electrodes.iter().map(|electrode| {
-        let sd = STRETCH_SD * electrode.width_mm;
-        sd * sd
-    });
-    Prior {
-        cells,
-        electrodes: shifts.chain(stretches).collect(),
-    }
+    let lines = [&lattice.x_lines_mm, &lattice.y_lines_mm];
+    (0..2).any(|axis| {
+        let is_on = |at: f64| {
+            lines[axis]
+                .iter()
+                .any(|line| (line - at).abs() < SAME_LINE_MM)
+        };
+        is_on(a[axis]) && (a[axis] - b[axis]).abs() < SAME_LINE_MM
+    })
 }

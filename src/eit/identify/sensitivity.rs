@@ -2,10 +2,10 @@
 
 use faer::Mat;
 
-use super::{ElectrodeDeviation, Solved};
+use super::Solved;
 use crate::eit::jacobian::cell_jacobian;
 use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
-use crate::pad::{Electrode, Pad};
+use crate::pad::{Electrode, ElectrodeDeviation, Pad};
 
 /// Electrodes are moved and stretched by this much, mm, on a mesh with edges this many times as long as the reconstruction's: the
 /// derivatives need few digits.
@@ -20,7 +20,7 @@ pub(super) fn of_cells(solved: &Solved, pad: &Pad, cells: usize) -> Mat<f64> {
         .into_iter()
         .enumerate()
         .map(|(triangle, siemens)| {
-            let cell = pad.unevenness.cell_at(mesh.centroid_mm(triangle));
+            let cell = pad.deviations.cell_at(mesh.centroid_mm(triangle));
             (cell.unwrap_or(0), siemens)
         })
         .collect();
@@ -33,13 +33,13 @@ pub(super) fn of_cells(solved: &Solved, pad: &Pad, cells: usize) -> Mat<f64> {
     )
 }
 
-/// Channels x (shifts, stretches) of the electrodes of the even pad: relative change of a reading per mm. Zero for an electrode that has no
-/// room to move.
-pub(super) fn of_electrodes(drawing: &Pad) -> Result<Mat<f64>, ForwardError> {
-    let count = drawing.electrodes.len();
-    let rest = volts_with(drawing, drawing.electrodes.clone())?;
-    let mut slopes = Mat::zeros(drawing.channels(), 2 * count);
-    for (index, electrode) in drawing.electrodes.iter().enumerate() {
+/// Channels x (shifts, stretches) of a pad's electrodes: relative change of a reading per mm. Zero for an electrode that has no room to
+/// move.
+pub(super) fn of_electrodes(pad: &Pad) -> Result<Mat<f64>, ForwardError> {
+    let count = pad.electrodes.len();
+    let rest = volts_with(pad, pad.electrodes.clone())?;
+    let mut slopes = Mat::zeros(pad.channels(), 2 * count);
+    for (index, electrode) in pad.electrodes.iter().enumerate() {
         let ways = [
             ElectrodeDeviation {
                 shift_mm: STEP_MM,
@@ -52,12 +52,12 @@ pub(super) fn of_electrodes(drawing: &Pad) -> Result<Mat<f64>, ForwardError> {
         ];
         for (way, deviation) in ways.into_iter().enumerate() {
             let moved = deviation.applied_to(electrode);
-            if bends(drawing, &moved) {
+            if bends(pad, &moved) {
                 continue;
             }
-            let mut electrodes = drawing.electrodes.clone();
+            let mut electrodes = pad.electrodes.clone();
             electrodes[index] = moved;
-            let volts = volts_with(drawing, electrodes)?;
+            let volts = volts_with(pad, electrodes)?;
             let column = slopes.col_mut(way * count + index);
             for (slope, (volt, rest)) in column.iter_mut().zip(volts.iter().zip(&rest)) {
                 *slope = (volt - rest) / (rest * STEP_MM);
@@ -76,13 +76,13 @@ fn bends(pad: &Pad, electrode: &Electrode) -> bool {
     })
 }
 
-fn volts_with(drawing: &Pad, electrodes: Vec<Electrode>) -> Result<Vec<f64>, ForwardError> {
+fn volts_with(pad: &Pad, electrodes: Vec<Electrode>) -> Result<Vec<f64>, ForwardError> {
     let pad = Pad {
         electrodes,
-        ..drawing.clone()
+        ..pad.clone()
     };
     let mesh = Mesh::from_pad(&pad, MeshSize::relative(&pad, COARSER, false));
     let model = ForwardModel::new(mesh, &ContactModel::from_pad(&pad))?;
-    let fields = model.solve_even(pad.background_s_per_m)?;
+    let fields = model.solve(&model.mesh().background_s_per_m(&pad))?;
     Ok(fields.voltages(&pad.protocol))
 }

@@ -5,6 +5,7 @@
 
 mod build;
 mod bytes;
+mod derived;
 mod interpolate;
 mod places;
 mod quantized;

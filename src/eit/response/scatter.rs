@@ -32,11 +32,17 @@ pub(super) const CONSTANTS: [f64; 3] = [MOST_NODES as f64, COARSE_SCALE, COARSER
 pub struct Scatterer {
     pad: Pad,
     coarse: Level,
-    fine: Level,
+    fine: LinearResponses,
     /// Potentials between nodes of the coarse mesh, V/A.
     inverse: Mat<f32>,
-    /// Channels x fine triangles: relative change of a reading per relative rise.
-    fine_linear: Mat<f64>,
+}
+
+/// First-order responses of a pad, on the fine mesh.
+#[derive(Clone, Debug)]
+pub(super) struct LinearResponses {
+    level: Level,
+    /// Channels x triangles: relative change of a reading per relative rise.
+    slopes: Mat<f64>,
 }
 
 /// One mesh and the solution of the untouched pad.
@@ -56,22 +62,13 @@ impl Scatterer {
     /// # Errors
     /// A pad that cannot be solved, or a channel that reads zero.
     pub fn new(pad: &Pad) -> Result<Self, SetupError> {
-        let fine = Level::new(pad, Mesh::from_pad(pad, MeshSize::reconstruction(pad)))?;
         let coarse = Level::new(pad, coarse_mesh(pad))?;
         let inverse = coarse.model.dense_inverse(&coarse.background)?;
-        let all: Vec<usize> = (0..fine.model.mesh().triangles.len()).collect();
-        let mut fine_linear = element_jacobian(&fine.model, &fine.fields, &pad.protocol, &all);
-        for triangle in 0..fine_linear.ncols() {
-            for (entry, volt) in fine_linear.col_mut(triangle).iter_mut().zip(&fine.volts) {
-                *entry *= fine.background[triangle] / volt;
-            }
-        }
         Ok(Self {
             pad: pad.clone(),
             coarse,
-            fine,
+            fine: LinearResponses::new(pad)?,
             inverse,
-            fine_linear,
         })
     }
 
@@ -84,7 +81,7 @@ impl Scatterer {
             radius_mm,
             rise,
         };
-        let fine = self.fine_part(|point| press(1.0).rise_share(point), &press(1.0));
+        let fine = self.fine.per_rise(centre_mm, radius_mm);
         let local = Local::new(&self.coarse, &self.inverse, &press(1.0));
         let coarse = {
             let change = self.stiffness_change(&local, |point| press(1.0).rise_share(point));
@@ -109,23 +106,6 @@ impl Scatterer {
                     .collect()
             })
             .collect()
-    }
-
-    /// First-order relative changes on the fine mesh, for a relative change of conductivity per point.
-    fn fine_part(&self, change: impl Fn(PointMm) -> f64, press: &Press) -> Vec<f64> {
-        let mut sum = vec![0.0; self.fine.volts.len()];
-        let mesh = self.fine.model.mesh();
-        for triangle in self.fine.triangles.near(press.centre_mm, press.radius_mm) {
-            let change = mean_of(mesh, triangle, &change);
-            if change == 0.0 {
-                continue;
-            }
-            let gains = self.fine_linear.col(triangle);
-            for (total, gain) in sum.iter_mut().zip(gains.iter()) {
-                *total += change * gain;
-            }
-        }
-        sum
     }
 
     /// Change of the stiffness between local nodes for a relative change of conductivity: (row, column, siemens).
@@ -180,6 +160,46 @@ impl Scatterer {
             .zip(&self.coarse.volts)
             .map(|(change, volt)| change / volt)
             .collect()
+    }
+}
+
+impl LinearResponses {
+    /// Solves a pad.
+    ///
+    /// # Errors
+    /// A pad that cannot be solved, or a channel that reads zero.
+    pub(super) fn new(pad: &Pad) -> Result<Self, SetupError> {
+        let level = Level::new(pad, Mesh::from_pad(pad, MeshSize::reconstruction(pad)))?;
+        let all: Vec<usize> = (0..level.model.mesh().triangles.len()).collect();
+        let mut slopes = element_jacobian(&level.model, &level.fields, &pad.protocol, &all);
+        for triangle in 0..slopes.ncols() {
+            for (entry, volt) in slopes.col_mut(triangle).iter_mut().zip(&level.volts) {
+                *entry *= level.background[triangle] / volt;
+            }
+        }
+        Ok(Self { level, slopes })
+    }
+
+    /// First-order relative changes of all readings per relative rise at the centre of a press.
+    pub(super) fn per_rise(&self, centre_mm: PointMm, radius_mm: f64) -> Vec<f64> {
+        let press = Press {
+            centre_mm,
+            radius_mm,
+            rise: 1.0,
+        };
+        let mut sum = vec![0.0; self.level.volts.len()];
+        let mesh = self.level.model.mesh();
+        for triangle in self.level.triangles.near(centre_mm, radius_mm) {
+            let change = mean_of(mesh, triangle, |point| press.rise_share(point));
+            if change == 0.0 {
+                continue;
+            }
+            let gains = self.slopes.col(triangle);
+            for (total, gain) in sum.iter_mut().zip(gains.iter()) {
+                *total += change * gain;
+            }
+        }
+        sum
     }
 }
 

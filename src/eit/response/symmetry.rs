@@ -48,7 +48,7 @@ impl Orbits {
     pub(super) fn new(pad: &Pad, places: &Places) -> Self {
         let symmetries: Vec<Symmetry> = TURNS
             .iter()
-            .filter(|turn| **turn == TURNS[0] || pad.unevenness.is_even())
+            .filter(|turn| **turn == TURNS[0] || pad.deviations.is_none())
             .filter_map(|turn| Symmetry::new(*turn, pad))
             .filter(|symmetry| {
                 (0..places.len()).all(|index| symmetry.image(index, pad, places).is_some())

@@ -34,15 +34,13 @@ pub(super) fn electrodes(
         let message = format!("electrodes are at least {LEAST_ELECTRODE_MM} mm wide");
         return Err(Diagnostic::new(spec.width_mm.span(), message, "too narrow"));
     }
-    let widths_mm = widths(spec, width_mm, count as usize)?;
     let centres = match &spec.at_mm {
         Some(list) => listed_centres(spec, list, outline, count as usize)?,
         None => even_centres(spec, outline, count as usize)?,
     };
     let electrodes: Vec<Electrode> = centres
         .iter()
-        .zip(widths_mm)
-        .map(|((centre, _), width_mm)| Electrode::centred_at(*centre, width_mm))
+        .map(|(centre, _)| Electrode::centred_at(*centre, width_mm))
         .collect();
     check_gaps(spec, outline, &electrodes)?;
     for (index, (electrode, (_, span))) in electrodes.iter().zip(&centres).enumerate() {
@@ -50,27 +48,6 @@ pub(super) fn electrodes(
         check_contact(outline, conductor, electrode, index + 1, span)?;
     }
     Ok(electrodes)
-}
-
-/// The width of each electrode, mm.
-fn widths(spec: &ElectrodesSpec, width_mm: f64, count: usize) -> Result<Vec<f64>, Diagnostic> {
-    let Some(list) = &spec.each_width_mm else {
-        return Ok(vec![width_mm; count]);
-    };
-    let widths = list.get_ref();
-    let refuse = |message: String| Err(Diagnostic::new(list.span(), message, "here"));
-    if widths.len() != count {
-        return refuse(format!("{} widths for {count} electrodes", widths.len()));
-    }
-    if widths
-        .iter()
-        .any(|width| !(width.is_finite() && *width >= LEAST_ELECTRODE_MM))
-    {
-        return refuse(format!(
-            "electrodes are at least {LEAST_ELECTRODE_MM} mm wide"
-        ));
-    }
-    Ok(widths.clone())
 }
 
 /// Electrodes go once round the pad, counter-clockwise, and do not overlap.

@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::{DirectionSpec, ElectrodesSpec, LatticeSpec, OutlineSpec, ShapeSpec, positive};
-use crate::pad::{Conductor, Direction, Lattice, Numbering, Outline, Unevenness};
+use crate::pad::{Conductor, Direction, Lattice, Numbering, Outline};
 use crate::types::Diagnostic;
 
 /// Sides and diameters of pads, mm.
@@ -173,23 +173,4 @@ pub(super) fn numbering(spec: &ElectrodesSpec, places: usize) -> Result<Numberin
             DirectionSpec::Clockwise => Direction::Clockwise,
         },
     })
-}
-
-/// Factors of the conductivity that a text may give: beyond, a channel is cut or bridged, which its drawing should show.
-const FACTORS: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
-
-/// How the conductivity differs from place to place.
-pub(super) fn unevenness(cells: &[Spanned<[f64; 3]>]) -> Result<Unevenness, Diagnostic> {
-    let cell = |written: &Spanned<[f64; 3]>| {
-        let [x, y, factor] = *written.get_ref();
-        if x.is_finite() && y.is_finite() && FACTORS.contains(&factor) {
-            return Ok(([x, y], factor));
-        }
-        let message =
-            "`conductance` lists cells as [x mm, y mm, factor], with factors of 0.001 to 1000";
-        Err(Diagnostic::new(written.span(), message, "here"))
-    };
-    Ok(Unevenness::new(
-        cells.iter().map(cell).collect::<Result<_, _>>()?,
-    ))
 }

@@ -4,14 +4,16 @@
 //! why the pad cannot be built or measured.
 
 mod electrodes;
+mod found;
 mod geometry;
 mod protocol;
 
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Pad, TouchSign};
+use super::{Deviations, Pad, TouchSign};
 use crate::types::{Diagnostic, Method, SourceErrors};
+use found::FoundSpec;
 
 /// The supported version of the format.
 const SCHEMA: i64 = 1;
@@ -31,6 +33,8 @@ struct PadSpec {
     lattice: Option<LatticeSpec>,
     electrodes: ElectrodesSpec,
     protocol: Spanned<ProtocolSpec>,
+    /// How the pad differs from all this.
+    found: Option<FoundSpec>,
 }
 
 #[derive(Default, Deserialize)]
@@ -64,9 +68,6 @@ struct OutlineSpec {
 struct LayerSpec {
     thickness_mm: Spanned<f64>,
     background_s_per_m: Spanned<f64>,
-    /// Sites (x, y, mm) and the factor of the conductivity around each.
-    #[serde(default)]
-    conductance: Vec<Spanned<[f64; 3]>>,
 }
 
 #[derive(Deserialize)]
@@ -83,7 +84,6 @@ struct LatticeSpec {
 struct ElectrodesSpec {
     count: Spanned<i64>,
     width_mm: Spanned<f64>,
-    each_width_mm: Option<Spanned<Vec<f64>>>,
     first_mm: Option<Spanned<f64>>,
     first_deg: Option<Spanned<f64>>,
     at_mm: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
@@ -147,14 +147,14 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
         .map(|electrode| places[numbering.place(electrode, places.len())])
         .collect();
     let protocol = protocol::protocol(&spec.protocol, electrodes.len())?;
-    Ok(Pad {
+    let drawing = Pad {
         name: spec.name.clone(),
         about: spec.about.clone(),
         outline,
         conductor,
         thickness_mm: positive(&spec.layer.thickness_mm, "the layer's thickness")?,
         background_s_per_m: positive(&spec.layer.background_s_per_m, "the conductivity")?,
-        unevenness: geometry::unevenness(&spec.layer.conductance)?,
+        deviations: Deviations::default(),
         electrodes,
         numbering,
         contact_impedance_ohm_m2: positive(
@@ -167,7 +167,11 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
             SignSpec::Fall => TouchSign::Fall,
         },
         method: spec.method,
-    })
+    };
+    match &spec.found {
+        Some(found) => found::applied(found, &drawing),
+        None => Ok(drawing),
+    }
 }
 
 fn positive(value: &Spanned<f64>, what: &str) -> Result<f64, Diagnostic> {

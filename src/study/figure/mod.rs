@@ -1,6 +1,7 @@
 //! Figures, each rendered as SVG and as PNG with plotters.
 
 mod chart;
+mod conductance;
 mod gallery;
 mod map;
 
@@ -10,6 +11,7 @@ use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
 pub use chart::{Axis, Chart, Look, Series};
+pub use conductance::ConductanceMap;
 pub use gallery::Gallery;
 pub use map::{PadMap, Ring};
 

@@ -1,7 +1,7 @@
 //! Pads as they are built: they differ from their drawing by what hands, moulds and drying do.
 
 use crate::eit::{ContactModel, ForwardError, Mesh, MeshSize};
-use crate::pad::{Conductor, Electrode, Pad, Unevenness, cell_sites_mm};
+use crate::pad::{Conductor, Deviations, Electrode, ElectrodeDeviation, Pad, cell_sites_mm};
 use crate::study::accuracy::draws::Draws;
 use crate::study::accuracy::specimen::Specimen;
 use crate::types::PointMm;
@@ -53,7 +53,7 @@ impl BuiltPad {
             ..drawing.clone()
         };
         let pad = Pad {
-            unevenness: drawn_unevenness(&pad, tolerance, draws),
+            deviations: Deviations::new(drawn_cells(&pad, tolerance, draws), Vec::new()),
             ..pad
         };
         let even = ContactModel::from_pad(&pad);
@@ -70,6 +70,22 @@ impl BuiltPad {
         let background = mesh.background_s_per_m(&pad);
         let specimen = Specimen::new(&pad, mesh, &contacts, background)?;
         Ok(Self { pad, specimen })
+    }
+
+    /// The pad as deviations from its drawing. Places of channels cannot be told so.
+    pub(super) fn with_drawing(&self, drawing: &Pad) -> Pad {
+        let pairs = self.pad.electrodes.iter().zip(&drawing.electrodes);
+        let electrodes = pairs.map(|(built, drawn)| {
+            let stretch_mm = built.width_mm - drawn.width_mm;
+            ElectrodeDeviation {
+                shift_mm: built.start_mm - drawn.start_mm + stretch_mm / 2.0,
+                stretch_mm,
+            }
+        });
+        drawing.with_deviations(Deviations::new(
+            self.pad.deviations.cells.clone(),
+            electrodes.collect(),
+        ))
     }
 }
 
@@ -108,7 +124,8 @@ fn moved_electrodes(drawing: &Pad, tolerance: &Tolerance, draws: &mut Draws) -> 
         .collect()
 }
 
-fn drawn_unevenness(pad: &Pad, tolerance: &Tolerance, draws: &mut Draws) -> Unevenness {
+/// The conductance of the cells.
+fn drawn_cells(pad: &Pad, tolerance: &Tolerance, draws: &mut Draws) -> Vec<(PointMm, f64)> {
     let sites = cell_sites_mm(pad);
     let mut field = SmoothField::draw(pad, draws);
     let direction = draws.angle();
@@ -141,7 +158,7 @@ fn drawn_unevenness(pad: &Pad, tolerance: &Tolerance, draws: &mut Draws) -> Unev
             * (1.0 + tolerance.gradient * along(site));
         (site, factor)
     });
-    Unevenness::new(cells.collect())
+    cells.collect()
 }
 
 /// The axis and the place of the channel on which a site lies.

@@ -13,10 +13,11 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind};
 use super::score::{REACH_MM, Score};
 use super::sensing::Sensing;
-use crate::eit::ResponseBuilder;
 use crate::eit::identify::identify;
+use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
 use crate::stats::mean;
+use crate::study::figure::{ConductanceMap, Figure};
 use crate::study::{StudyError, job};
 use crate::touch::SensingBuilder;
 use built::{BuiltPad, Tolerance};
@@ -38,9 +39,9 @@ pub struct IdentifyExtent {
 }
 
 impl IdentifyExtent {
-    /// Some minutes on two cores.
+    /// A quarter of an hour on two cores: the table of the pad as it is takes longest.
     pub const FULL: Self = Self {
-        pads: 6,
+        pads: 4,
         touches: 50,
     };
     /// About a minute.
@@ -179,12 +180,17 @@ pub struct IdentifyFindings {
     pub seed: u64,
     /// One for each kind.
     pub rows: Vec<IdentifyRow>,
+    /// The first realistic pad as found, and as it is.
+    #[serde(skip)]
+    map: ConductanceMap,
 }
 
 /// One pad, read with three models.
 struct PadFindings {
     misfit: [f64; 2],
     models: [Located; 3],
+    /// As found, and as it is.
+    pads: [Pad; 2],
 }
 
 /// Draws pads of every kind.
@@ -226,9 +232,22 @@ pub(super) fn play_all(
             goal_mm: kind.goal_mm,
         }
     });
+    let realistic = runs
+        .iter()
+        .position(|(kind, _)| kinds[*kind].tolerance == REALISTIC);
+    let pads = realistic.map(|run| found[run].pads.clone());
+    let captions = ["as found", "as it is"].map(str::to_owned);
     Ok(IdentifyFindings {
         seed: bench.seed,
         rows: rows.collect(),
+        map: ConductanceMap {
+            name: "found-and-true".to_owned(),
+            title: "Conductance of a realistic pad".to_owned(),
+            pads: captions
+                .into_iter()
+                .zip(pads.into_iter().flatten())
+                .collect(),
+        },
     })
 }
 
@@ -256,8 +275,12 @@ fn locate_on_pad(
         .map_err(|error| StudyError::refused(error.to_string()))?;
     let readers = [
         Sensing::from_pad(drawing, builder.clone())?,
-        sensing_of(&identified.pad, builder)?,
-        sensing_of(&built.pad, builder)?,
+        sensing_of(
+            &identified.pad,
+            builder,
+            ResponseBuilder::from_drawing(&identified.pad, drawn_table(builder)?)?,
+        )?,
+        sensing_of(&built.pad, builder, ResponseBuilder::new(&built.pad)?)?,
     ];
     let seed = draws.seed();
     let rested = readers
@@ -281,12 +304,21 @@ fn locate_on_pad(
     Ok(PadFindings {
         misfit: identified.misfit,
         models,
+        pads: [identified.pad, built.with_drawing(drawing)],
     })
 }
 
+fn drawn_table(builder: &SensingBuilder) -> Result<Arc<ResponseTable>, StudyError> {
+    let table = builder.table().cloned();
+    table.ok_or_else(|| StudyError::refused("the pad has no response table"))
+}
+
 /// The sensing with the table of a pad, solved here.
-fn sensing_of(pad: &Pad, like: &SensingBuilder) -> Result<Sensing, StudyError> {
-    let responses = ResponseBuilder::new(pad)?;
+fn sensing_of(
+    pad: &Pad,
+    like: &SensingBuilder,
+    responses: ResponseBuilder,
+) -> Result<Sensing, StudyError> {
     let rows: Vec<_> = (0..responses.rows())
         .map(|row| responses.solve_row(row))
         .collect();
@@ -319,6 +351,14 @@ impl IdentifyFindings {
     /// A defect.
     pub fn json(&self) -> Result<String, StudyError> {
         serde_json::to_string_pretty(self).map_err(StudyError::internal)
+    }
+
+    /// A pad as found next to the truth.
+    ///
+    /// # Errors
+    /// An error of the drawing library.
+    pub fn figure(&self) -> Result<Figure, StudyError> {
+        self.map.draw()
     }
 
     /// As a Markdown table.

@@ -1,0 +1,171 @@
+//! Finds a pad from the untouched frames of a source, and writes it as a pad's text.
+
+use toml_edit::{Array, DocumentMut, Item, Table, Value, value};
+
+use super::AppError;
+use super::pads::{PadText, start_workers};
+use crate::eit::identify::{IdentifiedPad, identify};
+use crate::pad::Pad;
+use crate::source::{Source, SourceReading};
+use crate::stats::{quantile, rms};
+
+/// Decimals of lengths (mm) and factors in texts.
+const DECIMALS: f64 = 1e4;
+/// The standard deviation of Gaussian noise over its median absolute deviation.
+const DEVIATION_OF_MEDIAN: f64 = 1.4826;
+/// Frames of which the median is taken at least.
+const FEWEST_FRAMES: usize = 5;
+
+/// A pad as found, with its text.
+pub(crate) struct FoundPad {
+    /// What was found.
+    pub found: IdentifiedPad,
+    /// The drawing's text with what was found.
+    pub toml: String,
+    /// Frames read.
+    pub frames: usize,
+}
+
+/// Reads untouched frames and finds the pad.
+///
+/// # Errors
+/// A source that fails or sends too few frames; readings that no such pad explains.
+pub(crate) fn identify_pad(
+    drawing: &PadText,
+    source: &mut dyn Source,
+    frames: usize,
+) -> Result<FoundPad, AppError> {
+    start_workers()?;
+    let read = read_frames(source, frames)?;
+    if read.len() < FEWEST_FRAMES {
+        return Err(AppError::Unsuitable(format!(
+            "the source sent {} frames: at least {FEWEST_FRAMES} of the untouched pad are needed",
+            read.len()
+        )));
+    }
+    let (volts, deviations) = medians(&read);
+    let found = identify(&drawing.pad, &volts, &deviations)
+        .map_err(|error| AppError::Unsuitable(error.to_string()))?;
+    let toml = text_with(&drawing.toml, &found.pad)
+        .ok_or_else(|| AppError::Unsuitable("the pad's text has no tables".to_owned()))?;
+    Ok(FoundPad {
+        found,
+        toml,
+        frames: read.len(),
+    })
+}
+
+fn read_frames(source: &mut dyn Source, wanted: usize) -> Result<Vec<Vec<f32>>, AppError> {
+    let mut frames = Vec::with_capacity(wanted);
+    while frames.len() < wanted {
+        match source.read()? {
+            SourceReading::Frame(frame) => frames.push(frame.volts),
+            SourceReading::Skipped { reason, .. } | SourceReading::Disconnected { reason } => {
+                tracing::warn!("{reason}");
+            }
+            SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
+            SourceReading::End => break,
+        }
+    }
+    Ok(frames)
+}
+
+/// The median of each channel, and the relative standard deviation of that; infinite for a channel that is not finite.
+fn medians(frames: &[Vec<f32>]) -> (Vec<f64>, Vec<f64>) {
+    let channels = frames.first().map_or(0, Vec::len);
+    let middle = |values: &mut dyn Iterator<Item = f64>| quantile(values, 0.5).unwrap_or(f64::NAN);
+    let of_channel = |channel: usize| {
+        let values = || frames.iter().map(move |volts| f64::from(volts[channel]));
+        let median = middle(&mut values());
+        let spread = middle(&mut values().map(|value| (value - median).abs()));
+        let deviation = DEVIATION_OF_MEDIAN * spread / (frames.len() as f64).sqrt() / median.abs();
+        match deviation.is_finite() {
+            true => (median, deviation),
+            false => (median, f64::INFINITY),
+        }
+    };
+    (0..channels).map(of_channel).unzip()
+}
+
+/// A pad's text with a table `found`; `None` if it is no TOML.
+fn text_with(text: &str, pad: &Pad) -> Option<String> {
+    let mut document: DocumentMut = text.parse().ok()?;
+    let mut found = Table::new();
+    let rounded = |number: f64| (number * DECIMALS).round() / DECIMALS;
+    let cells = pad.deviations.cells.iter().map(|([x, y], factor)| {
+        let mut cell = Value::from(Array::from_iter([*x, *y, *factor].map(rounded)));
+        cell.decor_mut().set_prefix("\n  ");
+        cell
+    });
+    let mut cells = Array::from_iter(cells);
+    cells.set_trailing("\n");
+    let electrodes = &pad.deviations.electrodes;
+    let list = |length: fn(&crate::pad::ElectrodeDeviation) -> f64| {
+        value(Array::from_iter(electrodes.iter().map(length).map(rounded)))
+    };
+    found.insert("shift_mm", list(|electrode| electrode.shift_mm));
+    found.insert("stretch_mm", list(|electrode| electrode.stretch_mm));
+    found.insert("conductance", value(cells));
+    found.decor_mut().set_prefix(
+        "\n# How this pad differs from the drawing above, found by `gelpad pad identify`: how far each electrode is from its place along the\n\
+         # edge and how much longer it is (mm), and the conductance of the layer around each site (x mm, y mm, factor).\n",
+    );
+    document.insert("found", Item::Table(found));
+    Some(document.to_string())
+}
+
+/// What was found, in words: a line each.
+pub(crate) fn describe(found: &FoundPad) -> String {
+    let pad = &found.found.pad;
+    let factors = || pad.deviations.cells.iter().map(|(_, factor)| *factor);
+    let at = |share: f64| quantile(factors(), share).unwrap_or(1.0);
+    let electrodes = &pad.deviations.electrodes;
+    let shifts = || electrodes.iter().map(|electrode| electrode.shift_mm);
+    let most = electrodes
+        .iter()
+        .enumerate()
+        .max_by(|a, b| a.1.shift_mm.abs().total_cmp(&b.1.shift_mm.abs()));
+    let mut lines = vec![
+        format!("pad          {}, {} frames", pad.name, found.frames),
+        format!(
+            "readings     {:.2} % off as drawn, {:.2} % as found (root mean square)",
+            100.0 * found.found.misfit[0],
+            100.0 * found.found.misfit[1]
+        ),
+        format!(
+            "conductance  {:.0} to {:.0} % of the layer's (5 and 95 % of {} cells), median {:.0} %",
+            100.0 * at(0.05),
+            100.0 * at(0.95),
+            pad.deviations.cells.len(),
+            100.0 * at(0.5)
+        ),
+    ];
+    if let Some((index, electrode)) = most {
+        lines.push(format!(
+            "electrodes   {:.2} mm from their places (root mean square); most, number {}, by {:+.2} mm",
+            rms(shifts()),
+            index + 1,
+            electrode.shift_mm
+        ));
+    }
+    lines.extend(broken(pad));
+    lines.join("\n")
+}
+
+/// Cells that conduct much less than those around them: channels that may be torn.
+fn broken(pad: &Pad) -> Vec<String> {
+    /// A piece of channel below this factor may be torn.
+    const TORN: f64 = 0.4;
+    let torn = pad
+        .deviations
+        .cells
+        .iter()
+        .filter(|(_, factor)| *factor < TORN);
+    torn.map(|([x, y], factor)| {
+        format!(
+            "weak         at ({x:.0}, {y:.0}) mm: {:.0} %, perhaps torn or dry",
+            100.0 * factor
+        )
+    })
+    .collect()
+}

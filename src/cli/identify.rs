@@ -1,0 +1,87 @@
+//! `gelpad pad identify`: the pad as it is, from its readings at rest.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::bail;
+
+use super::args::IdentifyArgs;
+use super::exit::Ending;
+use crate::app::identify::{FoundPad, describe, identify_pad};
+use crate::app::pads::load_pad;
+use crate::app::services::{NoiseLevel, SourceChoice};
+use crate::app::source::open_pad_source;
+use crate::files;
+use crate::study::figure::ConductanceMap;
+use crate::types::printable;
+
+pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
+    for path in args.output.iter().chain(&args.map) {
+        check_new(path, args)?;
+    }
+    if matches!(args.source, SourceChoice::Level | SourceChoice::Gamepad) {
+        bail!(
+            "this source has no untouched pad to identify: give serial:PORT, replay:FILE or simulated:SCRIPT"
+        );
+    }
+    let drawing = load_pad(&args.pad)?;
+    let level = NoiseLevel {
+        snr_db: args.snr,
+        seed: args.seed,
+    };
+    let mut source = open_pad_source(&args.source, args.board.line(), level, &drawing.pad)?;
+    let found = identify_pad(&drawing, source.as_mut(), args.frames as usize)?;
+    let mut stdout = std::io::stdout().lock();
+    writeln!(stdout, "{}", printable(&describe(&found)))?;
+    if let Some(path) = &args.output {
+        files::write(path, found.toml.as_bytes())?;
+        writeln!(
+            std::io::stderr(),
+            "written: {}; play with it: --pad {}",
+            path.display(),
+            as_pad_argument(path)
+        )?;
+    }
+    if let Some(path) = &args.map {
+        files::write(path, &map(&found, path)?)?;
+    }
+    Ok(Ending::Done)
+}
+
+/// Names without a slash that do not end in `.toml` are those of shipped pads.
+fn as_pad_argument(path: &Path) -> String {
+    match path.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => format!("./{}", path.display()),
+        _ => path.display().to_string(),
+    }
+}
+
+/// Refuses to overwrite the drawing, or a file that is there.
+fn check_new(path: &Path, args: &IdentifyArgs) -> anyhow::Result<()> {
+    files::refuse_input(Path::new(&args.pad), path)?;
+    if path.is_file() {
+        bail!(
+            "{} exists: it would be overwritten\n  help: name another file, or remove it",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+fn map(found: &FoundPad, path: &Path) -> anyhow::Result<Vec<u8>> {
+    let pad = &found.found.pad;
+    let figure = ConductanceMap {
+        name: "found".to_owned(),
+        title: format!("{} as found", pad.name),
+        pads: vec![("conductance of the layer".to_owned(), pad.clone())],
+    }
+    .draw()?;
+    match path.extension().and_then(|ending| ending.to_str()) {
+        Some("svg") => Ok(figure.svg.into_bytes()),
+        Some("png") => Ok(figure.png),
+        _ => bail!(
+            "--map {}: name a file that ends in .png or .svg",
+            path.display()
+        ),
+    }
+}
