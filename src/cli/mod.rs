@@ -7,7 +7,6 @@ mod accuracy;
 mod args;
 mod calibrate;
 mod device;
-#[cfg(target_os = "linux")]
 mod doctor;
 mod drawing;
 mod exit;
@@ -26,7 +25,6 @@ mod recover;
 mod replay;
 mod study;
 mod summary;
-mod terminal;
 
 use std::process::ExitCode;
 
@@ -75,12 +73,12 @@ pub fn run() -> Next {
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
-        #[cfg(target_os = "linux")]
-        Some(Command::Watch { way, window }) => watch(way, window),
-        #[cfg(target_os = "linux")]
+        Some(Command::Watch {
+            way,
+            window,
+            parent,
+        }) => watch(way, window, parent),
         Some(Command::Doctor(args)) => doctor::run(&args),
-        #[cfg(not(target_os = "linux"))]
-        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("`gelpad doctor` needs Linux")),
     };
     Next::Exit(exit::code(outcome))
 }
@@ -108,13 +106,13 @@ pub fn window_exit_code(signal: Option<i32>) -> ExitCode {
 }
 
 /// Runs as the watcher of another gelpad.
-#[cfg(target_os = "linux")]
-fn watch(way: args::WayArg, window: u32) -> anyhow::Result<exit::Ending> {
-    use crate::output::watch::{ReleaseMethod, run_watcher};
+fn watch(way: args::WayArg, window: u32, parent: u32) -> anyhow::Result<exit::Ending> {
+    use crate::platform::{ReleaseMethod, run_watcher};
 
     run_watcher(match way {
         args::WayArg::X11 => ReleaseMethod::X11 { window },
         args::WayArg::Cut => ReleaseMethod::CutConnection,
+        args::WayArg::Keys => ReleaseMethod::Keys { parent },
     })?;
     Ok(exit::Ending::Done)
 }

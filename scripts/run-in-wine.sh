@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Runs a Windows program under wine, in a folder of its own for wine's settings.
+# Usage: scripts/run-in-wine.sh PROGRAM.exe [ARGUMENTS]
+set -euo pipefail
+root=$(realpath "$(dirname "$0")/..")
+export WINEPREFIX=${WINEPREFIX:-$root/target/wine} WINEDEBUG=${WINEDEBUG:--all} WINEDLLOVERRIDES="mscoree,mshtml="
+# The library that wine 8 lacks is found here.
+export WINEPATH=$root/target/windows-toolchain/wine-libraries
+exec wine64 "$@"
