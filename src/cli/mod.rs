@@ -93,6 +93,12 @@ fn end_with(error: &clap::Error) -> ! {
     error.exit()
 }
 
+/// The command line as clap knows it, for completions and man pages.
+#[must_use]
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
 /// Plays the level in the terminal.
 #[must_use]
 pub fn play_level() -> ExitCode {

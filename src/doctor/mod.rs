@@ -6,6 +6,7 @@
 //! One folder per system, one file per check. `judge` is pure, and a `Machine` of Linux can be a folder, so that tests can provoke every
 //! fault. Each system's folder has `check_this_computer()`, `gamepad_lines()` and `rule`, the udev rule of Linux.
 
+mod installation;
 mod line;
 #[cfg(target_os = "linux")]
 pub mod linux;
@@ -21,7 +22,7 @@ mod windows;
 use windows as system;
 
 pub use line::{CheckLine, CheckStatus};
-pub use system::{check_this_computer, gamepad_lines, rule};
+pub use system::{gamepad_lines, rule};
 
 /// A section of the report.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +61,16 @@ impl DoctorReport {
     pub fn can_play(&self) -> bool {
         !self.outputs.is_empty() && self.boards != BoardAccess::Unreadable
     }
+}
+
+/// Runs all checks on this computer. On Linux, creates a test gamepad for about a second if possible.
+#[must_use]
+pub fn check_this_computer() -> DoctorReport {
+    let mut report = system::check_this_computer();
+    report
+        .sections
+        .push(section("Installation", vec![installation::check()]));
+    report
 }
 
 fn section(title: &'static str, lines: Vec<CheckLine>) -> ReportSection {
