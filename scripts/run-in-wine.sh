@@ -5,5 +5,6 @@ set -euo pipefail
 root=$(realpath "$(dirname "$0")/..")
 export WINEPREFIX=${WINEPREFIX:-$root/target/wine} WINEDEBUG=${WINEDEBUG:--all} WINEDLLOVERRIDES="mscoree,mshtml="
 # The library that wine 8 lacks is found here.
-export WINEPATH=$root/target/windows-toolchain/wine-libraries
-exec wine64 "$@"
+WINEPATH=Z:$(tr / '\\' <<<"$root/target/windows-toolchain/wine-libraries")
+export WINEPATH
+PATH=$PATH:/usr/lib/wine exec wine64 "$@"

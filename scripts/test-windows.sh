@@ -6,8 +6,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 gelpad=$(realpath "${1:-target/debug/gelpad}")
-scripts/windows-toolchain.sh
-exe=$(scripts/build-windows.sh)
+# The tests build the program with them; building it alone first would compile some crates twice.
+tests=(--lib --test scenarios --test profiles --test windows)
+scripts/cargo-windows.sh test --quiet --no-run "${tests[@]}"
+exe=$PWD/target/windows/x86_64-pc-windows-gnu/debug/gelpad.exe
 work=$(mktemp -d)
 started=()
 # Everything that is started ends with the script.
@@ -75,9 +77,23 @@ timeout 30 scripts/run-in-wine.sh "$exe" play super-mario --pad openeit-lattice 
   --record "$(path "$work/board.mcap")" >/dev/null 2>"$work/played" || true
 tail -3 "$work/played" | sed 's/^/   /'
 
+step "the window, pressed with the mouse"
+windows >/dev/null 2>"$work/window" &
+started+=($!)
+xdotool search --sync --onlyvisible --name '^gelpad' >"$work/id"
+sleep 3
+# The pad's region `jump`, and the card that shows the length of each press.
+read -r left top < <(xdotool getwindowgeometry --shell "$(head -1 "$work/id")" | sed -n 's/^[XY]=//p' | paste -sd' ')
+card() { import -window root -crop 300x60+$((left + 910))+$((top + 470)) ppm:- | md5sum; }
+before=$(card)
+xdotool mousemove $((left + 600)) $((top + 300)) mousedown 1 sleep 0.4 mouseup 1
+sleep 1
+[ "$before" != "$(card)" ] || { echo "the window shows no press" >&2; exit 1; }
+kill "${started[-1]}"
+
 step "tests"
 GELPAD_KEY_TABLE=$(path "$work/keys.txt")
 export GELPAD_KEY_TABLE
-scripts/cargo-windows.sh test --quiet --lib --test scenarios --test profiles --test windows -- --nocapture
+scripts/cargo-windows.sh test --quiet "${tests[@]}" -- --nocapture
 cp "$work/keys.txt" target/windows/keys.txt
 echo "   key table: $(($(wc -l <"$work/keys.txt") - 1)) keys in target/windows/keys.txt"

@@ -1,6 +1,6 @@
 ; The installer for one user, without administrator rights: gelpad, its start-menu entry, and an uninstaller.
 ; makensis -DVERSION=... -DSOURCE=FOLDER -DOUTPUT=FILE packaging/windows/gelpad.nsi
-Unicode true
+Target amd64-unicode
 ManifestDPIAware true
 RequestExecutionLevel user
 SetCompressor /SOLID lzma

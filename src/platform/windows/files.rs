@@ -46,7 +46,7 @@ pub fn make_private(_: &File) -> io::Result<()> {
     Ok(())
 }
 
-/// Moves a file over another, in one step; waits for up to two seconds while another program has it open.
+/// Moves a file over another, in one step where the system can (Windows 10 and later); waits for up to two seconds while another program has it open.
 ///
 /// # Errors
 /// The folder cannot be written, or the other program keeps the file open.
@@ -54,6 +54,9 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     for _ in 0..RENAME_ATTEMPTS {
         match std::fs::rename(from, to) {
             Err(error) if error.kind() == ErrorKind::PermissionDenied && !to.is_dir() => {
+                if displace(from, to).is_ok() {
+                    return Ok(());
+                }
                 std::thread::sleep(RENAME_PAUSE);
             }
             done => return done,
@@ -65,4 +68,18 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
             format!("{error}: another program has it open"),
         )
     })
+}
+
+/// Moves an open file out of the way first, for systems that replace none. If the new one cannot take its place, it comes back.
+fn displace(from: &Path, to: &Path) -> io::Result<()> {
+    let mut old = to.as_os_str().to_owned();
+    old.push(format!(".{}.old", std::process::id()));
+    std::fs::rename(to, &old)?;
+    let done = std::fs::rename(from, to);
+    match &done {
+        // Its reader keeps it until it closes it.
+        Ok(()) => drop(std::fs::remove_file(&old)),
+        Err(_) => std::fs::rename(&old, to)?,
+    }
+    done
 }

@@ -8,6 +8,8 @@
 //! A refused release is sent again until it is accepted.
 #![allow(unsafe_code, reason = "no safe interface sends scan codes")]
 
+use std::time::{Duration, Instant};
+
 use windows_sys::Win32::UI::Input::KeyboardAndMouse::{
     INPUT, INPUT_0, INPUT_KEYBOARD, INPUT_MOUSE, KEYBD_EVENT_FLAGS, KEYBDINPUT,
     KEYEVENTF_EXTENDEDKEY, KEYEVENTF_KEYUP, KEYEVENTF_SCANCODE, MAPVK_VSC_TO_VK_EX,
@@ -17,9 +19,10 @@ use windows_sys::Win32::UI::Input::KeyboardAndMouse::{
     MapVirtualKeyW, SendInput,
 };
 
+use super::rights::{Rights, foreground_rights, own_rights};
 use super::scan_codes::{ScanCode, scan_code};
 use super::watch::ReleaseHandle;
-use crate::output::{OutputDevice, OutputError};
+use crate::output::{OutputDevice, OutputError, now};
 use crate::platform::watch::Watchable;
 use crate::types::{Action, Event, MouseButton, Output};
 
@@ -28,6 +31,9 @@ const NOTCH: i32 = 120;
 /// Thumb buttons: back and forward.
 const THUMB: [u32; 2] = [1, 2];
 
+/// How often the rights of the program in the foreground are looked at.
+const LOOK_PERIOD: Duration = Duration::from_secs(2);
+
 /// The keyboard and mouse of this session.
 pub(super) struct WindowsKeyboard {
     /// Events of the current batch.
@@ -35,6 +41,10 @@ pub(super) struct WindowsKeyboard {
     /// Releases that Windows has refused.
     refused: Vec<Sent>,
     has_warned: bool,
+    /// When the rights of the program in the foreground are looked at again.
+    next_look: Instant,
+    /// Whether it has more rights than gelpad.
+    is_out_of_reach: bool,
 }
 
 /// An event as Windows takes it.
@@ -51,7 +61,25 @@ impl WindowsKeyboard {
             batch: Vec::new(),
             refused: Vec::new(),
             has_warned: false,
+            next_look: now(),
+            is_out_of_reach: false,
         }
+    }
+
+    /// Warns when a program that gets no keys comes to the foreground.
+    fn look_at_foreground(&mut self) {
+        if now() < self.next_look {
+            return;
+        }
+        self.next_look = now() + LOOK_PERIOD;
+        let is_out_of_reach =
+            own_rights() == Rights::User && foreground_rights() == Some(Rights::Administrator);
+        if is_out_of_reach && !self.is_out_of_reach {
+            tracing::warn!(
+                "the program in the foreground runs as administrator and gets no keys\n  help: start it without administrator rights, or gelpad with them"
+            );
+        }
+        self.is_out_of_reach = is_out_of_reach;
     }
 
     fn add(&mut self, input: INPUT, is_release: bool) {
@@ -137,6 +165,7 @@ impl OutputDevice for WindowsKeyboard {
 
     fn idle(&mut self) -> Result<(), OutputError> {
         self.send_batch();
+        self.look_at_foreground();
         Ok(())
     }
 }
