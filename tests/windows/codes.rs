@@ -29,6 +29,19 @@ pub const CODES: &[(&str, u16)] = &[
     ("f24", 0x76), ("browser-search", 0xe065),
 ];
 
+/// Keys without a virtual key in the American layout, or in wine's: only the scan code names them.
+pub const WITHOUT_VIRTUAL_KEY: &[&str] = &[
+    "intl-ro",
+    "katakana",
+    "hiragana",
+    "keypad-equal",
+    "keypad-comma",
+    "hangul",
+    "hanja",
+    "intl-yen",
+    "f24",
+];
+
 /// Keys that keyboards of Windows do not have: gelpad refuses profiles that press them.
 pub const ABSENT: &[&str] = &[
     "open",

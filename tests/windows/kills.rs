@@ -10,7 +10,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, ensure};
 use windows_sys::Win32::Foundation::{CloseHandle, INVALID_HANDLE_VALUE};
-use windows_sys::Win32::System::Console::{CTRL_BREAK_EVENT, GenerateConsoleCtrlEvent};
+use windows_sys::Win32::System::Console::{
+    AllocConsole, CTRL_BREAK_EVENT, GenerateConsoleCtrlEvent,
+};
 use windows_sys::Win32::System::Diagnostics::ToolHelp::{
     CreateToolhelp32Snapshot, PROCESSENTRY32W, Process32FirstW, Process32NextW, TH32CS_SNAPPROCESS,
 };
@@ -126,6 +128,9 @@ pub fn with_a_watcher() -> Result<()> {
 
 /// Ctrl-Break: gelpad releases the key itself and ends with the code of the event.
 pub fn ctrl_break() -> Result<()> {
+    // Started from a script there is no console. If there is one, the call fails, and that is used.
+    // SAFETY: the call takes nothing.
+    unsafe { AllocConsole() };
     let logger = Logger::open()?;
     let (mut gelpad, down) = Gelpad::holding(&logger)?;
     // SAFETY: the calls take numbers.

@@ -5,8 +5,7 @@ pub mod rule;
 use super::{BoardAccess, CheckLine, DoctorReport, section};
 
 /// What is known of this computer.
-#[must_use]
-pub fn check_this_computer() -> DoctorReport {
+pub(super) fn check_this_computer() -> DoctorReport {
     let line = CheckLine::note("macOS", "gelpad compiles for macOS and has not run there");
     DoctorReport {
         sections: vec![section("System", vec![line])],

@@ -10,8 +10,7 @@ mod timing;
 use super::{CheckLine, DoctorReport, section};
 
 /// Runs all checks on this computer. Moves the mouse by nothing.
-#[must_use]
-pub fn check_this_computer() -> DoctorReport {
+pub(super) fn check_this_computer() -> DoctorReport {
     let can_send = keys::can_send();
     let ports = board::examine();
     DoctorReport {
