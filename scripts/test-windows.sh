@@ -65,6 +65,13 @@ done
 windows replay "$(path "$work/there.mcap")" --update "$(path "$work/there.events")" 2>/dev/null
 "$gelpad" replay "$work/there.mcap" --expect "$work/there.events" 2>/dev/null
 
+step "Ctrl-C in a console releases the key"
+printf 't:300 down 1 80 30\nt:60000 up 1\n' >"$work/hold.txt"
+hold="scripts/run-in-wine.sh '$exe' play super-mario --source 'simulated:$(path "$work/hold.txt")' --output keyboard --headless --seed 1"
+code=0
+(sleep 6 && printf '\003' && sleep 3) | timeout 60 script -qefc "$hold" "$work/console" >/dev/null 2>&1 || code=$?
+[ "$code" = 130 ] || { cat "$work/console"; echo "exit code $code instead of 130" >&2; exit 1; }
+
 step "a board on COM5"
 "$gelpad" device --port "$work/board" --format openeit --pad openeit-lattice >/dev/null 2>"$work/device" &
 started+=($!)
