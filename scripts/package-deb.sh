@@ -5,6 +5,7 @@
 set -euo pipefail
 . "$(dirname "$0")/package-files.sh"
 binary=${1:-}
+maintainer=${GELPAD_MAINTAINER:-$(git log -1 --format="%an <%ae>")}
 [ -d "$generated" ] || generate
 if [ -z "$binary" ]; then
   RUSTFLAGS="$release_flags" CARGO_TARGET_DIR=$PWD/target/release-linux PKG_CONFIG=pkg-config \
@@ -19,7 +20,12 @@ fill_prefix "$root/usr" "$binary"
 doc=$root/usr/share/doc/gelpad
 install -d "$doc" "$root/DEBIAN"
 install -m644 README.md docs/glossary.md docs/profiles.md docs/recordings.md docs/accessibility.md docs/wire.md "$doc"
-gzip -9n <CHANGELOG.md >"$doc/changelog.gz"
+gzip -9n <CHANGELOG.md >"$doc/CHANGELOG.md.gz"
+{
+  printf 'gelpad (%s) unstable; urgency=medium\n\n' "$version"
+  printf '  * See CHANGELOG.md.gz.\n\n'
+  printf ' -- %s  %s\n' "$maintainer" "$(date -u -R -d "@$SOURCE_DATE_EPOCH")"
+} | gzip -9n >"$doc/changelog.gz"
 {
   echo "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/"
   echo "Upstream-Name: gelpad"
@@ -44,11 +50,11 @@ cat >"$root/DEBIAN/control" <<END
 Package: gelpad
 Version: $version
 Architecture: $(dpkg --print-architecture)
-Maintainer: The gelpad developers <gelpad@localhost.localdomain>
+Maintainer: $maintainer
 Installed-Size: $(du -sk "$root/usr" | cut -f1)
 Depends: $linked, $window
 Recommends: libwayland-client0, libwayland-egl1, udev
-Section: games
+Section: utils
 Priority: optional
 Description: play games on a soft sheet of hydrogel
  gelpad turns touches on a pad that is read by electrical impedance
