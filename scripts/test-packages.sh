@@ -45,6 +45,8 @@ root=$work/root
 mkdir "$root"
 tar -C "$root" -xpf "$bare"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+# The same sources as here, and only those.
+rm -f "$root"/etc/apt/sources.list "$root"/etc/apt/sources.list.d/*
 for list in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
   [ ! -e "$list" ] || install -D "$list" "$root$list"
 done
@@ -58,7 +60,8 @@ inside apt-get -qq install -y --no-install-recommends /gelpad.deb >/dev/null 2>&
 inside gelpad --version
 inside gelpad profile list | head -2
 [ -e "$root/usr/lib/udev/rules.d/70-gelpad.rules" ]
-inside gelpad doctor | grep "installed from"
+# There is no device to play through here.
+(inside gelpad doctor 2>/dev/null || true) | grep "installed from"
 
 step "its window"
 Xvfb -displayfd 3 -nolisten tcp -screen 0 1280x1024x24 3>"$work/display" 2>/dev/null &
