@@ -7,9 +7,11 @@
 //! touched (each writer locks its own). It is removed if it is not finished; one that a killed writer left is removed by
 //! the next.
 
-use std::fs::{File, Metadata, OpenOptions, Permissions, TryLockError};
+use std::fs::{File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Seek as _, Write};
 use std::path::{Path, PathBuf};
+
+use crate::platform::files::{is_at, make_private, rename};
 
 /// Attempts to create a part file; more are needed only if others create and remove one at the same time.
 const ATTEMPTS: usize = 8;
@@ -223,7 +225,7 @@ impl PartFile {
     fn complete(mut self) -> io::Result<()> {
         self.file.set_permissions(self.permissions.clone())?;
         self.file.sync_all()?;
-        std::fs::rename(&self.part, &self.path)?;
+        rename(&self.part, &self.path)?;
         self.is_finished = true;
         Ok(())
     }
@@ -277,40 +279,13 @@ pub fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt as _;
-
-    let id = |found: Metadata| (found.dev(), found.ino());
-    let found = path.symlink_metadata().map(id);
-    matches!((file.metadata().map(id), found), (Ok(one), Ok(other)) if one == other)
-}
-
-#[cfg(not(unix))]
-fn is_at(_: &File, path: &Path) -> bool {
-    path.symlink_metadata()
-        .is_ok_and(|found: Metadata| found.is_file())
-}
-
-/// Nobody else may read a file that is not finished.
-#[cfg(unix)]
-fn make_private(file: &File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-
-    file.set_permissions(Permissions::from_mode(0o600))
-}
-
-#[cfg(not(unix))]
-fn make_private(_: &File) -> io::Result<()> {
-    Ok(())
-}
-
 #[cfg(test)]
-#[cfg(unix)]
 mod tests {
     use super::*;
+    #[cfg(unix)]
     use std::os::unix::fs::{PermissionsExt as _, symlink};
 
+    #[cfg(unix)]
     #[test]
     fn a_part_file_follows_no_link_and_is_private() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -342,6 +317,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).expect("read").count(), 0);
     }
 
+    #[cfg(unix)]
     #[test]
     fn a_replaced_file_keeps_its_permissions_and_a_link_its_place() {
         let folder = tempfile::tempdir().expect("a folder");

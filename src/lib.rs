@@ -9,7 +9,6 @@ pub mod app;
 pub mod cache;
 pub mod calibrate;
 pub mod cli;
-#[cfg(target_os = "linux")]
 pub mod doctor;
 pub mod eit;
 pub mod engine;
@@ -19,6 +18,7 @@ pub mod gesture;
 pub mod gui;
 pub mod output;
 pub mod pad;
+pub mod platform;
 pub mod profile;
 pub mod runtime;
 pub mod session;

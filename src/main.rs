@@ -6,6 +6,7 @@ use gelpad::app::services::WindowArguments;
 use gelpad::cli::{self, Next};
 
 fn main() -> ExitCode {
+    gelpad::platform::console::prepare();
     match cli::run() {
         Next::Exit(code) => code,
         Next::OpenWindow(arguments) => open_window(arguments),
@@ -23,9 +24,12 @@ fn open_window(arguments: WindowArguments) -> ExitCode {
     use std::sync::Arc;
 
     use gelpad::app::LocalServices;
-    use gelpad::app::signals::Signals;
-    use gelpad::gui::{self, WindowOptions};
 
+    use gelpad::gui::{self, WindowOptions};
+    use gelpad::platform::desktop::has_display;
+    use gelpad::platform::signals::Signals;
+
+    gelpad::platform::console::close_own();
     if !has_display() {
         tracing::warn!(
             "no window: there is no display (DISPLAY, WAYLAND_DISPLAY); the level plays here"
@@ -52,14 +56,4 @@ fn open_window(arguments: WindowArguments) -> ExitCode {
             cli::play_level()
         }
     }
-}
-
-/// Whether a window is possible: macOS and Windows always have a display.
-#[cfg(feature = "gui")]
-fn has_display() -> bool {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    cfg!(not(target_os = "linux"))
-        || is_set("DISPLAY")
-        || is_set("WAYLAND_DISPLAY")
-        || is_set("WAYLAND_SOCKET")
 }

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 const TABLE: &[(&str, &[&str])] = &[
     ("types", &[]),
     ("stats", &[]),
-    ("files", &[]),
+    ("platform", &["types", "output"]),
+    ("files", &["platform"]),
     ("pad", &["types"]),
     ("eit", &["types", "pad"]),
     ("touch", &["types", "pad", "eit"]),
@@ -29,7 +30,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "types", "pad", "eit", "touch", "profile", "engine", "session",
         ],
     ),
-    ("source", &["types", "pad", "eit", "session"]),
+    ("source", &["types", "pad", "eit", "session", "platform"]),
     ("output", &["types"]),
     (
         "calibrate",
@@ -44,14 +45,15 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "runtime",
         &[
-            "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session", "tape",
-            "source", "output", "files",
+            "platform", "types", "pad", "eit", "touch", "profile", "gesture", "engine", "session",
+            "tape", "source", "output", "files",
         ],
     ),
-    ("doctor", &["types", "output"]),
+    ("doctor", &["types", "output", "platform"]),
     (
         "app",
         &[
+            "platform",
             "types",
             "files",
             "pad",
@@ -74,6 +76,7 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "gui",
         &[
+            "platform",
             "types",
             "files",
             "stats",
@@ -95,6 +98,7 @@ const TABLE: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "platform",
             "types",
             "files",
             "stats",
@@ -273,6 +277,32 @@ fn the_core_does_no_io_and_reads_no_clock() {
             if without_tests(&code).contains(banned) {
                 wrong.push(format!("{}: `{banned}`", file.display()));
             }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The files that ask which system they are compiled for: each chooses one folder per system.
+const CHOOSERS: &[&str] = &["platform/mod.rs", "doctor/mod.rs"];
+
+#[test]
+fn only_two_files_ask_for_the_operating_system() {
+    let mut wrong = Vec::new();
+    for (_, file, code) in parts() {
+        let name = file.to_string_lossy().replace('\\', "/");
+        let asks = [
+            "target_os",
+            "target_family",
+            "cfg(unix",
+            "cfg(windows",
+            "cfg(not(unix",
+            "cfg!(windows",
+            "cfg!(unix",
+        ];
+        if !CHOOSERS.contains(&name.as_str())
+            && asks.iter().any(|ask| without_tests(&code).contains(ask))
+        {
+            wrong.push(name);
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -21,7 +21,8 @@ use std::process::{Command, ExitCode};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
-use gelpad::doctor::{BoardAccess, CheckLine, CheckStatus, Machine, run_checks};
+use gelpad::doctor::linux::{Machine, run_checks};
+use gelpad::doctor::{BoardAccess, CheckLine, CheckStatus};
 use libtest_mimic::{Arguments, Trial};
 
 use host::{Guest, Said, trial};

@@ -46,7 +46,7 @@ use crate::server::{PATIENCE, start_server};
 const SAMPLE: usize = 8;
 /// Longest time until all keys are up after a kill.
 const RELEASED: Duration = Duration::from_secs(10);
-/// A parent that is silent for this long counts as stopped (`src/output/watch`).
+/// A parent that is silent for this long counts as stopped (`src/platform/watch`).
 const STOPPED: Duration = Duration::from_secs(2);
 /// The X keycode of the left shift key, which no profile here uses.
 const OTHER_KEY: u8 = 50;

@@ -8,7 +8,7 @@ use crate::source::Source;
 pub(super) type OpenSource = Box<dyn FnOnce(bool) -> Box<dyn Source>>;
 
 /// Opens all connected gamepads and switches.
-#[cfg(feature = "gilrs")]
+#[cfg(gamepads)]
 pub(super) fn open() -> Result<OpenSource, AppError> {
     let gamepads = crate::source::GamepadSource::open()?;
     Ok(Box::new(|own_pad| match own_pad {
@@ -18,7 +18,7 @@ pub(super) fn open() -> Result<OpenSource, AppError> {
 }
 
 /// Explains how to build with gamepads.
-#[cfg(not(feature = "gilrs"))]
+#[cfg(not(gamepads))]
 pub(super) fn open() -> Result<OpenSource, AppError> {
     Err(AppError::Unsuitable(
         "this gelpad was built without gamepads\n  help: install libudev-dev and pkg-config, then cargo install --path . --features gilrs"
@@ -40,11 +40,10 @@ pub struct GamepadCheck {
 }
 
 /// What stands between gelpad and a virtual gamepad or gamepads as a source.
-#[cfg(target_os = "linux")]
 pub(super) fn checks() -> Vec<GamepadCheck> {
-    use crate::doctor::{CheckStatus, Machine, gamepad_checks};
+    use crate::doctor::{CheckStatus, gamepad_lines};
 
-    let lines = gamepad_checks(&Machine::local()).into_iter();
+    let lines = gamepad_lines().into_iter();
     lines
         .map(|line| GamepadCheck {
             subject: line.subject,
@@ -53,15 +52,4 @@ pub(super) fn checks() -> Vec<GamepadCheck> {
             fix: line.fix,
         })
         .collect()
-}
-
-/// Virtual gamepads need the Linux kernel.
-#[cfg(not(target_os = "linux"))]
-pub(super) fn checks() -> Vec<GamepadCheck> {
-    vec![GamepadCheck {
-        subject: "virtual gamepad".to_owned(),
-        found: "needs Linux".to_owned(),
-        works: false,
-        fix: None,
-    }]
 }

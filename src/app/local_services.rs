@@ -47,7 +47,7 @@ impl AppServices for LocalServices {
     }
 
     fn ports(&self) -> Vec<String> {
-        let ports = serialport::available_ports().unwrap_or_default();
+        let ports = crate::platform::ports::all();
         let mut names: Vec<String> = ports.into_iter().map(|port| port.port_name).collect();
         names.sort();
         names

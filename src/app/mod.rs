@@ -3,8 +3,6 @@
 //! Nothing here prints or parses arguments: faces render errors, warnings and progress.
 
 pub(crate) mod calibration;
-mod candidates;
-pub mod desktop;
 mod error;
 pub mod file_watch;
 pub mod focus_gate;
@@ -14,7 +12,6 @@ pub(crate) mod identify;
 mod listeners;
 mod load_timeline;
 mod local_services;
-pub mod memory;
 pub(crate) mod outputs;
 pub mod own_files;
 pub(crate) mod pads;
@@ -30,7 +27,6 @@ mod reload;
 mod request;
 pub(crate) mod restore;
 pub mod services;
-pub mod signals;
 pub(crate) mod source;
 pub mod table_solver;
 pub(crate) mod texts;

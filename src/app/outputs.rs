@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::candidates::{Candidate, KERNEL, KERNEL_KEYBOARD, desktop};
 use super::request::OutputChoice;
 use crate::output::{OutputDevice, OutputError, Trace};
+use crate::platform::Candidate;
+use crate::platform::outputs::{GAMEPAD, all, keyboards};
 use crate::profile::{Gesture, Profile, Target};
 use crate::types::{Button, Key, MouseButton, Output};
 
@@ -24,21 +25,16 @@ pub(crate) fn open(
     let device = match choice {
         OutputChoice::Nothing => trace(false),
         OutputChoice::Trace => trace(trace_on_stdout),
-        OutputChoice::Gamepad => (KERNEL.open)()?,
+        OutputChoice::Gamepad => (GAMEPAD.open)()?,
         OutputChoice::Keyboard => open_keyboard()?,
-        OutputChoice::Auto => return Ok(open_best(trace_on_stdout)),
+        OutputChoice::Auto => return Ok(best_of(&all(), trace_on_stdout)),
     };
     Ok(ChosenOutput { device, note: None })
 }
 
-/// Keyboard of the desktop, or of the kernel without a desktop.
+/// The first keyboard that opens.
 fn open_keyboard() -> Result<Box<dyn OutputDevice>, OutputError> {
-    let (has_wayland, has_x11) = (is_set("WAYLAND_DISPLAY"), is_set("DISPLAY"));
-    let mut candidates = desktop(has_wayland, has_x11);
-    if !has_wayland && !has_x11 {
-        candidates.insert(0, NO_DESKTOP);
-    }
-    let (device, reasons) = open_first(&candidates);
+    let (device, reasons) = open_first(&keyboards());
     device.ok_or_else(|| OutputError::NoDevice {
         device: "keyboard",
         reason: reasons.join("; "),
@@ -53,31 +49,7 @@ fn trace(on_stdout: bool) -> Box<dyn OutputDevice> {
     }
 }
 
-/// Devices of the kernel first: they reach every program and the kernel releases their keys. Then the desktop's own,
-/// then text.
-fn open_best(trace_on_stdout: bool) -> ChosenOutput {
-    let (has_wayland, has_x11) = (is_set("WAYLAND_DISPLAY"), is_set("DISPLAY"));
-    let mut candidates = vec![KERNEL];
-    if has_wayland || has_x11 {
-        let others = desktop(has_wayland, has_x11).into_iter();
-        // If the kernel's gamepad cannot be created, its keyboard cannot either.
-        candidates.extend(others.filter(|one| one.name != KERNEL_KEYBOARD.name));
-    } else {
-        candidates.push(NO_DESKTOP);
-    }
-    best_of(&candidates, trace_on_stdout)
-}
-
-const NO_DESKTOP: Candidate = Candidate {
-    name: "a desktop",
-    open: || {
-        Err(OutputError::NoDevice {
-            device: "desktop",
-            reason: "neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned(),
-        })
-    },
-};
-
+/// The first that opens, else text.
 fn best_of(candidates: &[Candidate], trace_on_stdout: bool) -> ChosenOutput {
     let (device, reasons) = open_first(candidates);
     let device = device.unwrap_or_else(|| trace(trace_on_stdout));
@@ -104,11 +76,6 @@ fn open_first(candidates: &[Candidate]) -> (Option<Box<dyn OutputDevice>>, Vec<S
         }
     }
     (None, reasons)
-}
-
-/// Whether an environment variable is set and not empty.
-fn is_set(variable: &str) -> bool {
-    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
 /// The keys and buttons that an output has.
@@ -189,6 +156,15 @@ mod tests {
             Err(OutputError::NoDevice {
                 device: "uinput",
                 reason: "permission denied: do this".to_owned(),
+            })
+        },
+    };
+    const NO_DESKTOP: Candidate = Candidate {
+        name: "a desktop",
+        open: || {
+            Err(OutputError::NoDevice {
+                device: "desktop",
+                reason: "neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned(),
             })
         },
     };

@@ -5,12 +5,11 @@ use std::collections::BTreeSet;
 
 use super::folders::own_texts;
 use super::profiles::load_profile;
+use crate::platform::processes::{listed_name, running_names};
 use crate::profile::SHIPPED_PROFILES;
 
 /// Calls of [`ProfileMatcher::poll`] between two looks at the processes: about a second at 33 ms.
 const POLLS_PER_LOOK: u32 = 30;
-/// Linux cuts names of processes to this length.
-const MAX_NAME_BYTES: usize = 15;
 
 /// A profile and the programs that select it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,7 +59,7 @@ impl ProfileMatcher {
             return None;
         }
         self.polls = 0;
-        self.choose(&running_processes())
+        self.choose(&running_names())
     }
 
     fn choose(&mut self, running: &BTreeSet<String>) -> Option<String> {
@@ -68,7 +67,7 @@ impl ProfileMatcher {
             candidate
                 .processes
                 .iter()
-                .any(|name| running.contains(process_name(name)))
+                .any(|name| running.contains(&*listed_name(name)))
         };
         // The current profile stays while its program runs, whatever else starts.
         if self
@@ -85,22 +84,6 @@ impl ProfileMatcher {
             None => None,
         }
     }
-}
-
-/// A program's name as the list of processes shows it.
-fn process_name(name: &str) -> &str {
-    &name[..name.floor_char_boundary(MAX_NAME_BYTES)]
-}
-
-/// Names of the running processes; empty without `/proc`.
-fn running_processes() -> BTreeSet<String> {
-    let Ok(entries) = std::fs::read_dir("/proc") else {
-        return BTreeSet::new();
-    };
-    entries
-        .filter_map(|entry| std::fs::read_to_string(entry.ok()?.path().join("comm")).ok())
-        .map(|name| name.trim_end().to_owned())
-        .collect()
 }
 
 #[cfg(test)]

@@ -15,9 +15,11 @@ use crate::types::nearest;
 /// Limit for pads, profiles and scripts, bytes.
 const MAX_TEXT_BYTES: u64 = 1 << 20;
 
-/// Whether an argument is a path and not a shipped name.
+/// Whether an argument is a path and not a shipped name: it holds `/` or `\`, begins with a drive (`C:`), or ends in `.toml`.
 pub(crate) fn is_path(argument: &str) -> bool {
-    argument.contains('/') || argument.ends_with(".toml")
+    let has_drive =
+        matches!(argument.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
+    argument.contains(['/', '\\']) || has_drive || argument.ends_with(".toml")
 }
 
 /// Reads a pad, profile or script.
@@ -151,5 +153,20 @@ fn unknown_user(argument: &str) -> AppError {
         name: argument.to_owned(),
         known: names().map(str::to_owned).collect(),
         help,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_of_every_system_are_recognised() {
+        for path in ["./mine", r".\mine", r"C:\pads\mine", "c:mine", "mine.toml"] {
+            assert!(is_path(path), "{path}");
+        }
+        for name in ["super-mario", "edinburgh-lattice", "4:3", ""] {
+            assert!(!is_path(name), "{name}");
+        }
     }
 }

@@ -11,10 +11,10 @@ use super::args::{DeviceArgs, LayoutArg};
 use super::exit::Ending;
 use super::message::say;
 use crate::app::pads::load_pad;
-use crate::app::signals::Signals;
 use crate::app::source::load_script;
 use crate::eit::order::Layout;
 use crate::pad::Pad;
+use crate::platform::signals::Signals;
 use crate::source::board::{
     Board, BoardSettings, BoardSignal, CableFaults, LostElectrode, ServePlan, serve,
 };

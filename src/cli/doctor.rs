@@ -8,7 +8,7 @@ use crossterm::style::Stylize as _;
 
 use super::args::DoctorArgs;
 use super::exit::Ending;
-use crate::doctor::{BoardAccess, CheckLine, CheckStatus, DoctorReport, Machine, rule, run_checks};
+use crate::doctor::{BoardAccess, CheckLine, CheckStatus, DoctorReport, check_this_computer, rule};
 
 /// Width of the column with the state.
 const WORD_WIDTH: usize = 7;
@@ -16,9 +16,12 @@ const WORD_WIDTH: usize = 7;
 pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<Ending> {
     let mut out = std::io::stdout().lock();
     if args.install_rule {
+        if rule::RULE.is_empty() {
+            bail!("udev rules belong to Linux: nothing needs to be installed here");
+        }
         return install(&mut out);
     }
-    let report = run_checks(&Machine::local());
+    let report = check_this_computer();
     let colours = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     write!(out, "{}", report_text(&report, colours))?;
     if report.can_play() {

@@ -7,7 +7,7 @@ use super::args::ListenArgs;
 use super::exit::Ending;
 use super::message::say;
 use crate::app::port_report::{advice, play_advice, report, seconds};
-use crate::app::signals::Signals;
+use crate::platform::signals::Signals;
 use crate::source::serial::PortListener;
 use crate::types::printable;
 

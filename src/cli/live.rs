@@ -15,8 +15,8 @@ use ratatui::widgets::{Block, Paragraph, Widget};
 
 use super::log;
 use super::map::Map;
-use super::terminal::{KeyCommand, Keyboard, TerminalLost, can_write};
 use crate::pad::Pad;
+use crate::platform::terminal::{KeyCommand, Keyboard, TerminalLost, can_write};
 use crate::profile::{Profile, Target};
 use crate::runtime::View;
 use crate::types::{Action, Event, Image, Output, Touch, heat_colour, ms_from_nanos};

@@ -5,7 +5,7 @@ use std::io::{self, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use super::terminal::can_write;
+use crate::platform::terminal::can_write;
 use crate::types::printable;
 
 /// A terminal or pipe that takes nothing for this long is not read; the rest of what is written to it is dropped.

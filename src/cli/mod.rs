@@ -7,7 +7,6 @@ mod accuracy;
 mod args;
 mod calibrate;
 mod device;
-#[cfg(target_os = "linux")]
 mod doctor;
 mod drawing;
 mod exit;
@@ -27,7 +26,6 @@ mod recover;
 mod replay;
 mod study;
 mod summary;
-mod terminal;
 
 use std::process::ExitCode;
 
@@ -76,12 +74,12 @@ pub fn run() -> Next {
         Some(Command::Profile { command }) => profiles::run(&command),
         Some(Command::Study { command }) => study::run(&command),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
-        #[cfg(target_os = "linux")]
-        Some(Command::Watch { way, window }) => watch(way, window),
-        #[cfg(target_os = "linux")]
+        Some(Command::Watch {
+            way,
+            window,
+            parent,
+        }) => watch(way, window, parent),
         Some(Command::Doctor(args)) => doctor::run(&args),
-        #[cfg(not(target_os = "linux"))]
-        Some(Command::Doctor(_)) => Err(anyhow::anyhow!("`gelpad doctor` needs Linux")),
     };
     Next::Exit(exit::code(outcome))
 }
@@ -94,6 +92,12 @@ fn end_with(error: &clap::Error) -> ! {
         std::process::exit(2);
     }
     error.exit()
+}
+
+/// The command line as clap knows it, for completions and man pages.
+#[must_use]
+pub fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// Plays the level in the terminal.
@@ -109,13 +113,13 @@ pub fn window_exit_code(signal: Option<i32>) -> ExitCode {
 }
 
 /// Runs as the watcher of another gelpad.
-#[cfg(target_os = "linux")]
-fn watch(way: args::WayArg, window: u32) -> anyhow::Result<exit::Ending> {
-    use crate::output::watch::{ReleaseMethod, run_watcher};
+fn watch(way: args::WayArg, window: u32, parent: u32) -> anyhow::Result<exit::Ending> {
+    use crate::platform::{ReleaseMethod, run_watcher};
 
     run_watcher(match way {
         args::WayArg::X11 => ReleaseMethod::X11 { window },
         args::WayArg::Cut => ReleaseMethod::CutConnection,
+        args::WayArg::Keys => ReleaseMethod::Keys { parent },
     })?;
     Ok(exit::Ending::Done)
 }

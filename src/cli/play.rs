@@ -3,8 +3,6 @@
 use std::io::IsTerminal as _;
 use std::time::Duration;
 
-use signal_hook::consts::{SIGHUP, SIGINT};
-
 use super::args::PlayArgs;
 use super::exit::{self, Ending};
 use super::input::copy_pipe;
@@ -12,11 +10,11 @@ use super::live::{LiveView, Title};
 use super::message::say;
 use super::progress::SolveBar;
 use super::summary::summary_text;
-use super::terminal::{KeyCommand, Terminal, TerminalLost};
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
-use crate::app::signals::Signals;
 use crate::app::{AppError, FirstUse, Game, PreparedGame, ReloadNotice};
 use crate::output::OutputError;
+use crate::platform::signals::{HANG_UP, INTERRUPT, Signals};
+use crate::platform::terminal::{KeyCommand, Terminal, TerminalLost};
 use crate::runtime::{PlayCommand, SessionSummary};
 
 /// Period of the live view and of the checks for signals.
@@ -83,7 +81,7 @@ fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     drop(view);
     // A game whose output was the closed terminal has ended before the loop noticed.
     if terminal.is_lost() {
-        ended_by = Some(SIGHUP);
+        ended_by = Some(HANG_UP);
     }
     let Some(summary) = summary else {
         // A recording is complete up to here, though not compressed.
@@ -113,7 +111,7 @@ fn follow(
             return Some(signal);
         }
         if terminal.is_lost() {
-            return Some(SIGHUP);
+            return Some(HANG_UP);
         }
         if let Some(reload) = &mut game.reload {
             reload.poll(&mut game.running, &mut |notice| match view.as_deref_mut() {
@@ -127,13 +125,13 @@ fn follow(
         };
         let commands = match view.draw_and_wait(game.running.view(), PERIOD) {
             Ok(commands) => commands,
-            Err(TerminalLost) => return Some(SIGHUP),
+            Err(TerminalLost) => return Some(HANG_UP),
         };
         for command in commands {
             match command {
                 KeyCommand::Quit => return None,
                 // A raw terminal delivers Ctrl-C as a key.
-                KeyCommand::Interrupt => return Some(SIGINT),
+                KeyCommand::Interrupt => return Some(INTERRUPT),
                 KeyCommand::Pause => game.running.send_command(PlayCommand::Pause),
                 KeyCommand::Rezero => game.running.send_command(PlayCommand::Rezero),
             };
@@ -161,8 +159,8 @@ fn conclude(summary: SessionSummary, ended_by: Option<i32>) -> anyhow::Result<En
     if let Some(thread) = summary.panicked {
         anyhow::bail!("a bug in gelpad ended its {thread} thread; all keys are up");
     }
-    if ended_by == Some(SIGHUP) {
-        return Ok(Ending::Signal(SIGHUP));
+    if ended_by == Some(HANG_UP) {
+        return Ok(Ending::Signal(HANG_UP));
     }
     match summary.output_error {
         Some(OutputError::Closed) => return Ok(Ending::Done),

@@ -3,27 +3,26 @@
 //! ```text
 //! Machine ─examine─▶ facts ─judge─▶ lines: ok, note, or wrong with its fix
 //! ```
-//! One file per check. `judge` is pure, and a [`Machine`] can be a folder, so that tests can provoke every fault.
+//! One folder per system, one file per check. `judge` is pure, and a `Machine` of Linux can be a folder, so that tests can provoke every
+//! fault. Each system's folder has `check_this_computer()`, `gamepad_lines()` and `rule`, the udev rule of Linux.
 
-mod delay;
-mod ftdi;
-#[cfg(feature = "gilrs")]
-mod game;
-mod groups;
+mod installation;
 mod line;
-mod machine;
-mod module;
-mod node;
-mod pad;
-mod priority;
-pub mod rule;
-mod serial;
-mod session;
-mod wayland;
-mod x11;
+#[cfg(target_os = "linux")]
+pub mod linux;
+#[cfg(target_os = "linux")]
+use linux as system;
+#[cfg(target_os = "macos")]
+mod macos;
+#[cfg(target_os = "macos")]
+use macos as system;
+#[cfg(windows)]
+mod windows;
+#[cfg(windows)]
+use windows as system;
 
 pub use line::{CheckLine, CheckStatus};
-pub use machine::Machine;
+pub use system::{gamepad_lines, rule};
 
 /// A section of the report.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,70 +63,14 @@ impl DoctorReport {
     }
 }
 
-/// Runs all checks. Creates a test gamepad for about a second if possible.
+/// Runs all checks on this computer. On Linux, creates a test gamepad for about a second if possible.
 #[must_use]
-pub fn run_checks(machine: &Machine) -> DoctorReport {
-    let module = module::examine(machine);
-    let node = node::examine(machine);
-    let rules = rule::examine(machine);
-    let pad = pad::examine(&node);
-    let mut device = vec![
-        module::judge(&module),
-        node::judge(&node, &module),
-        rule::judge(&rules, &node),
-    ];
-    device.extend(pad::judge(&pad));
-
-    let x11 = x11::examine(machine);
-    let wayland = wayland::examine(machine);
-    let desktop = vec![
-        session::check(machine),
-        x11::judge(&x11),
-        wayland::judge(&wayland, cfg!(feature = "wayland")),
-    ];
-
-    let ports = serial::examine(machine);
-    let mut board = serial::judge(&ports);
-    board.extend(ftdi::check(machine));
-    board.extend(groups::judge(&groups::examine(machine)));
-
-    let mut outputs = Vec::new();
-    if pad.works() {
-        outputs.push("kernel (gamepad, keyboard and mouse)");
-    }
-    if x11.works() {
-        outputs.push("X11 display (keyboard and mouse)");
-    }
-    if wayland.works() && cfg!(feature = "wayland") {
-        outputs.push("Wayland desktop (keyboard)");
-    }
-    DoctorReport {
-        sections: vec![
-            section("Kernel devices", device),
-            section("Desktop", desktop),
-            section("Board", board),
-            section("Timing", vec![priority::check()]),
-        ],
-        outputs,
-        boards: serial::boards(&ports),
-    }
-}
-
-/// What a virtual gamepad and gamepads as a source need; creates nothing.
-#[must_use]
-pub fn gamepad_checks(machine: &Machine) -> Vec<CheckLine> {
-    const SOURCE: &str = "gamepads as a source";
-    let module = module::examine(machine);
-    let node = node::examine(machine);
-    let source = match cfg!(feature = "gilrs") {
-        true => CheckLine::ok(SOURCE, "built in"),
-        false => CheckLine::wrong(
-            SOURCE,
-            "this gelpad was built without them (Debian: libudev-dev, pkg-config)",
-            "cargo install --path . --features gilrs",
-        ),
-    };
-    vec![module::judge(&module), node::judge(&node, &module), source]
+pub fn check_this_computer() -> DoctorReport {
+    let mut report = system::check_this_computer();
+    report
+        .sections
+        .push(section("Installation", vec![installation::check()]));
+    report
 }
 
 fn section(title: &'static str, lines: Vec<CheckLine>) -> ReportSection {

@@ -71,9 +71,9 @@ pub struct WindowOptions {
 /// # Errors
 /// There is no display, no OpenGL, or a system library is missing; no game was started.
 pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
-    crate::app::memory::return_freed_blocks();
+    crate::platform::memory::return_freed_blocks();
     let mut app = App::new(opening.services);
-    let can_be_transparent = crate::app::desktop::can_be_transparent();
+    let can_be_transparent = crate::platform::desktop::can_be_transparent();
     app.pad_window.can_be_transparent = can_be_transparent;
     let size = app.comfort.preferences.size.unwrap_or(SIZE);
     let options = eframe::NativeOptions {

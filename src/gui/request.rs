@@ -66,6 +66,6 @@ impl Names {
 
 /// The last part of a path, without `.toml`.
 pub fn file_name(argument: &str) -> String {
-    let last = argument.rsplit('/').next().unwrap_or(argument);
+    let last = argument.rsplit(['/', '\\']).next().unwrap_or(argument);
     last.strip_suffix(".toml").unwrap_or(last).to_owned()
 }

@@ -1,35 +1,15 @@
-//! Where events go: devices of the kernel, keyboard and mouse of the desktop, or a trace.
+//! Where events go: a device of the system, a trace or TUIO. The devices of each system are in `src/platform/`.
 //!
 //! Invariant: whatever was pressed is released when an output is dropped, so that a panic or an early return
 //! leaves no key down.
 
 mod held;
-#[cfg(any(windows, target_os = "macos"))]
-mod system;
 mod trace;
 mod tuio;
-#[cfg(target_os = "linux")]
-pub mod uinput;
-#[cfg(target_os = "linux")]
-pub mod watch;
-#[cfg(all(target_os = "linux", feature = "wayland"))]
-mod wayland;
-#[cfg(target_os = "linux")]
-mod x11;
 
 pub use held::HeldOutputs;
-#[cfg(any(windows, target_os = "macos"))]
-pub use system::System;
 pub use trace::Trace;
 pub use tuio::{Tuio, TuioError};
-#[cfg(target_os = "linux")]
-pub use uinput::Uinput;
-#[cfg(target_os = "linux")]
-pub use watch::WatchedDevice;
-#[cfg(all(target_os = "linux", feature = "wayland"))]
-pub use wayland::Wayland;
-#[cfg(target_os = "linux")]
-pub use x11::X11;
 
 use crate::types::{Action, Event, Nanos, Output};
 
@@ -98,12 +78,12 @@ pub trait OutputDevice: Send {
     }
 }
 
-#[cfg(target_os = "linux")]
+/// The clock of output devices.
 #[allow(
     clippy::disallowed_methods,
     reason = "rumble effects, protocol times and the watcher go by the clock"
 )]
-fn now() -> std::time::Instant {
+pub(crate) fn now() -> std::time::Instant {
     std::time::Instant::now()
 }
 

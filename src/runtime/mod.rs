@@ -15,7 +15,6 @@ mod emit;
 mod feed;
 mod latency;
 mod listen;
-mod priority;
 mod rebuild;
 mod record;
 mod schedule;
@@ -47,8 +46,10 @@ pub use latency::{LatencySummary, OutputStatistics, StageLatencies};
 use steps::{EngineQueues, EngineThread};
 use wake::ViewWaker;
 
+use crate::platform::priority;
+pub use crate::platform::priority::lower as lower_priority;
+use crate::platform::timer::FineTimer;
 pub use listen::{EngineStep, StepListener};
-pub use priority::lower as lower_priority;
 pub use record::{
     ExistingFile, RecordError, RecordReport, Recorder, check_recording, start_recording,
 };
@@ -234,6 +235,7 @@ pub fn start_with_listeners(
     let (emitted_in, emitted) = triple_buffer::triple_buffer(&OutputStatistics::default());
     let output = spawn("output", move || {
         priority::raise();
+        let _fine_sleeps = FineTimer::request();
         output_thread(device, events_out, emitted_in)
     })?;
     let queues = EngineQueues {

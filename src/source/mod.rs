@@ -12,7 +12,7 @@ mod eit_folder;
 pub mod eit_text;
 mod files;
 mod frames_csv;
-#[cfg(feature = "gilrs")]
+#[cfg(gamepads)]
 mod gamepad;
 mod leading;
 mod live;
@@ -34,7 +34,7 @@ pub use disturbed::DisturbedSource;
 pub use eit_folder::EitFolder;
 pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;
-#[cfg(feature = "gilrs")]
+#[cfg(gamepads)]
 pub use gamepad::GamepadSource;
 pub use live::{LiveFingers, LiveSource};
 pub use noise::Noise;

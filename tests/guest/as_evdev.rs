@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use anyhow::{Context as _, Result, ensure};
 use evdev::{BusType, Device, EventType};
-use gelpad::output::Uinput;
+use gelpad::platform::linux::uinput::Uinput;
 use gelpad::types::{Action, Axis, Button, Output};
 
 use crate::pad::{cases, send};

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use gelpad::output::Uinput;
+use gelpad::platform::linux::uinput::Uinput;
 use gelpad::types::{Action, Axis, Button, Output};
 use gilrs::{EventType, Gilrs};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
 use anyhow::{Context as _, Result, bail, ensure};
-use gelpad::output::Uinput;
+use gelpad::platform::linux::uinput::Uinput;
 
 use crate::host::Guest;
 use crate::pad::{cases, send};

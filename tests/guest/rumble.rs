@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use evdev::{FFEffectData, FFEffectKind, FFReplay, FFTrigger};
 use gelpad::output::OutputDevice as _;
-use gelpad::output::uinput::{PAD_NAME, Uinput};
+use gelpad::platform::linux::uinput::{PAD_NAME, Uinput};
 
 /// The guest is slow.
 const PATIENCE: Duration = Duration::from_secs(20);

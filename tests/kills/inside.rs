@@ -6,8 +6,10 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
 use gelpad::engine::Engine;
-use gelpad::output::{OutputDevice, OutputError, WatchedDevice, X11};
+use gelpad::output::{OutputDevice, OutputError};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
+use gelpad::platform::linux::x11::X11;
+use gelpad::platform::watch::WatchedDevice;
 use gelpad::profile::{DEFAULT_PROFILE, Profile, shipped_profile};
 use gelpad::runtime::{self, RunningGame};
 use gelpad::source::{

@@ -20,6 +20,16 @@ pub(super) use window::WindowArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+/// Version, commit and features of this build.
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    " (",
+    env!("GELPAD_COMMIT"),
+    "; ",
+    env!("GELPAD_FEATURES"),
+    ")"
+);
+
 /// Play games on a soft sheet of hydrogel.
 ///
 /// Without a command, gelpad opens a window with the game of the last session, at first the simulated pad; without a display,
@@ -27,7 +37,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 #[derive(Debug, Parser)]
 #[command(
     name = "gelpad",
-    version,
+    version = VERSION,
     after_help = "Example: gelpad play super-mario --source serial:/dev/ttyACM0"
 )]
 pub(super) struct Arguments {
@@ -74,7 +84,6 @@ pub(super) enum Command {
     /// Estimate how accurately a pad locates touches, and what limits it
     Accuracy(AccuracyArgs),
     /// Release the keys of the gelpad that started this process, when it is killed or stopped
-    #[cfg(target_os = "linux")]
     #[command(hide = true, alias = "guard")]
     Watch {
         /// How keys are released
@@ -83,18 +92,22 @@ pub(super) enum Command {
         /// X11: a window of the connection
         #[arg(long, default_value_t = 0)]
         window: u32,
+        /// Windows: the process that is watched
+        #[arg(long, default_value_t = 0)]
+        parent: u32,
     },
     /// Check whether this computer can play, and print what to fix
     Doctor(DoctorArgs),
 }
 
-#[cfg(target_os = "linux")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum WayArg {
     /// Send releases to the X11 display
     X11,
     /// Close the connection on standard output
     Cut,
+    /// Send releases to the desktop of this session (Windows)
+    Keys,
 }
 
 #[derive(Args, Debug)]

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::app::outputs;
-use crate::app::signals::Signals;
 use crate::cli::args::{OutputArg, PrintArg, ReplayArgs};
 use crate::cli::message::say;
 use crate::output::ReleaseOnDrop;
+use crate::platform::signals::Signals;
 use crate::types::{Action, Event, Nanos, Output, Touch, ms_from_nanos};
 
 /// Name of the text output.

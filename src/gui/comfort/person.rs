@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use egui::Ui;
 
 use crate::app::services::{AppServices, PlayRequest};
+use crate::app::texts::is_path;
 use crate::gui::edit::document::Document;
 use crate::gui::edit::write_atomically;
 use crate::gui::playing::Playing;
@@ -104,7 +105,7 @@ fn save(
 fn own_file(user: Option<&str>, folder: &Path) -> PathBuf {
     let file = |name: &str| folder.join(format!("{name}.toml"));
     match user {
-        Some(path) if path.contains('/') || path.ends_with(".toml") => PathBuf::from(path),
+        Some(path) if is_path(path) => PathBuf::from(path),
         Some(name) if file(name).exists() => file(name),
         Some(shipped) => free_file(&file, &format!("my-{shipped}")),
         None => free_file(&file, UNNAMED),

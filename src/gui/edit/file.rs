@@ -9,6 +9,7 @@ use super::text_draft::TextDraft;
 use super::{EditView, GameContext};
 use crate::app::file_watch::{FileWatcher, WatchedFile};
 use crate::app::services::{AppServices, PlayRequest};
+use crate::app::texts::is_path;
 use crate::files::{self, FileError};
 use crate::gui::play::UiAction;
 use crate::profile::{Checked, Source};
@@ -40,7 +41,7 @@ impl OpenProfile {
     }
 
     pub(super) fn is_shipped(&self) -> bool {
-        !is_file(&self.argument)
+        !is_path(&self.argument)
     }
 
     pub(super) fn check(&mut self, game: GameContext<'_>) {
@@ -77,11 +78,11 @@ impl EditView {
         (self.output_error, self.grid_question) = (None, None);
         (self.notice, self.text_editor) = (None, None);
         if let Some(draft) = self.drafts.take(profile) {
-            if is_file(profile) {
+            if is_path(profile) {
                 self.watch(ctx, Some(draft.saved.clone()));
             }
             self.opened = Some(draft);
-        } else if is_file(profile) {
+        } else if is_path(profile) {
             self.watch(ctx, None);
         } else {
             self.load(game.services.profile_text(profile), game);
@@ -234,10 +235,6 @@ fn free_file(folder: &Path, shipped: &str) -> (String, PathBuf) {
         number += 1;
     }
     (name(number), file(number))
-}
-
-pub(super) fn is_file(argument: &str) -> bool {
-    argument.contains('/') || argument.ends_with(".toml")
 }
 
 /// Writes a file, and the folder that it is in, so that no program reads half of it.

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use egui::{Context, Ui};
 
 use super::document::Document;
-use super::file::{is_file, write_atomically};
+use super::file::write_atomically;
 use super::{EditView, GameContext};
 use crate::app::services::PlayRequest;
+use crate::app::texts::is_path;
 use crate::gui::file_dialog::FileChange;
 use crate::gui::play::UiAction;
 use crate::profile::DEFAULT_PROFILE;
@@ -19,7 +20,7 @@ impl EditView {
         ui: &mut Ui,
         game: GameContext<'_>,
     ) -> Option<UiAction> {
-        if !is_file(&self.argument) {
+        if !is_path(&self.argument) {
             return None;
         }
         let path = PathBuf::from(&self.argument);

@@ -5,18 +5,11 @@
 
 mod faults;
 mod firmware;
-#[cfg(unix)]
 mod line;
-#[cfg(unix)]
-mod pty;
-#[cfg(unix)]
 mod serve;
 mod signal;
 
 pub use faults::{CableFaults, FaultyCable, RepeatedFault};
-#[cfg(unix)]
-pub use pty::Pty;
-#[cfg(unix)]
 pub use serve::{ServePlan, ServeReport, serve};
 pub use signal::{BoardSignal, LostElectrode};
 

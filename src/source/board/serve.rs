@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::line::Outgoing;
-use super::{Board, BoardSignal, CableFaults, FaultyCable, Pty, RepeatedFault};
+use super::{Board, BoardSignal, CableFaults, FaultyCable, RepeatedFault};
+use crate::platform::pseudo_terminal::Pty;
 use crate::source::SIMULATED_FRAME_NS;
 use crate::source::clock::now;
 

@@ -1,9 +1,10 @@
 //! Opening a port, and finding a board again that comes back under another name.
 
-use std::path::Path;
 use std::time::Duration;
 
 use serialport::{SerialPort, SerialPortType};
+
+use crate::platform::ports;
 
 /// Longest wait in one call of `read`.
 const READ_TIMEOUT: Duration = Duration::from_millis(50);
@@ -23,16 +24,16 @@ pub(super) fn open(path: &str, baud: u32) -> serialport::Result<Box<dyn SerialPo
 
 /// The board at a path; none for boards without a serial number, pseudo-terminals and the like.
 pub(super) fn identity(path: &str) -> Option<Identity> {
-    let real = std::fs::canonicalize(path).ok()?;
-    ports()
+    let name = ports::listed_name(path)?;
+    listed()
         .into_iter()
-        .find(|(port, _)| Path::new(port) == real)
+        .find(|(port, _)| *port == name)
         .map(|(_, identity)| identity)
 }
 
 /// The present path of a board, by its serial number; without one, its former path if that exists.
 pub(super) fn find(path: &str, identity: Option<&Identity>) -> Option<String> {
-    find_among(path, identity, &ports())
+    find_among(path, identity, &listed())
 }
 
 fn find_among(
@@ -45,20 +46,13 @@ fn find_among(
             .iter()
             .find(|(_, there)| there == identity)
             .map(|(port, _)| port.clone()),
-        None => Path::new(path).exists().then(|| path.to_owned()),
+        None => ports::may_exist(path).then(|| path.to_owned()),
     }
 }
 
 /// Ports of boards that have a serial number.
-fn ports() -> Vec<(String, Identity)> {
-    // The library fails without this folder, which a container may lack.
-    if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
-        return Vec::new();
-    }
-    let Ok(ports) = serialport::available_ports() else {
-        return Vec::new();
-    };
-    ports
+fn listed() -> Vec<(String, Identity)> {
+    ports::all()
         .into_iter()
         .filter_map(|port| match port.port_type {
             SerialPortType::UsbPort(usb) => Some((
