@@ -19,7 +19,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use gelpad::output::{OutputDevice, WatchedDevice, X11};
+use gelpad::output::OutputDevice;
+use gelpad::platform::linux::x11::X11;
+use gelpad::platform::watch::WatchedDevice;
 use gelpad::types::{Action, Event};
 use x11rb::connection::Connection as _;
 use x11rb::protocol::Event as ServerEvent;

@@ -1,7 +1,8 @@
 //! Actions on gelpad's pad, and what every reader must see of them.
 
 use anyhow::Result;
-use gelpad::output::{OutputDevice as _, Uinput};
+use gelpad::output::OutputDevice as _;
+use gelpad::platform::linux::uinput::Uinput;
 use gelpad::types::{Action, Axis, Button, Event, Output};
 
 /// One action on the pad.

@@ -1,7 +1,7 @@
 //! A pad as it is, found from its own readings at rest: the conductance of every cell, and the places and lengths of the electrodes.
 //!
 //! A pad differs from its drawing by some percent everywhere, and so do its readings. There are more unknowns than readings, so what is
-//! found is the likeliest pad (maximum a posteriori): Gaussian priors say how pads differ ([`prior`]), the forward model is linearised
+//! found is the likeliest pad (maximum a posteriori): Gaussian priors say how pads differ (`prior`), the forward model is linearised
 //! about the present estimate (Gauss-Newton), and how much pads of this kind differ is chosen by the evidence of the readings (MacKay 1992).
 //! The unknown gain of the board is an unknown like the others. Contact impedances are not: four-electrode readings hardly show
 //! them.

@@ -20,7 +20,7 @@ impl Accuracy {
             Panel::Chart(findings.count_chart()),
             Panel::Chart(findings.force_chart()),
             Panel::Chart(findings.pair_chart()),
-            Panel::Map(self.map(findings)),
+            Panel::Map(Box::new(self.map(findings))),
         ];
         let draws = findings
             .touches

@@ -145,7 +145,7 @@ pub enum Panel {
     /// Lines.
     Chart(Chart),
     /// Rings on a pad.
-    Map(PadMap),
+    Map(Box<PadMap>),
 }
 
 /// A figure of several panels, two in a row.
