@@ -56,6 +56,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "platform",
             "types",
             "files",
+            "stats",
             "pad",
             "eit",
             "touch",

@@ -381,3 +381,56 @@ fn a_thickness_study_has_no_seed() {
     assert_eq!(output.status.code(), Some(2));
     assert!(!out.exists(), "nothing was started");
 }
+
+#[test]
+fn the_protocol_study_writes_pads_and_tables_that_hold_what_it_says() {
+    use gelpad::pad::Pad;
+
+    let root = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| root.path().join(name);
+    let arguments = ["protocol", "--quick", "--keep", "0.4"];
+    done(&mut study(&arguments, &at("whole")));
+    for shard in ["1/2", "2/2"] {
+        done(study(&arguments, &at(&shard.replace('/', "-"))).args(["--shard", shard]));
+    }
+    let parts = ["1-2", "2-2"].map(|name| at(name).display().to_string());
+    done(&mut study(&["merge", &parts[0], &parts[1]], &at("merged")));
+    assert_same(&at("whole"), &at("merged"));
+
+    let text = |name: &str| fs::read_to_string(at("whole").join(name)).expect("written");
+    let pad = |name: &str| Pad::from_toml(name, &text(name)).expect("sound");
+    let rows = |name: &str| text(name).matches('{').count() - 1;
+    let ordered = pad("pad-order.toml");
+    assert_eq!((ordered.channels(), rows("readings.h")), (208, 208));
+    let standard = shipped_pad(DEFAULT_PAD).expect("shipped");
+    let standard = Pad::from_toml(standard.name, standard.toml).expect("sound");
+    let sorted = |pad: &Pad| {
+        let mut channels = pad.protocol.channels.clone();
+        channels.sort_by_key(|channel| (channel.drive, channel.measure));
+        channels
+    };
+    assert_eq!(sorted(&ordered), sorted(&standard));
+    // The bound of the readings that are kept is what was asked for, and one reading fewer misses it.
+    let fewest = pad("pad-fewest.toml");
+    assert_eq!(fewest.channels(), rows("readings-fewest.h"));
+    let steps = text("readings.csv");
+    let mean_mm = |readings: usize| -> f64 {
+        let start = format!("{readings},");
+        let line = steps.lines().find(|line| line.starts_with(&start));
+        line.expect("a step")
+            .split(',')
+            .nth(2)
+            .expect("a mean")
+            .parse()
+            .expect("a number")
+    };
+    assert!(mean_mm(fewest.channels()) <= 0.4, "{steps}");
+    assert!(mean_mm(fewest.channels() - 1) > 0.4, "{steps}");
+    // An order in the pad's text changes nothing.
+    let ordered = at("whole").join("pad-order.toml").display().to_string();
+    let again = ["protocol", "--quick", "--keep", "0.4", "--pad", &ordered];
+    done(&mut study(&again, &at("again")));
+    let orders = [at("whole"), at("again")]
+        .map(|folder| fs::read(folder.join("order.csv")).expect("written"));
+    assert_eq!(orders[0], orders[1]);
+}
