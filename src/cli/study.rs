@@ -28,74 +28,10 @@ enum Settings {
 pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
     let (common, settings) = match command {
         StudyCommand::Merge { folders, out } => return merge(folders, out),
-        StudyCommand::Width {
-            common,
-            vary,
-            rank,
-            quick,
-            seed,
-        } => {
-            let (pad, pad_toml) = pad(common)?;
-            let settings = width::WidthSettings {
-                version: version(),
-                pad,
-                pad_toml,
-                vary: vary.clone(),
-                rank: (*rank).into(),
-                quick: *quick,
-                seed: *seed,
-            };
-            (common, Settings::Width(settings))
-        }
-        StudyCommand::Phantoms {
-            common,
-            quick,
-            seed,
-        } => {
-            let (pad, pad_toml) = pad(common)?;
-            let settings = phantoms::PhantomSettings {
-                version: version(),
-                pad,
-                pad_toml,
-                quick: *quick,
-                seed: *seed,
-            };
-            (common, Settings::Phantoms(settings))
-        }
-        StudyCommand::Thickness {
-            common,
-            parameters,
-            quick,
-        } => {
-            let (pad, pad_toml) = pad(common)?;
-            let settings = thickness::ThicknessSettings {
-                version: version(),
-                pad,
-                pad_toml,
-                quick: *quick,
-                parameters: parameters.into(),
-            };
-            (common, Settings::Thickness(Box::new(settings)))
-        }
-        StudyCommand::Protocol {
-            common,
-            snr,
-            keep,
-            quick,
-            seed,
-        } => {
-            let (pad, pad_toml) = pad(common)?;
-            let settings = protocol::ProtocolSettings {
-                version: version(),
-                pad,
-                pad_toml,
-                snr_db: *snr,
-                keep_mm: *keep,
-                quick: *quick,
-                seed: *seed,
-            };
-            (common, Settings::Protocol(settings))
-        }
+        StudyCommand::Width { common, .. }
+        | StudyCommand::Phantoms { common, .. }
+        | StudyCommand::Thickness { common, .. }
+        | StudyCommand::Protocol { common, .. } => (common, settings(command, common)?),
     };
     let (out, shard) = (&common.out, common.shard);
     match &settings {
@@ -110,8 +46,61 @@ pub(super) fn run(command: &StudyCommand) -> anyhow::Result<Ending> {
     }
 }
 
-fn version() -> String {
-    env!("CARGO_PKG_VERSION").to_owned()
+/// The settings of a study that is to be solved.
+fn settings(command: &StudyCommand, common: &StudyArgs) -> anyhow::Result<Settings> {
+    let (pad, pad_toml) = pad(common)?;
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    Ok(match command {
+        StudyCommand::Width {
+            vary,
+            rank,
+            quick,
+            seed,
+            ..
+        } => Settings::Width(width::WidthSettings {
+            version,
+            pad,
+            pad_toml,
+            vary: vary.clone(),
+            rank: (*rank).into(),
+            quick: *quick,
+            seed: *seed,
+        }),
+        StudyCommand::Phantoms { quick, seed, .. } => {
+            Settings::Phantoms(phantoms::PhantomSettings {
+                version,
+                pad,
+                pad_toml,
+                quick: *quick,
+                seed: *seed,
+            })
+        }
+        StudyCommand::Thickness {
+            parameters, quick, ..
+        } => Settings::Thickness(Box::new(thickness::ThicknessSettings {
+            version,
+            pad,
+            pad_toml,
+            quick: *quick,
+            parameters: parameters.into(),
+        })),
+        StudyCommand::Protocol {
+            snr,
+            keep,
+            quick,
+            seed,
+            ..
+        } => Settings::Protocol(protocol::ProtocolSettings {
+            version,
+            pad,
+            pad_toml,
+            snr_db: *snr,
+            keep_mm: *keep,
+            quick: *quick,
+            seed: *seed,
+        }),
+        StudyCommand::Merge { .. } => anyhow::bail!("a merge has the settings of its shards"),
+    })
 }
 
 fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
