@@ -8,8 +8,8 @@
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
+use super::Compared;
 use super::prior::{Component, Prior};
-use super::{Compared, MODEL_ERROR};
 
 /// Factors of a component's deviations that are tried, ...
 const SPREADS: [f64; 8] = [0.03, 0.1, 0.25, 0.5, 1.0, 1.6, 2.5, 4.0];
@@ -62,12 +62,13 @@ pub(super) struct LinearModel {
 
 impl LinearModel {
     /// `volts` are those of the model, V/A. The slopes by cells are in V/A per relative change, those by electrodes relative per mm;
-    /// `deviations` are relative.
+    /// `deviations` and `model_error` are relative.
     pub(super) fn new(
         compared: &Compared,
         volts: &[f64],
         [cells, electrodes]: [&Mat<f64>; 2],
         deviations: &[f64],
+        model_error: f64,
     ) -> Self {
         let unknowns = cells.ncols() + electrodes.ncols();
         let of_reading = |reading: usize| (compared.usable[reading], compared.units[reading]);
@@ -89,7 +90,7 @@ impl LinearModel {
             variances: (0..count)
                 .map(|reading| {
                     let noise = deviations[compared.usable[reading]] * size(reading);
-                    MODEL_ERROR * MODEL_ERROR + noise * noise
+                    model_error * model_error + noise * noise
                 })
                 .collect(),
         }

@@ -20,10 +20,12 @@ use fit::{Estimate, LinearModel};
 
 /// The forward model's own error, as a share of a reading: two meshes differ by so much.
 const MODEL_ERROR: f64 = 2e-3;
+/// The linearised model's error as a share of the present misfit: far from the truth, the slopes are those of another pad.
+const LINEAR_SHARE: f64 = 0.15;
 /// Readings below this share of the largest count as if they were that large: their relative errors have no bound.
 const LEAST_SHARE: f64 = 0.01;
 /// Most linearisations. Usual pads need three.
-const MOST_ROUNDS: usize = 8;
+const MOST_ROUNDS: usize = 10;
 /// A round that lowers the misfit by less than this share is the last, as is one that ends well below the model's own error.
 const LEAST_GAIN: f64 = 0.03;
 const WELL_BELOW: f64 = 0.3;
@@ -173,6 +175,7 @@ impl<'a> Search<'a> {
             &best.solved.volts,
             [&slopes, electrode_slopes],
             self.deviations,
+            MODEL_ERROR.max(LINEAR_SHARE * best.compared.misfit()),
         );
         let mut aim = fit::most_likely(&model, &self.prior, &best.estimate);
         for _ in 0..=MOST_HALVINGS {

@@ -13,7 +13,7 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind};
 use super::score::{REACH_MM, Score};
 use super::sensing::Sensing;
-use crate::eit::identify::identify;
+use crate::eit::identify::{IdentifyError, identify};
 use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
 use crate::stats::mean;
@@ -154,6 +154,8 @@ pub struct IdentifyRow {
     pub kind: String,
     /// Touches, on all pads.
     pub touches: usize,
+    /// Pads that were not found: their drawing was used.
+    pub refused: usize,
     /// Root mean square difference of readings at rest from the model as drawn, and as found, mean over the pads.
     pub misfit: [f64; 2],
     /// With the drawing, the pad as found, and the pad as it is.
@@ -188,6 +190,8 @@ pub struct IdentifyFindings {
 /// One pad, read with three models.
 struct PadFindings {
     misfit: [f64; 2],
+    /// No such pad was found.
+    is_refused: bool,
     models: [Located; 3],
     /// As found, and as it is.
     pads: [Pad; 2],
@@ -224,6 +228,7 @@ pub(super) fn play_all(
         IdentifyRow {
             kind: kind.name.to_owned(),
             touches: extent.pads * extent.touches,
+            refused: own.iter().filter(|found| found.is_refused).count(),
             misfit: [0, 1].map(|k| mean(own.iter().map(|found| found.misfit[k]))),
             models: [0, 1, 2].map(|model| {
                 let located: Vec<&Located> = own.iter().map(|found| &found.models[model]).collect();
@@ -271,14 +276,19 @@ fn locate_on_pad(
         .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))))
         .collect();
     let noise = super::noise::share(SNR_DB) / libm::sqrt(REST_FRAMES as f64);
-    let identified = identify(drawing, &means, &vec![noise; means.len()])
-        .map_err(|error| StudyError::refused(error.to_string()))?;
+    let identified = identify(drawing, &means, &vec![noise; means.len()]);
+    // As in play, a pad that is not found is played with its drawing.
+    let (found, misfit) = match &identified {
+        Ok(identified) => (&identified.pad, identified.misfit),
+        Err(IdentifyError::OtherPad { misfit, .. }) => (drawing, *misfit),
+        Err(error) => return Err(StudyError::refused(error.to_string())),
+    };
     let readers = [
         Sensing::from_pad(drawing, builder.clone())?,
         sensing_of(
-            &identified.pad,
+            found,
             builder,
-            ResponseBuilder::from_drawing(&identified.pad, drawn_table(builder)?)?,
+            ResponseBuilder::from_drawing(found, drawn_table(builder)?)?,
         )?,
         sensing_of(&built.pad, builder, ResponseBuilder::new(&built.pad)?)?,
     ];
@@ -302,9 +312,10 @@ fn locate_on_pad(
         }
     }
     Ok(PadFindings {
-        misfit: identified.misfit,
+        misfit,
+        is_refused: identified.is_err(),
         models,
-        pads: [identified.pad, built.with_drawing(drawing)],
+        pads: [found.clone(), built.with_drawing(drawing)],
     })
 }
 
@@ -366,8 +377,8 @@ impl IdentifyFindings {
     pub fn table(&self) -> String {
         let mut text = format!(
             "One touch at {SNR_DB} dB, seed {}: mean error of place, mm (half a 95 % interval over pads), and misfit of the readings at rest.\n\n\
-             | pad | as drawn | as found | as it is | goal, as found | missed, of | misfit: drawn, found |\n\
-             | --- | --- | --- | --- | --- | --- | --- |\n",
+             | pad | as drawn | as found | as it is | goal, as found | missed, of | not found | misfit: drawn, found |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             self.seed
         );
         for row in &self.rows {
@@ -379,7 +390,7 @@ impl IdentifyFindings {
                 .map_or("1.05 x drawn".to_owned(), |goal| format!("{goal:.2}"));
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {goal} | {}, {}, {} of {} | {:.1} %, {:.2} % |",
+                "| {} | {} | {} | {} | {goal} | {}, {}, {} of {} | {} | {:.1} %, {:.2} % |",
                 row.kind,
                 figure(drawn),
                 figure(found),
@@ -388,6 +399,7 @@ impl IdentifyFindings {
                 found.missed,
                 true_model.missed,
                 row.touches,
+                row.refused,
                 100.0 * row.misfit[0],
                 100.0 * row.misfit[1],
             );
