@@ -87,6 +87,12 @@ pub fn store(table: &ResponseTable, folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Removes a pad's table, if it is there.
+pub fn remove(pad: &Pad, folder: &Path) {
+    // Only disk space is lost where that fails.
+    let _ = fs::remove_file(folder.join(file_name(&ResponseBuilder::key(pad))));
+}
+
 /// A pad's sensing builder. The matrix is prepared while the table is loaded or solved.
 ///
 /// # Errors

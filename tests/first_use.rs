@@ -1,4 +1,5 @@
-//! The first use of a pad: a game that started with images takes the pad's response table as an input between two touches.
+//! What comes into a game that is being played: the response table of a pad that is used for the first time, and a pad that has been
+//! identified. Both are inputs between two touches.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -6,10 +7,10 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use gelpad::cache;
-use gelpad::eit::Press;
+use gelpad::eit::{Press, ResponseTable};
 use gelpad::engine::{Engine, Input};
 use gelpad::output::Trace;
-use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
+use gelpad::pad::{DEFAULT_PAD, Deviations, Pad, cell_sites_mm, shipped_pad};
 use gelpad::profile::{Profile, shipped_profile};
 use gelpad::runtime::{self, EngineStep, PlayCommand, RunningGame, StepListener};
 use gelpad::source::{SimulatedPad, Source, SourceError, SourcePace, SourceReading};
@@ -51,15 +52,32 @@ impl Source for Board {
     }
 }
 
-/// For each matrix: whether it locates touches, and the touches at that moment.
+/// For each matrix: the response table with which it locates touches, if any, and the number of touches at that moment.
 #[derive(Clone, Default)]
-struct Matrices(Arc<Mutex<Vec<(bool, usize)>>>);
+struct Matrices(Arc<Mutex<Vec<(Option<Arc<ResponseTable>>, usize)>>>);
+
+impl Matrices {
+    /// The number of touches at each matrix with this table.
+    fn with_table(&self, table: &Arc<ResponseTable>) -> Vec<usize> {
+        let seen = self.0.lock().expect("no panic");
+        let own = seen.iter().filter(|(other, _)| {
+            other
+                .as_ref()
+                .is_some_and(|other| Arc::ptr_eq(other, table))
+        });
+        own.map(|(_, touches)| *touches).collect()
+    }
+}
 
 impl StepListener for Matrices {
     fn on_step(&mut self, step: &EngineStep<'_>) {
         if let Input::Matrix(sensing) = step.input {
-            let entry = (sensing.locator_model.is_some(), step.touches.len());
-            self.0.lock().expect("no panic").push(entry);
+            let model = sensing.locator_model.as_ref();
+            let table = model.map(|model| Arc::clone(model.table()));
+            self.0
+                .lock()
+                .expect("no panic")
+                .push((table, step.touches.len()));
         }
     }
 }
@@ -75,60 +93,137 @@ fn wait_until(game: &mut RunningGame, mut is_so: impl FnMut(&mut RunningGame) ->
     panic!("not within a minute");
 }
 
+/// A game on a pad that can be pressed at `jump`.
+struct Bench {
+    game: RunningGame,
+    matrices: Matrices,
+    is_pressed: Arc<AtomicBool>,
+}
+
+impl Bench {
+    /// The connected pad has these readings; the game starts with what `builder` knows.
+    fn start(connected: &Pad, builder: SensingBuilder) -> Self {
+        let mario = shipped_profile("super-mario").expect("shipped");
+        let profile = Arc::new(Profile::from_toml("super-mario", mario.toml).expect("sound"));
+        let simulated = SimulatedPad::new(connected).expect("solvable");
+        let finger = Press {
+            centre_mm: JUMP_MM,
+            radius_mm: 7.0,
+            rise: 1.2,
+        };
+        let is_pressed = Arc::new(AtomicBool::new(false));
+        let board = Board {
+            rest: simulated.volts(&[]).expect("solvable"),
+            pressed: simulated.volts(&[finger]).expect("solvable"),
+            is_pressed: Arc::clone(&is_pressed),
+            frames: 0,
+        };
+        let matrices = Matrices::default();
+        let sensing = Arc::new(builder.build_initial().expect("a matrix"));
+        let mut game = runtime::start_with_listeners(
+            Engine::new(&drawing(), sensing, profile),
+            builder,
+            Box::new(board),
+            Box::new(Trace::new(std::io::sink())),
+            vec![Box::new(matrices.clone())],
+        )
+        .expect("threads");
+        wait_until(&mut game, |game| game.view().frames > 30);
+        Self {
+            game,
+            matrices,
+            is_pressed,
+        }
+    }
+
+    /// Presses and waits for the key.
+    fn press(&mut self) {
+        self.is_pressed.store(true, Ordering::Relaxed);
+        wait_until(&mut self.game, |game| !game.view().held.is_empty());
+    }
+
+    /// After long enough for a matrix, which takes 0.1 s, none with this table has come; a slower computer only tests less.
+    fn expect_none_while_held(&mut self, table: &Arc<ResponseTable>) {
+        sleep(Duration::from_millis(1500));
+        assert!(
+            self.matrices.with_table(table).is_empty(),
+            "not while a key is held"
+        );
+        assert!(!self.game.view().held.is_empty(), "the key stays held");
+    }
+
+    /// Lifts, waits for a matrix with this table, and presses again; returns how far off the touch is found, mm.
+    fn press_with_table(&mut self, table: &Arc<ResponseTable>) -> f64 {
+        self.is_pressed.store(false, Ordering::Relaxed);
+        let matrices = self.matrices.clone();
+        wait_until(&mut self.game, |_| !matrices.with_table(table).is_empty());
+        assert_eq!(matrices.with_table(table)[0], 0, "nothing is down");
+        self.press();
+        let [x, y] = self.game.view().touches[0].contact.centre_mm;
+        (x - JUMP_MM[0]).hypot(y - JUMP_MM[1])
+    }
+
+    fn end(self) {
+        self.game.stop();
+        assert_eq!(self.game.join().panicked, None);
+    }
+}
+
+fn drawing() -> Pad {
+    let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
+    Pad::from_toml(shipped.name, shipped.toml).expect("sound")
+}
+
 #[test]
 fn the_table_is_taken_between_two_touches() {
-    let shipped = shipped_pad(DEFAULT_PAD).expect("shipped");
-    let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
+    let pad = drawing();
     let table = Arc::new(cache::load_or_solve(&pad, &|_, _| ()).expect("solvable"));
     let builder = SensingBuilder::new(&pad, Method::default()).expect("solvable");
-    let sensing = Arc::new(builder.build_initial().expect("a matrix"));
-    let mario = shipped_profile("super-mario").expect("shipped");
-    let profile = Arc::new(Profile::from_toml("super-mario", mario.toml).expect("sound"));
-    let simulated = SimulatedPad::new(&pad).expect("solvable");
-    let finger = Press {
-        centre_mm: JUMP_MM,
-        radius_mm: 7.0,
-        rise: 1.2,
-    };
-    let is_pressed = Arc::new(AtomicBool::new(false));
-    let board = Board {
-        rest: simulated.volts(&[]).expect("solvable"),
-        pressed: simulated.volts(&[finger]).expect("solvable"),
-        is_pressed: Arc::clone(&is_pressed),
-        frames: 0,
-    };
-    let matrices = Matrices::default();
-    let mut game = runtime::start_with_listeners(
-        Engine::new(&pad, sensing, profile),
-        builder,
-        Box::new(board),
-        Box::new(Trace::new(std::io::sink())),
-        vec![Box::new(matrices.clone())],
-    )
-    .expect("threads");
-    let with_table = || {
-        let seen = matrices.0.lock().expect("no panic").clone();
-        seen.into_iter().find(|(locates, _)| *locates)
-    };
+    let mut bench = Bench::start(&pad, builder);
+    bench.press();
+    assert!(
+        bench
+            .game
+            .send_command(PlayCommand::Table(Arc::clone(&table)))
+    );
+    bench.expect_none_while_held(&table);
+    let error_mm = bench.press_with_table(&table);
+    assert!(error_mm < 3.0, "{error_mm}");
+    bench.end();
+}
 
-    wait_until(&mut game, |game| game.view().frames > 30);
-    is_pressed.store(true, Ordering::Relaxed);
-    wait_until(&mut game, |game| !game.view().held.is_empty());
-    assert!(game.send_command(PlayCommand::Table(table)));
-    // Long enough for the matrix, which takes 0.1 s; a slower computer only tests less.
-    sleep(Duration::from_millis(1500));
-    assert_eq!(with_table(), None, "not while a key is held");
-    assert!(!game.view().held.is_empty(), "the key stays held");
-
-    is_pressed.store(false, Ordering::Relaxed);
-    wait_until(&mut game, |_| with_table().is_some());
-    assert_eq!(with_table(), Some((true, 0)));
-
-    is_pressed.store(true, Ordering::Relaxed);
-    wait_until(&mut game, |game| !game.view().held.is_empty());
-    let [x, y] = game.view().touches[0].contact.centre_mm;
-    assert!((x - JUMP_MM[0]).hypot(y - JUMP_MM[1]) < 3.0, "{x} {y}");
-    game.stop();
-    let summary = game.join();
-    assert_eq!(summary.panicked, None);
+#[test]
+fn an_identified_pad_is_taken_between_two_touches_and_keeps_its_own_table() {
+    let pad = drawing();
+    let uneven = cell_sites_mm(&pad)
+        .into_iter()
+        .map(|[x, y]| ([x, y], 0.8 + 0.004 * x));
+    let uneven = pad.with_deviations(Deviations::new(uneven.collect(), Vec::new()));
+    let of =
+        |pad: &Pad| cache::sensing_builder(pad, Method::default(), |_, _| ()).expect("solvable");
+    let (drawn, identified) = (of(&pad), of(&uneven));
+    let [drawn_table, own_table] =
+        [&drawn, &identified].map(|one| Arc::clone(one.table().expect("a table")));
+    let mut bench = Bench::start(&uneven, drawn);
+    bench.press();
+    assert!(
+        bench
+            .game
+            .send_command(PlayCommand::Pad(Box::new(identified)))
+    );
+    // The drawing's table may arrive later, on a first start.
+    let late = Arc::new((*drawn_table).clone());
+    assert!(
+        bench
+            .game
+            .send_command(PlayCommand::Table(Arc::clone(&late)))
+    );
+    bench.expect_none_while_held(&own_table);
+    let error_mm = bench.press_with_table(&own_table);
+    assert!(error_mm < 1.0, "{error_mm}");
+    assert!(
+        bench.matrices.with_table(&late).is_empty(),
+        "the pad keeps its own table"
+    );
+    bench.end();
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::calibration;
 use super::folders::{own_folder, own_texts, recordings_folder};
+use super::identify::PadIdentifier;
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
 use super::play::{FirstUse, Game, PreparedGame};
@@ -138,6 +139,7 @@ fn start(request: &PlayRequest, tables: &TableSolver) -> Result<Started, AppErro
         recording,
         warnings,
         table,
+        identifier,
     } = prepared.start()?;
     Ok(Started {
         running,
@@ -145,7 +147,11 @@ fn start(request: &PlayRequest, tables: &TableSolver) -> Result<Started, AppErro
         pad,
         output,
         keys_blocked,
-        watch: Box::new(GameWatch { reload, recording }),
+        watch: Box::new(GameWatch {
+            reload,
+            recording,
+            identifier,
+        }),
         warnings: warnings.iter().map(first_fault).collect(),
         table,
     })
@@ -174,12 +180,16 @@ fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> 
 struct GameWatch {
     reload: Option<ProfileReload>,
     recording: Option<ActiveRecording>,
+    identifier: Option<PadIdentifier>,
 }
 
 impl Watch for GameWatch {
     fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String)) {
         if let Some(reload) = &mut self.reload {
             reload.poll(running, &mut |notice| say(notice.to_string()));
+        }
+        if let Some(identifier) = &mut self.identifier {
+            identifier.poll(running, say);
         }
     }
 

@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::focus_gate::FocusGate;
+use super::identify::{Identification, PadIdentifier};
 use super::listeners::{Listeners, check_recording};
 use super::outputs::{self, OutputAbilities};
 use super::pads::{
-    choose_method, config_with_builder, engine_config, sensing_by_image, start_workers,
+    PadText, choose_method, config_with_builder, engine_config, sensing_by_image, start_workers,
 };
 use super::play_config::PlayConfig;
 use super::process_match::ProfileMatcher;
@@ -21,6 +22,7 @@ use crate::output::OutputDevice;
 use crate::pad::Pad;
 use crate::profile::Profile;
 use crate::runtime::{self, RunningGame};
+use crate::source::serial::serial_number;
 use crate::source::{LiveFingers, Source};
 use crate::tape::EngineConfig;
 use crate::touch::SensingBuilder;
@@ -43,6 +45,7 @@ pub(crate) struct PreparedGame {
     reload: Option<ProfileReload>,
     listeners: Listeners,
     table: Option<Arc<TableInProgress>>,
+    identifier: Option<PadIdentifier>,
 }
 
 /// What happens while the pad has no solved response table, the first time it is used.
@@ -74,6 +77,8 @@ pub(crate) struct Game {
     pub warnings: Vec<SourceErrors>,
     /// The response table, if it is still being solved.
     pub table: Option<Arc<TableInProgress>>,
+    /// Identifies the pad on a board.
+    pub identifier: Option<PadIdentifier>,
 }
 
 impl PreparedGame {
@@ -89,6 +94,7 @@ impl PreparedGame {
             argument,
             correction,
         } = PlayConfig::load(request)?;
+        let (identification, pad) = start_of_identification(request, pad);
         let profile = Arc::new(checked.profile);
         check_gamepad_profile(request, &profile)?;
         let (source, hand) = open_requested(request, &pad.pad)?;
@@ -134,7 +140,17 @@ impl PreparedGame {
                 (config, table)
             }
         };
-        let listeners = Listeners::start(request, &config, method)?;
+        let mut listeners = Listeners::start(request, &config, method)?;
+        let identifier = match identification {
+            Some(identification) => {
+                let (listener, identifier) = identification
+                    .start(method, table.clone())
+                    .map_err(AppError::Thread)?;
+                listeners.listeners.push(listener);
+                Some(identifier)
+            }
+            None => None,
+        };
         Ok(Self {
             output: match request.output {
                 OutputChoice::Nothing => "nothing".to_owned(),
@@ -151,6 +167,7 @@ impl PreparedGame {
             reload,
             listeners,
             table,
+            identifier,
         })
     }
 
@@ -192,8 +209,31 @@ impl PreparedGame {
             recording,
             warnings: self.warnings,
             table: self.table,
+            identifier: self.identifier,
         })
     }
+}
+
+/// How the pad of a board is identified, and the pad to start with. A pad that was found by a command, one with a calibration, which was
+/// learned with it, and one to be played as drawn stay as they are.
+fn start_of_identification(
+    request: &PlayRequest,
+    pad: PadText,
+) -> (Option<Identification>, PadText) {
+    let SourceChoice::Serial(port) = &request.source else {
+        return (None, pad);
+    };
+    if request.as_drawn || request.calibration.is_some() || !pad.pad.deviations.is_none() {
+        return (None, pad);
+    }
+    let serial = serial_number(port);
+    let board = serial.as_deref().unwrap_or(port);
+    let (identification, start) = Identification::new(pad, board, serial.is_some());
+    let identification = match request.record {
+        Some(_) => identification.for_next_start(),
+        None => identification,
+    };
+    (Some(identification), start)
 }
 
 /// Only bindings with `from` are played by a gamepad.

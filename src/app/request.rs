@@ -108,6 +108,8 @@ pub struct PlayRequest {
     pub output: OutputChoice,
     /// Whether a trace is printed on stdout; otherwise it is dropped.
     pub trace_on_stdout: bool,
+    /// Whether the pad of a board is played as drawn, and not identified from its readings.
+    pub as_drawn: bool,
     /// The reconstruction method, instead of the profile's or the pad's.
     pub method: Option<Method>,
     /// A saved calibration.
@@ -139,6 +141,7 @@ impl Default for PlayRequest {
             disturbances: Vec::new(),
             output: OutputChoice::Nothing,
             trace_on_stdout: false,
+            as_drawn: false,
             method: None,
             calibration: None,
             record: None,

@@ -102,13 +102,17 @@ impl TableSolver {
     }
 }
 
-/// Solves a table on its own threads; none if that fails, which images do not depend on.
-fn solve(pad: &Pad, progress: &TableInProgress) -> Option<Arc<ResponseTable>> {
-    let threads = rayon::ThreadPoolBuilder::new()
+/// Threads that play does not notice.
+pub(super) fn low_priority_threads() -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new()
         .thread_name(|index| format!("table-{index}"))
         .start_handler(|_| runtime::lower_priority())
-        .build();
-    let solved = threads
+        .build()
+}
+
+/// Solves a table on its own threads; none if that fails, which images do not depend on.
+fn solve(pad: &Pad, progress: &TableInProgress) -> Option<Arc<ResponseTable>> {
+    let solved = low_priority_threads()
         .map_err(|error| error.to_string())
         .and_then(|threads| {
             threads.install(|| {

@@ -10,7 +10,7 @@ use super::exit::Ending;
 use super::progress::{case_bar, case_progress, solve_pad};
 use crate::app::pads::load_pad;
 use crate::study::accuracy::identified::IdentifyExtent;
-use crate::study::accuracy::real::{Extent, conditions, own_conditions};
+use crate::study::accuracy::real::{Extent, TABLE_HEADER, conditions, own_conditions};
 use crate::study::accuracy::scan::ScanExtent;
 use crate::study::accuracy::{Accuracy, AccuracySettings};
 use crate::study::job;
@@ -58,23 +58,7 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         return Ok(Ending::Done);
     }
     if args.real {
-        let conditions = if args.disturb.is_empty() {
-            let mut shipped = conditions();
-            shipped.retain(|condition| condition.name.contains(&args.only));
-            shipped
-        } else {
-            own_conditions(&args.disturb, args.snr[0])
-        };
-        let extent = if args.quick {
-            Extent::QUICK
-        } else {
-            Extent::FULL
-        };
-        let findings = study.play_conditions(&conditions, extent, case_progress(&bar))?;
-        bar.finish_and_clear();
-        job::write_whole(&args.out, "real.json", findings.json()?.as_bytes())?;
-        write!(std::io::stdout().lock(), "{}", findings.table())?;
-        return Ok(Ending::Done);
+        return play_conditions(args, &study);
     }
     let outcomes =
         job::solve_in_parallel(study.cases(), |case| study.solve(case), case_progress(&bar))?;
@@ -86,5 +70,35 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     write!(std::io::stderr().lock(), "{}", findings.summary())?;
     let report = args.out.join("report.html");
     writeln!(std::io::stdout().lock(), "{}", report.display())?;
+    Ok(Ending::Done)
+}
+
+/// `--real`: each row is printed and stored as soon as it is played, since all of them take an hour.
+fn play_conditions(args: &AccuracyArgs, study: &Accuracy) -> anyhow::Result<Ending> {
+    let conditions = if args.disturb.is_empty() {
+        let mut shipped = conditions();
+        shipped.retain(|condition| condition.name.contains(&args.only));
+        shipped
+    } else {
+        own_conditions(&args.disturb, args.snr[0])
+    };
+    let extent = if args.quick {
+        Extent::QUICK
+    } else {
+        Extent::FULL
+    };
+    let bar = case_bar();
+    let progress = case_progress(&bar);
+    progress(0, conditions.len());
+    bar.suspend(|| writeln!(std::io::stdout().lock(), "{TABLE_HEADER}"))?;
+    study.play_conditions(&conditions, extent, |findings| -> anyhow::Result<()> {
+        job::write_whole(&args.out, "real.json", findings.json()?.as_bytes())?;
+        if let Some(row) = findings.conditions.last() {
+            bar.suspend(|| writeln!(std::io::stdout().lock(), "{row}"))?;
+        }
+        progress(findings.conditions.len(), conditions.len());
+        Ok(())
+    })?;
+    bar.finish_and_clear();
     Ok(Ending::Done)
 }

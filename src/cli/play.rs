@@ -119,6 +119,12 @@ fn follow(
                 None => say(&reload_text(&notice)),
             });
         }
+        if let Some(identifier) = &mut game.identifier {
+            identifier.poll(&mut game.running, &mut |notice| match view.as_deref_mut() {
+                Some(view) => view.show_notice(notice),
+                None => say(&notice),
+            });
+        }
         let Some(view) = view.as_deref_mut() else {
             std::thread::sleep(PERIOD);
             continue;

@@ -79,6 +79,9 @@ pub enum PlayCommand {
     /// Locate touches with this response table of the pad as soon as nothing is pressed. For games that are not recorded: a
     /// recording contains its table from the start.
     Table(Arc<ResponseTable>),
+    /// Locate touches with this pad as soon as nothing is pressed: the same drawing as before, as identified from its readings. Not
+    /// for games that are recorded either.
+    Pad(Box<SensingBuilder>),
 }
 
 /// Counts and times of a session that has ended.

@@ -1,5 +1,5 @@
-//! Builds another reconstruction matrix during play, when an electrode is lost or comes back, or when the pad's response table
-//! has been solved.
+//! Builds another reconstruction matrix during play: when an electrode is lost or comes back, when the pad's response table
+//! has been solved, or when the pad has been identified.
 //!
 //! The engine reports which channel deviations it wants a matrix for. The thread here builds it, and the result goes
 //! back to the engine as an input like any other.
@@ -18,8 +18,8 @@ use crate::touch::{ChannelNoise, Sensing, SensingBuilder};
 /// Longest sleep of the thread; a request wakes it earlier.
 const NAP: Duration = Duration::from_millis(500);
 
-/// Requests that may wait: one for other weights, and the response table, which comes once.
-const QUEUE: usize = 2;
+/// Requests that may wait: one for other weights, the response table, which comes once, and an identified pad.
+const QUEUE: usize = 3;
 
 /// What a matrix is built for.
 enum Request {
@@ -27,13 +27,24 @@ enum Request {
     Noise(ChannelNoise),
     /// The response table, with the weights of the last matrix.
     Table(Arc<ResponseTable>),
+    /// The pad as identified, with the weights of the last matrix.
+    Pad(Box<SensingBuilder>),
+}
+
+/// A finished matrix.
+pub(super) struct Built {
+    /// The matrix with its weights.
+    pub(super) sensing: Arc<Sensing>,
+    /// It locates touches otherwise than the one before, so it waits until nothing is down: a touch would be found again at a
+    /// slightly different place.
+    pub(super) relocates: bool,
 }
 
 /// The engine's side of the thread that builds matrices: one request for other weights at a time.
 pub(super) struct Rebuilder {
     requests: Producer<Request>,
     /// One answer for each request; none if the build failed.
-    built: Consumer<Option<Arc<Sensing>>>,
+    built: Consumer<Option<Built>>,
     thread: Thread,
     /// The noise that is being built for, or for which the last build failed.
     requested: Option<ChannelNoise>,
@@ -75,6 +86,13 @@ impl Rebuilder {
         }
     }
 
+    /// Requests a matrix of the pad as identified; later ones are built for it too.
+    pub(super) fn change_pad(&mut self, builder: Box<SensingBuilder>) {
+        if !self.push(Request::Pad(builder)) {
+            tracing::error!("the identified pad is not used: another one is waiting");
+        }
+    }
+
     /// Returns whether the queue had room.
     fn push(&mut self, request: Request) -> bool {
         let was_sent = self.requests.push(request).is_ok();
@@ -86,7 +104,7 @@ impl Rebuilder {
     }
 
     /// A matrix that was finished since the last call.
-    pub(super) fn take_built(&mut self) -> Option<Arc<Sensing>> {
+    pub(super) fn take_built(&mut self) -> Option<Built> {
         let built = self.built.pop().ok()?;
         self.unanswered = self.unanswered.saturating_sub(1);
         if built.is_some() {
@@ -106,20 +124,30 @@ impl Drop for Rebuilder {
 fn build_all(
     mut builder: SensingBuilder,
     mut requests: Consumer<Request>,
-    mut built: Producer<Option<Arc<Sensing>>>,
+    mut built: Producer<Option<Built>>,
     engine: &Thread,
 ) {
     // The weights of the last matrix; none for those at the start.
     let mut last_noise: Option<ChannelNoise> = None;
+    let mut is_identified = false;
     while !requests.is_abandoned() {
         let Ok(request) = requests.pop() else {
             std::thread::park_timeout(NAP);
             continue;
         };
+        let relocates = !matches!(request, Request::Noise(_));
         let noise = match request {
             Request::Noise(noise) => Some(noise),
             Request::Table(table) => {
-                builder = builder.with_table(table);
+                // An identified pad has a table of its own.
+                if !is_identified {
+                    builder = builder.with_table(table);
+                }
+                last_noise.clone()
+            }
+            Request::Pad(identified) => {
+                builder = *identified;
+                is_identified = true;
                 last_noise.clone()
             }
         };
@@ -137,7 +165,10 @@ fn build_all(
         if sensing.is_some() {
             last_noise = noise;
         }
-        let _ = built.push(sensing.map(Arc::new));
+        let _ = built.push(sensing.map(|sensing| Built {
+            sensing: Arc::new(sensing),
+            relocates,
+        }));
         engine.unpark();
     }
 }
@@ -155,7 +186,7 @@ mod tests {
         for _ in 0..2000 {
             let built = rebuilder.take_built();
             if built.is_some() || rebuilder.unanswered == 0 {
-                return built;
+                return built.map(|built| built.sensing);
             }
             std::thread::park_timeout(Duration::from_millis(10));
         }

@@ -53,6 +53,9 @@ pub(in crate::cli) struct PlayArgs {
     /// A calibration from `gelpad calibrate`: corrects place and force of touches
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
+    /// Play a board's pad as drawn: do not identify it from its readings at rest
+    #[arg(long)]
+    pub as_drawn: bool,
     /// Record the session, to replay and export it: every input, touch and event
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
@@ -109,6 +112,7 @@ impl PlayArgs {
                 output => output.into(),
             },
             trace_on_stdout,
+            as_drawn: self.as_drawn,
             method: self.method,
             calibration: self.calibration.clone(),
             record: self.record.clone(),

@@ -94,7 +94,7 @@ pub fn identify(
     let channels = drawing.channels();
     assert_eq!([volts.len(), deviations.len()], [channels; 2]);
     let usable: Vec<usize> = (0..channels)
-        .filter(|c| volts[*c].is_finite() && volts[*c] != 0.0 && deviations[*c].is_finite())
+        .filter(|c| is_usable(volts[*c]) && deviations[*c].is_finite())
         .collect();
     if 2 * usable.len() < channels {
         return Err(IdentifyError::TooFew {
@@ -114,6 +114,20 @@ pub fn identify(
         pad: search.pad_with(&estimate.values),
         misfit,
     })
+}
+
+/// How far readings (any unit) are from those of a pad: root mean square of the relative differences, with the gain that fits best.
+/// NaN if no reading is usable.
+///
+/// # Errors
+/// A pad that cannot be solved.
+pub fn misfit(pad: &Pad, volts: &[f64]) -> Result<f64, ForwardError> {
+    let usable: Vec<usize> = (0..volts.len()).filter(|c| is_usable(volts[*c])).collect();
+    Ok(Compared::new(&Solved::new(pad)?.volts, volts, &usable).misfit())
+}
+
+fn is_usable(volt: f64) -> bool {
+    volt.is_finite() && volt != 0.0
 }
 
 /// What stays the same while the estimate changes.

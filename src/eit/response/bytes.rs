@@ -154,9 +154,9 @@ impl ResponseTable {
         if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
             return Err(TableError::OutOfRange);
         }
-        let terms = terms
+        let of_signs: Vec<Vec<f32>> = terms
             .chunks_exact(terms.len() / signs)
-            .flat_map(|solved| orbits.expand(solved, TERMS, &basis))
+            .map(|solved| orbits.expand(solved, TERMS, &basis))
             .collect();
         Ok(Self {
             key: String::from_utf8(key.to_vec()).map_err(|_| TableError::Damaged)?,
@@ -165,7 +165,7 @@ impl ResponseTable {
             basis,
             places,
             orbits,
-            terms,
+            terms: of_signs.concat(),
         })
     }
 }

@@ -70,10 +70,11 @@ pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Vec<f32> {
         let before = index.checked_sub(TERMS * rank).map_or(0, |at| integers[at]);
         integers.push(before.wrapping_add(difference));
     }
-    let by_radius = integers.chunks(POWERS * rank).zip(steps.iter().cycle());
-    by_radius
-        .flat_map(|(integers, step)| integers.iter().map(move |integer| *integer as f32 * step))
-        .collect()
+    let mut terms = Vec::with_capacity(count);
+    for (integers, step) in integers.chunks(POWERS * rank).zip(steps.iter().cycle()) {
+        terms.extend(integers.iter().map(|integer| *integer as f32 * step));
+    }
+    terms
 }
 
 /// The step of the terms of each radius.

@@ -4,6 +4,7 @@
 //! solves one place of each set of images, an eighth of all on a square pad.
 
 use super::places::Places;
+use super::table::LANES;
 use crate::pad::{Direction, Numbering, Pad, Renumbered};
 use crate::types::PointMm;
 
@@ -93,6 +94,9 @@ impl Orbits {
     /// rank each. `basis` holds rows of readings.
     ///
     /// The order of the sums is fixed: the same bits on every machine.
+    ///
+    /// # Panics
+    /// If the rank is no multiple of [`LANES`].
     pub(super) fn expand(&self, solved: &[f32], per_place: usize, basis: &[f32]) -> Vec<f32> {
         let turns: Vec<Vec<f32>> = self
             .symmetries
@@ -116,14 +120,8 @@ impl Orbits {
             let from = &solved[first_of[origin]..first_of[origin] + stride];
             if origin == place {
                 into.copy_from_slice(from);
-                continue;
-            }
-            for (to, vector) in into.chunks_exact_mut(rank).zip(from.chunks_exact(rank)) {
-                for (value, column) in vector.iter().zip(turns[symmetry].chunks_exact(rank)) {
-                    for (sum, entry) in to.iter_mut().zip(column) {
-                        *sum += value * entry;
-                    }
-                }
+            } else {
+                turn_vectors(from, &turns[symmetry], rank, into);
             }
         }
         all
@@ -139,6 +137,31 @@ impl Orbits {
         self.symmetries
             .iter()
             .map(|symmetry| symmetry.readings.as_slice())
+    }
+}
+
+/// Vectors times what a symmetry does to coordinates (columns, rank x rank). A few sums of a few vectors are kept in registers: every
+/// start of a game does this for each place.
+fn turn_vectors(vectors: &[f32], columns: &[f32], rank: usize, turned: &mut [f32]) {
+    const VECTORS: usize = 4;
+    for (vectors, turned) in vectors
+        .chunks(VECTORS * rank)
+        .zip(turned.chunks_mut(VECTORS * rank))
+    {
+        for first in (0..rank).step_by(LANES) {
+            let mut sums = [[0.0f32; LANES]; VECTORS];
+            for (index, column) in columns.chunks_exact(rank).enumerate() {
+                let entries: &[f32; LANES] = column[first..].first_chunk().expect("whole lanes");
+                for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(rank)) {
+                    for (sum, entry) in sums.iter_mut().zip(entries) {
+                        *sum += vector[index] * entry;
+                    }
+                }
+            }
+            for (turned, sums) in turned.chunks_exact_mut(rank).zip(&sums) {
+                turned[first..first + LANES].copy_from_slice(sums);
+            }
+        }
     }
 }
 

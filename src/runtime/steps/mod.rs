@@ -13,14 +13,14 @@ use rtrb::{Consumer, Producer, PushError};
 use crate::engine::{Engine, Input};
 use crate::runtime::latency::{EngineTimes, OutputStatistics};
 use crate::runtime::listen::{EngineStep, StepListener};
-use crate::runtime::rebuild::Rebuilder;
+use crate::runtime::rebuild::{Built, Rebuilder};
 use crate::runtime::schedule::Due;
 use crate::runtime::wake::ChangeDetector;
 use crate::runtime::{
     Arrival, EngineReport, NAP, PlayCommand, SourceInput, SourceStatus, View, ViewWaker, nanos, now,
 };
 use crate::source::SourcePace;
-use crate::touch::{Sensing, SensingBuilder};
+use crate::touch::SensingBuilder;
 use crate::types::{Control, Event, Nanos};
 
 /// A board that sends no frame for this long is silent: all outputs are released until it sends again.
@@ -49,9 +49,7 @@ pub(in crate::runtime) struct EngineThread {
     /// None if its thread could not be started: play then continues with the first matrix.
     rebuilder: Option<Rebuilder>,
     /// A finished matrix that the engine has not taken yet.
-    built: Option<Arc<Sensing>>,
-    /// Whether the response table was sent and the engine does not use it yet.
-    awaits_table: bool,
+    built: Option<Built>,
     queues: EngineQueues,
     view: View,
     changes: ChangeDetector,
@@ -94,7 +92,6 @@ impl EngineThread {
             engine,
             rebuilder: Rebuilder::start(builder, std::thread::current()).ok(),
             built: None,
-            awaits_table: false,
             queues,
             view,
             changes: ChangeDetector::default(),
@@ -168,7 +165,12 @@ impl EngineThread {
                 PlayCommand::Table(table) => {
                     if let Some(rebuilder) = &mut self.rebuilder {
                         rebuilder.add_table(table);
-                        self.awaits_table = true;
+                    }
+                    continue;
+                }
+                PlayCommand::Pad(builder) => {
+                    if let Some(rebuilder) = &mut self.rebuilder {
+                        rebuilder.change_pad(builder);
                     }
                     continue;
                 }
@@ -199,22 +201,15 @@ impl EngineThread {
         if let Some(deviations) = self.engine.wanted() {
             rebuilder.request(deviations);
         }
-        if let Some(sensing) = rebuilder.take_built() {
-            self.built = Some(sensing);
+        if let Some(mut newest) = rebuilder.take_built() {
+            // One that replaces a waiting one waits too.
+            newest.relocates |= self.built.as_ref().is_some_and(|built| built.relocates);
+            self.built = Some(newest);
         }
-        let Some(built) = &self.built else {
-            return;
-        };
-        let brings_table = self.awaits_table && built.locator_model.is_some();
         let is_free =
             self.engine.touches().down.is_empty() && self.engine.held_outputs().next().is_none();
-        if brings_table && !is_free {
-            // A touch would be found again at a slightly different place.
-            return;
-        }
-        if let Some(sensing) = self.built.take() {
-            self.awaits_table &= !brings_table;
-            self.input(&Input::Matrix(sensing), None);
+        if let Some(built) = self.built.take_if(|built| is_free || !built.relocates) {
+            self.input(&Input::Matrix(built.sensing), None);
         }
     }
 

@@ -13,6 +13,7 @@ mod port;
 mod sequence;
 
 pub use listen::{PortListener, PortReport};
+pub use port::serial_number;
 
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};

@@ -31,6 +31,17 @@ pub(super) fn identity(path: &str) -> Option<Identity> {
         .map(|(_, identity)| identity)
 }
 
+/// The serial number of the board at a path, with its vendor and product; none for boards without one.
+#[must_use]
+pub fn serial_number(path: &str) -> Option<String> {
+    let Identity {
+        vendor,
+        product,
+        serial,
+    } = identity(path)?;
+    Some(format!("{vendor:04x}:{product:04x} {serial}"))
+}
+
 /// The present path of a board, by its serial number; without one, its former path if that exists.
 pub(super) fn find(path: &str, identity: Option<&Identity>) -> Option<String> {
     find_among(path, identity, &listed())

@@ -192,19 +192,23 @@ impl Accuracy {
         &self.cases
     }
 
-    /// Plays the conditions of `--real`.
+    /// Plays the conditions of `--real` in their order, and hands over the table so far after each.
     ///
     /// # Errors
-    /// A pad that cannot be solved.
-    pub fn play_conditions(
+    /// A pad that cannot be solved; what `on_condition` returns.
+    pub fn play_conditions<E: From<StudyError>>(
         &self,
         conditions: &[real::Condition],
         extent: real::Extent,
-        progress: impl Fn(usize, usize) + Sync,
-    ) -> Result<real::RealFindings, StudyError> {
-        Ok(real::RealFindings {
+        mut on_condition: impl FnMut(&real::RealFindings) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut findings = real::RealFindings {
             seed: self.settings.seed,
-            conditions: real::play_all(&self.bench, conditions, extent, progress)?,
+            conditions: Vec::new(),
+        };
+        real::play_all(&self.bench, conditions, extent, |condition| {
+            findings.conditions.push(condition);
+            on_condition(&findings)
         })
     }
 

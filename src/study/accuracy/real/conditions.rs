@@ -7,6 +7,8 @@ use crate::source::Disturbance;
 /// One row of the table.
 #[derive(Clone, Debug)]
 pub struct Condition {
+    /// Its place in the whole table, from 0: its random numbers follow from it, so that it ends alike alone and among others.
+    pub number: usize,
     /// Its name in tables.
     pub name: &'static str,
     /// What disturbs the readings.
@@ -148,29 +150,28 @@ const fn right(share: f64) -> Goal {
 /// Every condition of the table, in its order.
 #[must_use]
 pub fn conditions() -> Vec<Condition> {
-    ROWS.iter()
-        .map(|(name, list, snr_db, hand, goal)| Condition {
-            name,
-            disturbances: list
-                .split(',')
-                .filter_map(|name| name.parse().ok())
-                .collect(),
-            snr_db: *snr_db,
-            hand: *hand,
-            surroundings: Surroundings::Still,
-            goal: *goal,
-        })
-        .chain(
-            SURROUNDED
-                .iter()
-                .map(|(name, surroundings, hand, goal)| Condition {
-                    name,
-                    disturbances: Vec::new(),
-                    snr_db: 60.0,
-                    hand: *hand,
-                    surroundings: *surroundings,
-                    goal: *goal,
-                }),
+    let still = ROWS.iter().map(|(name, list, snr_db, hand, goal)| {
+        (name, *list, *snr_db, Surroundings::Still, hand, goal)
+    });
+    let surrounded = SURROUNDED
+        .iter()
+        .map(|(name, surroundings, hand, goal)| (name, "", 60.0, *surroundings, hand, goal));
+    still
+        .chain(surrounded)
+        .enumerate()
+        .map(
+            |(number, (name, list, snr_db, surroundings, hand, goal))| Condition {
+                number,
+                name,
+                disturbances: list
+                    .split(',')
+                    .filter_map(|name| name.parse().ok())
+                    .collect(),
+                snr_db,
+                hand: *hand,
+                surroundings,
+                goal: *goal,
+            },
         )
         .collect()
 }
@@ -178,16 +179,20 @@ pub fn conditions() -> Vec<Condition> {
 /// A finger and an untouched pad under a user's own disturbances, with white noise beside them.
 #[must_use]
 pub fn own_conditions(disturbances: &[Disturbance], snr_db: f64) -> Vec<Condition> {
-    [("a finger", Hand::Finger), ("untouched", Hand::Untouched)]
-        .map(|(name, hand)| Condition {
-            name,
-            disturbances: disturbances.to_vec(),
-            snr_db,
-            hand,
-            surroundings: Surroundings::Still,
-            goal: Goal::default(),
-        })
-        .to_vec()
+    [
+        (0, "a finger", Hand::Finger),
+        (1, "untouched", Hand::Untouched),
+    ]
+    .map(|(number, name, hand)| Condition {
+        number,
+        name,
+        disturbances: disturbances.to_vec(),
+        snr_db,
+        hand,
+        surroundings: Surroundings::Still,
+        goal: Goal::default(),
+    })
+    .to_vec()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ mod surroundings;
 
 pub use conditions::{Condition, Goal, conditions, own_conditions};
 pub use hand::Hand;
-pub use report::{ConditionFindings, RealFindings};
+pub use report::{ConditionFindings, RealFindings, TABLE_HEADER};
 pub use surroundings::Surroundings;
 
 use std::collections::BTreeMap;
@@ -50,46 +50,43 @@ impl Extent {
     };
 }
 
-/// Plays all conditions.
+/// Sessions that are played at the same time: enough for many cores, few enough that rows come out one after another.
+const SESSIONS_AT_ONCE: usize = 8;
+
+/// Plays all conditions in their order, and hands over each as soon as it is played.
 ///
 /// # Errors
-/// A pad that cannot be solved.
-pub(super) fn play_all(
+/// A pad that cannot be solved; what `on_condition` returns.
+pub(super) fn play_all<E: From<StudyError>>(
     bench: &Bench,
     conditions: &[Condition],
     extent: Extent,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<Vec<ConditionFindings>, StudyError> {
-    let solved = solve_hands(bench, conditions, extent)?;
-    let runs: Vec<(usize, usize)> = (0..conditions.len())
-        .flat_map(|condition| (0..extent.pads).map(move |pad| (condition, pad)))
-        .collect();
-    let played: Vec<Played> = job::solve_in_parallel(
-        &runs,
-        |(index, pad)| {
-            let condition = &conditions[*index];
-            let solved = &solved[&(key(condition), *pad)];
-            let seed = bench
-                .seed
-                .wrapping_mul(1_000_003)
-                .wrapping_add((index * 64 + pad) as u64);
-            play::session(bench, condition, extent, solved, seed)
-        },
-        progress,
-    )?;
-    Ok(conditions
-        .iter()
-        .enumerate()
-        .map(|(index, condition)| {
-            let own: Vec<&Played> = runs
-                .iter()
-                .zip(&played)
-                .filter(|((run, _), _)| *run == index)
-                .map(|(_, played)| played)
-                .collect();
-            ConditionFindings::of(condition, &own)
-        })
-        .collect())
+    mut on_condition: impl FnMut(ConditionFindings) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut solved = BTreeMap::new();
+    for conditions in conditions.chunks(SESSIONS_AT_ONCE.div_ceil(extent.pads)) {
+        solve_hands(bench, conditions, extent, &mut solved)?;
+        let sessions: Vec<(&Condition, usize)> = conditions
+            .iter()
+            .flat_map(|condition| (0..extent.pads).map(move |pad| (condition, pad)))
+            .collect();
+        let played: Vec<Played> = job::solve_in_parallel(
+            &sessions,
+            |(condition, pad)| {
+                let solved = &solved[&(key(condition), *pad)];
+                let seed = bench
+                    .seed
+                    .wrapping_mul(1_000_003)
+                    .wrapping_add((condition.number * 64 + pad) as u64);
+                play::session(bench, condition, extent, solved, seed)
+            },
+            |_, _| (),
+        )?;
+        for (condition, played) in conditions.iter().zip(played.chunks(extent.pads)) {
+            on_condition(ConditionFindings::new(condition, played))?;
+        }
+    }
+    Ok(())
 }
 
 /// Hands and surroundings are compared by their text: their numbers are constants.
@@ -97,27 +94,26 @@ fn key(condition: &Condition) -> String {
     format!("{:?} {:?}", condition.hand, condition.surroundings)
 }
 
-/// Solves every hand in its surroundings on every pad, once.
+/// Solves the hands of these conditions on every pad, each once in its surroundings, and adds them to those solved before.
 fn solve_hands(
     bench: &Bench,
     conditions: &[Condition],
     extent: Extent,
-) -> Result<BTreeMap<(String, usize), Solved>, StudyError> {
-    let hands: BTreeMap<String, &Condition> = conditions
+    solved: &mut BTreeMap<(String, usize), Solved>,
+) -> Result<(), StudyError> {
+    let hands: BTreeMap<(String, usize), &Condition> = conditions
         .iter()
-        .map(|condition| (key(condition), condition))
+        .flat_map(|condition| (0..extent.pads).map(move |pad| ((key(condition), pad), condition)))
+        .filter(|(hand, _)| !solved.contains_key(hand))
         .collect();
-    let jobs: Vec<(String, &Condition, usize)> = hands
-        .into_iter()
-        .flat_map(|(key, condition)| (0..extent.pads).map(move |pad| (key.clone(), condition, pad)))
-        .collect();
-    let solved = job::solve_in_parallel(
-        &jobs,
-        |(_, condition, pad)| solve(bench, condition, *pad, extent),
+    let hands: Vec<_> = hands.into_iter().collect();
+    let new = job::solve_in_parallel(
+        &hands,
+        |((_, pad), condition)| solve(bench, condition, *pad, extent),
         |_, _| (),
     )?;
-    let keys = jobs.into_iter().map(|(key, _, pad)| (key, pad));
-    Ok(keys.zip(solved).collect())
+    solved.extend(hands.into_iter().map(|(hand, _)| hand).zip(new));
+    Ok(())
 }
 
 /// Solves a pad at rest and under each press of a hand. Pad and presses depend on the seed and the pad's number only.

@@ -1,6 +1,6 @@
 //! The table of `gelpad accuracy --real`.
 
-use std::fmt::Write as _;
+use std::fmt;
 
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ pub struct RealFindings {
 }
 
 impl ConditionFindings {
-    pub(super) fn of(condition: &Condition, played: &[&Played]) -> Self {
+    pub(super) fn new(condition: &Condition, played: &[Played]) -> Self {
         let sum = |count: fn(&Played) -> usize| played.iter().map(|one| count(one)).sum::<usize>();
         let errors = |list: fn(&Played) -> &Vec<f64>| {
             Spread::new(played.iter().flat_map(|one| list(one)).copied())
@@ -96,6 +96,32 @@ impl ConditionFindings {
     }
 }
 
+/// The first line of the table.
+pub const TABLE_HEADER: &str = "condition                            missed  (95 %)       late   right   first mm  last mm  false  stuck  longest ms  goal";
+
+impl fmt::Display for ConditionFindings {
+    /// A line of the table.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |share: f64| number(100.0 * share, 1);
+        write!(
+            formatter,
+            "{:<36} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>6} {:>9.0}   {}",
+            self.name,
+            percent(self.missed.share),
+            percent(self.missed.low),
+            percent(self.missed.high),
+            percent(self.late.share),
+            percent(self.counted_right.share),
+            number(self.first_mm.mean, 2),
+            number(self.last_mm.mean, 2),
+            self.false_touches,
+            self.stuck,
+            self.longest_ms,
+            if self.is_met { "met" } else { "NOT MET" },
+        )
+    }
+}
+
 impl RealFindings {
     /// As JSON.
     ///
@@ -103,34 +129,6 @@ impl RealFindings {
     /// None in practice: every value can be written.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self)
-    }
-
-    /// The table as text.
-    #[must_use]
-    pub fn table(&self) -> String {
-        let mut text = String::from(
-            "condition                            missed  (95 %)       late   right   first mm  last mm  false  stuck  longest ms  goal\n",
-        );
-        for row in &self.conditions {
-            let percent = |share: f64| number(100.0 * share, 1);
-            let _ = writeln!(
-                text,
-                "{:<36} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>6} {:>9.0}   {}",
-                row.name,
-                percent(row.missed.share),
-                percent(row.missed.low),
-                percent(row.missed.high),
-                percent(row.late.share),
-                percent(row.counted_right.share),
-                number(row.first_mm.mean, 2),
-                number(row.last_mm.mean, 2),
-                row.false_touches,
-                row.stuck,
-                row.longest_ms,
-                if row.is_met { "met" } else { "NOT MET" },
-            );
-        }
-        text
     }
 }
 

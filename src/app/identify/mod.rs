@@ -1,4 +1,11 @@
-//! Finds a pad from the untouched frames of a source, and writes it as a pad's text.
+//! Identifies a pad from its untouched frames: those of a source for `gelpad pad identify`, those of a game while it is played.
+
+mod in_play;
+mod kept;
+mod untouched;
+
+pub(super) use in_play::Identification;
+pub(crate) use in_play::PadIdentifier;
 
 use toml_edit::{Array, DocumentMut, Item, Table, Value, value};
 
