@@ -1,9 +1,14 @@
 //! A pad is found from its own readings at rest: conductance and electrodes.
 
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::Command;
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::thread::sleep;
+use std::time::Duration;
 
+use gelpad::cache;
 use gelpad::eit::identify::{IdentifyError, identify};
 use gelpad::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm, shipped_pad};
 use gelpad::source::{Noise, SimulatedPad};
@@ -172,4 +177,163 @@ fn the_command_writes_a_pad_that_has_these_readings() {
     assert!(!is_done && said.contains("found.toml exists"), "{said}");
     let (is_done, said) = gelpad(folder.path(), &["pad", "check", "./found.toml"]);
     assert!(is_done, "{said}");
+}
+
+/// The text of a pad with what deviates.
+fn text_of(pad: &Pad) -> String {
+    let mut text = shipped_pad("edinburgh-lattice")
+        .expect("shipped")
+        .toml
+        .to_owned();
+    let electrodes = &pad.deviations.electrodes;
+    let list = |length: fn(&ElectrodeDeviation) -> f64| {
+        let lengths: Vec<String> = electrodes.iter().map(|e| length(e).to_string()).collect();
+        lengths.join(", ")
+    };
+    let cells = pad.deviations.cells.iter();
+    let cells: Vec<String> = cells
+        .map(|([x, y], factor)| format!("[{x:?}, {y:?}, {factor:?}]"))
+        .collect();
+    let _ = write!(
+        text,
+        "\n[found]\nshift_mm = [{}]\nstretch_mm = [{}]\nconductance = [{}]\n",
+        list(|electrode| electrode.shift_mm),
+        list(|electrode| electrode.stretch_mm),
+        cells.join(", ")
+    );
+    text
+}
+
+/// A simulated board on a pseudo-terminal; dropping it ends it.
+struct Board {
+    process: Child,
+    port: PathBuf,
+}
+
+impl Board {
+    fn start(folder: &Path, pad: &str, script: &str) -> Self {
+        std::fs::write(folder.join("script.txt"), script).expect("written");
+        let port = folder.join("board");
+        let process = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+            .current_dir(folder)
+            .args(["device", "--format", "gelpad", "--script", "script.txt"])
+            .args(["--pad", pad, "--port", "board"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("started");
+        while !port.exists() {
+            sleep(Duration::from_millis(5));
+        }
+        Self { process, port }
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let _ = std::fs::remove_file(&self.port);
+    }
+}
+
+/// Plays the board with a cache of this test's own until a message contains each of these texts in turn, for at most a minute. Returns
+/// the messages.
+fn play_until(folder: &Path, more: &[&str], texts: &[&str]) -> Vec<String> {
+    let mut game = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .current_dir(folder)
+        .env(cache::FOLDER_VARIABLE, folder.join("cache"))
+        .args(["play", "--source", "serial:board", "--output", "trace"])
+        .args(["--headless"])
+        .args(more)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    let stderr = game.stderr.take().expect("piped");
+    let (lines_in, lines) = mpsc::channel();
+    let reader = std::thread::Builder::new()
+        .spawn(move || {
+            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                if lines_in.send(line).is_err() {
+                    break;
+                }
+            }
+        })
+        .expect("a thread");
+    let mut said = Vec::new();
+    let mut awaited = texts.iter();
+    let mut next = awaited.next();
+    while let Some(text) = next {
+        match lines.recv_timeout(Duration::from_secs(60)) {
+            Ok(line) => {
+                if line.contains(text) {
+                    next = awaited.next();
+                }
+                said.push(line);
+            }
+            Err(error) => {
+                let _ = game.kill();
+                panic!("no `{text}` ({error}) after {said:#?}");
+            }
+        }
+    }
+    game.kill().expect("ended");
+    let _ = game.wait();
+    reader.join().expect("ended");
+    said
+}
+
+/// The identified pad that a cache keeps.
+fn kept_pad(folder: &Path) -> Pad {
+    let kept: Vec<PathBuf> = std::fs::read_dir(folder.join("cache"))
+        .expect("a cache")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect();
+    let [path] = kept.as_slice() else {
+        panic!("one kept pad: {kept:?}");
+    };
+    let text = std::fs::read_to_string(path).expect("a text");
+    Pad::from_toml("edinburgh-lattice", &text).expect("sound")
+}
+
+/// A folder with a pad as built and a cache with the table of the drawing.
+fn bench() -> (tempfile::TempDir, Pad) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let drawing = drawing("edinburgh-lattice");
+    let table = cache::load_or_solve(&drawing, &|_, _| ()).expect("solvable");
+    cache::store(&table, &folder.path().join("cache")).expect("stored");
+    let truth = built(&drawing);
+    std::fs::write(folder.path().join("built.toml"), text_of(&truth)).expect("written");
+    (folder, truth)
+}
+
+#[test]
+fn a_board_is_identified_in_play_and_known_the_next_time() {
+    let (folder, truth) = bench();
+    let untouched = "t:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    {
+        let _board = Board::start(folder.path(), "./built.toml", untouched);
+        play_until(folder.path(), &[], &["pad identified: its readings are"]);
+        let [cells, shifts] = errors(&kept_pad(folder.path()), &truth);
+        assert!(cells < 0.08 && shifts < 0.3, "{cells} {shifts}");
+        let said = play_until(folder.path(), &[], &["this pad was identified before"]);
+        assert!(!said.concat().contains("pad identified:"), "{said:?}");
+    }
+    // Another board at the same port, whose pad is as drawn, is played as drawn.
+    let _board = Board::start(folder.path(), "edinburgh-lattice", untouched);
+    let said = play_until(folder.path(), &["-vv"], &["readings at rest:"]);
+    assert!(!said.concat().contains("identified"), "{said:?}");
+}
+
+#[test]
+fn a_finger_that_lies_on_the_pad_from_the_start_is_not_kept_as_a_part_of_it() {
+    let (folder, truth) = bench();
+    let lying = "t:0 down 1 30 30\nt:3000 up 1\nt:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    let _board = Board::start(folder.path(), "./built.toml", lying);
+    let twice = ["pad identified:", "pad identified:"];
+    play_until(folder.path(), &[], &twice);
+    let [cells, shifts] = errors(&kept_pad(folder.path()), &truth);
+    assert!(cells < 0.08 && shifts < 0.3, "{cells} {shifts}");
 }
