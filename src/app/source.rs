@@ -91,6 +91,12 @@ pub(crate) fn open_pad_source(
     })
 }
 
+/// The simulated pad with nothing on it.
+pub(crate) fn untouched_pad(pad: &Pad, level: NoiseLevel) -> Result<Box<dyn Source>, AppError> {
+    let rest = Script::parse("untouched", "t:600000 end")?;
+    Ok(Box::new(SimulatedSource::new(pad, &rest, noise(level))?))
+}
+
 /// A touch script from a file, or the built-in level.
 pub(crate) fn load_script(path: Option<&Path>) -> Result<Script, AppError> {
     Ok(match path {

@@ -10,7 +10,7 @@ use super::exit::Ending;
 use crate::app::identify::{FoundPad, describe, identify_pad};
 use crate::app::pads::load_pad;
 use crate::app::services::{NoiseLevel, SourceChoice};
-use crate::app::source::open_pad_source;
+use crate::app::source::{open_pad_source, untouched_pad};
 use crate::files;
 use crate::study::figure::ConductanceMap;
 use crate::types::printable;
@@ -19,17 +19,18 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
     for path in args.output.iter().chain(&args.map) {
         check_new(path, args)?;
     }
-    if matches!(args.source, SourceChoice::Level | SourceChoice::Gamepad) {
-        bail!(
-            "this source has no untouched pad to identify: give serial:PORT, replay:FILE or simulated:SCRIPT"
-        );
+    if args.source == SourceChoice::Gamepad {
+        bail!("a gamepad is no pad to identify: give serial:PORT or replay:FILE");
     }
     let drawing = load_pad(&args.pad)?;
     let level = NoiseLevel {
         snr_db: args.snr,
         seed: args.seed,
     };
-    let mut source = open_pad_source(&args.source, args.board.line(), level, &drawing.pad)?;
+    let mut source = match &args.source {
+        SourceChoice::Level => untouched_pad(&drawing.pad, level)?,
+        choice => open_pad_source(choice, args.board.line(), level, &drawing.pad)?,
+    };
     let found = identify_pad(&drawing, source.as_mut(), args.frames as usize)?;
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", printable(&describe(&found)))?;

@@ -35,8 +35,10 @@ pub(in crate::cli) enum PadCommand {
     #[command(after_help = "\
 Examples:
   gelpad pad identify --source serial:/dev/ttyACM0 -o my-pad.toml     then: gelpad play --pad ./my-pad.toml ...
-  gelpad pad identify --source replay:untouched.csv --map found.png
-  gelpad pad identify --source simulated:touches.txt                  the simulated pad differs by its mesh only
+  gelpad pad identify ./my-pad.toml --source replay:untouched.csv --map found.png
+  gelpad pad identify                                                 the simulated pad differs by its mesh only
+
+`gelpad play` does this on boards while you play; the command shows what was found.
 
 The pad must not be touched. Nothing is written if no pad like the drawing explains the readings.")]
     Identify(IdentifyArgs),
@@ -45,10 +47,10 @@ The pad must not be touched. Nothing is written if no pad like the drawing expla
 #[derive(Args, Debug)]
 pub(in crate::cli) struct IdentifyArgs {
     /// The pad's drawing: a shipped pad, or a file (contains `/` or ends in `.toml`)
-    #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
+    #[arg(default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: serial:PORT, replay:FILE or simulated:SCRIPT
-    #[arg(long, value_parser = source)]
+    /// Where frames come from: serial:PORT, replay:FILE or simulated[:SCRIPT]
+    #[arg(long, default_value = "simulated", value_parser = source)]
     pub source: SourceChoice,
     /// File for the pad as found
     #[arg(short, long, value_name = "FILE.toml")]

@@ -66,7 +66,7 @@ pub enum IdentifyError {
     },
     /// No pad that is built as drawn has such readings.
     #[error(
-        "no pad like {pad} has these readings: as drawn they are {:.0} % off, and still {:.1} % with everything that can differ; check that --pad names the pad that is connected, that its electrodes are wired in order and that nothing touches it",
+        "no pad like {pad} has these readings: as drawn they are {:.0} % off, and still {:.1} % with everything that can differ; check that this is the pad that is connected, that its electrodes are wired in order and that nothing touches it",
         100.0 * .misfit[0],
         100.0 * .misfit[1]
     )]

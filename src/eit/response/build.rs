@@ -192,18 +192,16 @@ impl ResponseBuilder {
         let basis: Vec<f32> = (0..rank)
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
-        let terms = terms.map(|mut solved| {
-            quantized::round(&mut solved, &self.places, rank);
-            self.orbits.expand(&solved, TERMS, &basis)
-        });
+        let mut solved = terms.concat();
+        quantized::round(&mut solved, &self.places, rank);
         ResponseTable {
             key: self.key,
             channels: self.channels,
             rank,
-            basis,
             places: self.places,
+            terms: self.orbits.expand(&solved, TERMS, &basis),
+            basis,
             orbits: self.orbits,
-            terms: terms.concat(),
         }
     }
 

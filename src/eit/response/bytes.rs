@@ -154,10 +154,7 @@ impl ResponseTable {
         if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
             return Err(TableError::OutOfRange);
         }
-        let of_signs: Vec<Vec<f32>> = terms
-            .chunks_exact(terms.len() / signs)
-            .map(|solved| orbits.expand(solved, TERMS, &basis))
-            .collect();
+        let terms = orbits.expand(&terms, TERMS, &basis);
         Ok(Self {
             key: String::from_utf8(key.to_vec()).map_err(|_| TableError::Damaged)?,
             channels,
@@ -165,7 +162,7 @@ impl ResponseTable {
             basis,
             places,
             orbits,
-            terms: of_signs.concat(),
+            terms,
         })
     }
 }

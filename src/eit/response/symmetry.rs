@@ -3,6 +3,8 @@
 //! A touch at the image of a place changes the readings as a touch at the place does, in another order. So the response table
 //! solves one place of each set of images, an eighth of all on a square pad.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::places::Places;
 use super::table::LANES;
 use crate::pad::{Direction, Numbering, Pad, Renumbered};
@@ -91,7 +93,7 @@ impl Orbits {
     }
 
     /// The vectors at all places from those at the solved ones, in the order of the places; `per_place` vectors of the basis's
-    /// rank each. `basis` holds rows of readings.
+    /// rank each. `basis` holds rows of readings. Of `solved`, and so of the result, several such lists may follow each other.
     ///
     /// The order of the sums is fixed: the same bits on every machine.
     ///
@@ -114,14 +116,23 @@ impl Orbits {
                 first
             })
             .collect();
-        let mut all = vec![0.0f32; self.origins.len() * stride];
-        for (place, into) in all.chunks_exact_mut(stride).enumerate() {
+        let lists = solved.len() / end.max(1);
+        let mut all = vec![0.0f32; lists * self.origins.len() * stride];
+        let arch = Arch::new();
+        for (index, into) in all.chunks_exact_mut(stride).enumerate() {
+            let (list, place) = (index / self.origins.len(), index % self.origins.len());
             let (origin, symmetry) = self.origins[place];
-            let from = &solved[first_of[origin]..first_of[origin] + stride];
+            let vectors = &solved[list * end + first_of[origin]..][..stride];
             if origin == place {
-                into.copy_from_slice(from);
+                into.copy_from_slice(vectors);
             } else {
-                turn_vectors(from, &turns[symmetry], rank, into);
+                let columns = &turns[symmetry];
+                arch.dispatch(Turning {
+                    vectors,
+                    columns,
+                    rank,
+                    turned: into,
+                });
             }
         }
         all
@@ -140,26 +151,40 @@ impl Orbits {
     }
 }
 
-/// Vectors times what a symmetry does to coordinates (columns, rank x rank). A few sums of a few vectors are kept in registers: every
-/// start of a game does this for each place.
-fn turn_vectors(vectors: &[f32], columns: &[f32], rank: usize, turned: &mut [f32]) {
-    const VECTORS: usize = 4;
-    for (vectors, turned) in vectors
-        .chunks(VECTORS * rank)
-        .zip(turned.chunks_mut(VECTORS * rank))
-    {
-        for first in (0..rank).step_by(LANES) {
-            let mut sums = [[0.0f32; LANES]; VECTORS];
-            for (index, column) in columns.chunks_exact(rank).enumerate() {
-                let entries: &[f32; LANES] = column[first..].first_chunk().expect("whole lanes");
-                for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(rank)) {
-                    for (sum, entry) in sums.iter_mut().zip(entries) {
-                        *sum += vector[index] * entry;
+/// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. A few sums of
+/// a few vectors are kept in registers, since every start of a game does this for each place.
+struct Turning<'a> {
+    vectors: &'a [f32],
+    /// Rank x rank.
+    columns: &'a [f32],
+    rank: usize,
+    turned: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Turning<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        const VECTORS: usize = 4;
+        let block = VECTORS * self.rank;
+        for (vectors, turned) in self
+            .vectors
+            .chunks(block)
+            .zip(self.turned.chunks_mut(block))
+        {
+            for first in (0..self.rank).step_by(LANES) {
+                let mut sums = [[0.0f32; LANES]; VECTORS];
+                for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
+                    for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(self.rank)) {
+                        for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
+                            *sum += vector[index] * entry;
+                        }
                     }
                 }
-            }
-            for (turned, sums) in turned.chunks_exact_mut(rank).zip(&sums) {
-                turned[first..first + LANES].copy_from_slice(sums);
+                for (turned, sums) in turned.chunks_exact_mut(self.rank).zip(&sums) {
+                    turned[first..first + LANES].copy_from_slice(sums);
+                }
             }
         }
     }
