@@ -1,7 +1,8 @@
 //! `gelpad accuracy --real --identify`: pads that differ from their drawing, located with the drawing, with the pad as found from its readings
-//! at rest ([`crate::eit::identify`]), and with the pad as it is.
+//! at rest ([`crate::eit::identify`]), the same corrected by presses, and with the pad as it is.
 
 mod built;
+mod pressed;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -21,11 +22,14 @@ use crate::study::figure::{ConductanceMap, Figure};
 use crate::study::{StudyError, job};
 use crate::touch::SensingBuilder;
 use built::{BuiltPad, Tolerance};
+use pressed::{Corrected, PRESSES};
 
 /// White noise, dB, proportional to each reading.
 const SNR_DB: f64 = 60.0;
 /// Frames of the untouched pad from which it is identified: a second.
 const REST_FRAMES: usize = 100;
+/// The presses of a calibration have random numbers of their own: streams so far from those of the pads.
+const PRESS_STREAMS: u64 = 50_000;
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
 
@@ -158,8 +162,8 @@ pub struct IdentifyRow {
     pub refused: usize,
     /// Root mean square difference of readings at rest from the model as drawn, and as found, mean over the pads.
     pub misfit: [f64; 2],
-    /// With the drawing, the pad as found, and the pad as it is.
-    pub models: [ModelRow; 3],
+    /// With the drawing, the pad as found, the pad as found corrected by [`pressed::PRESSES`] presses, and the pad as it is.
+    pub models: [ModelRow; 4],
     /// Goal of the mean error with the pad as found, mm.
     pub goal_mm: Option<f64>,
 }
@@ -187,12 +191,12 @@ pub struct IdentifyFindings {
     map: ConductanceMap,
 }
 
-/// One pad, read with three models.
+/// One pad, read with four models.
 struct PadFindings {
     misfit: [f64; 2],
     /// No such pad was found.
     is_refused: bool,
-    models: [Located; 3],
+    models: [Located; 4],
     /// As found, and as it is.
     pads: [Pad; 2],
 }
@@ -230,7 +234,7 @@ pub(super) fn play_all(
             touches: extent.pads * extent.touches,
             refused: own.iter().filter(|found| found.is_refused).count(),
             misfit: [0, 1].map(|k| mean(own.iter().map(|found| found.misfit[k]))),
-            models: [0, 1, 2].map(|model| {
+            models: [0, 1, 2, 3].map(|model| {
                 let located: Vec<&Located> = own.iter().map(|found| &found.models[model]).collect();
                 ModelRow::new(&located)
             }),
@@ -297,13 +301,18 @@ fn locate_on_pad(
         .iter()
         .map(|sensing| sensing.rested(&instrument, seed))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut models: [Located; 3] = Default::default();
+    let own_draws = Draws::new(drawing, bench.seed, stream + PRESS_STREAMS);
+    let mut corrected = Corrected::learn(&built, &instrument, &means, &rested[1], own_draws)?;
+    let mut models: [Located; 4] = Default::default();
     for _ in 0..touches {
         let presses = draws.presses(1)?;
         let (volts, _) = built.specimen.pressed(&built.pad, &presses)?;
         let frame = instrument.frame(&volts, draws.seed());
-        for (rested, located) in rested.iter().zip(&mut models) {
-            let score = Score::new(&presses, &rested.contacts(&frame), REACH_MM * bench.scale);
+        let [drawn, found, true_model] = [0, 1, 2].map(|model| rested[model].contacts(&frame));
+        let pressed = corrected.contacts(&frame, &found);
+        let contacts = [drawn, found, pressed, true_model];
+        for (contacts, located) in contacts.iter().zip(&mut models) {
+            let score = Score::new(&presses, contacts, REACH_MM * bench.scale);
             located.missed += score.missed();
             located.others += score.false_touches;
             located
@@ -377,12 +386,12 @@ impl IdentifyFindings {
     pub fn table(&self) -> String {
         let mut text = format!(
             "One touch at {SNR_DB} dB, seed {}: mean error of place, mm (half a 95 % interval over pads), and misfit of the readings at rest.\n\n\
-             | pad | as drawn | as found | as it is | goal, as found | missed, of | not found | misfit: drawn, found |\n\
-             | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+             | pad | as drawn | as found | and {PRESSES} presses | as it is | goal, as found | missed, of | not found | misfit: drawn, found |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             self.seed
         );
         for row in &self.rows {
-            let [drawn, found, true_model] = &row.models;
+            let [drawn, found, pressed, true_model] = &row.models;
             let figure =
                 |model: &ModelRow| format!("{:.2} ({:.2})", model.mean_mm[0], model.mean_mm[1]);
             let goal = row
@@ -390,10 +399,11 @@ impl IdentifyFindings {
                 .map_or("1.05 x drawn".to_owned(), |goal| format!("{goal:.2}"));
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {goal} | {}, {}, {} of {} | {} | {:.1} %, {:.2} % |",
+                "| {} | {} | {} | {} | {} | {goal} | {}, {}, {} of {} | {} | {:.1} %, {:.2} % |",
                 row.kind,
                 figure(drawn),
                 figure(found),
+                figure(pressed),
                 figure(true_model),
                 drawn.missed,
                 found.missed,
