@@ -221,6 +221,27 @@ fn a_finger_that_lies_there_at_the_start_and_slides_away_leaves_no_ghost() {
     }
 }
 
+/// The first press of a session, which may look like the lift of a finger of the other sign: a very wide finger, or two close together.
+#[test]
+fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
+    let mut retaken = 0;
+    for x_mm in [30.0, 45.0, 60.0] {
+        for y_mm in [35.0, 50.0, 70.0] {
+            let wide = vec![finger([x_mm, y_mm], 15.0, 1.2)];
+            let close = [-6.0, 6.0].map(|off_mm| finger([x_mm + off_mm, y_mm], 7.0, 1.2));
+            for fingers in [wide, close.to_vec()] {
+                let mut bench = Bench::located(60.0, 12);
+                bench.play(&[], 400);
+                bench.play(&fingers, 12);
+                bench.play(&[], 50);
+                retaken += bench.detector.references_retaken();
+                play_once_more(&mut bench);
+            }
+        }
+    }
+    assert!(retaken > 0, "some are taken for a lift at first");
+}
+
 /// Nothing is down, and another press is found in its place.
 fn play_once_more(bench: &mut Bench) {
     assert_eq!(bench.down(), []);

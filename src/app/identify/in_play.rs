@@ -68,8 +68,10 @@ impl PadIdentifier {
     /// Hands over a pad that was identified since the last call, and tells the player.
     pub(crate) fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String)) {
         while let Ok(Change { builder, notice }) = self.changes.try_recv() {
-            if let Some(builder) = builder {
-                running.send_command(PlayCommand::Pad(builder));
+            if let Some(builder) = builder
+                && !running.send_command(PlayCommand::Pad(builder))
+            {
+                tracing::warn!("the engine is busy: the identified pad is not used now");
             }
             say(notice);
         }
@@ -206,9 +208,7 @@ impl Identification {
         if self.is_fixed {
             return Judgement {
                 pad: None,
-                notice: format!(
-                    "{notice}; used from the next start on, since this game is recorded"
-                ),
+                notice: format!("{notice}; not used in this game, since it is recorded"),
             };
         }
         self.in_use = pad.clone();

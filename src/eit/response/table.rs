@@ -91,6 +91,7 @@ impl ResponseTable {
 
     /// One row of the orthonormal basis: relative changes, one per channel.
     #[must_use]
+    #[inline(always)]
     pub fn basis_row(&self, dimension: usize) -> &[f32] {
         &self.basis[dimension * self.channels..(dimension + 1) * self.channels]
     }

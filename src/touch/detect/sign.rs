@@ -96,8 +96,13 @@ enum Tried {
         since_ns: Nanos,
         frames: VecDeque<(Nanos, Vec<f32>)>,
     },
-    /// The lift of a finger that had been lying on the pad: the reference before it.
-    Lift(Box<Reference>),
+    /// The lift of a finger that had been lying on the pad.
+    Lift {
+        /// The reference before it.
+        old: Box<Reference>,
+        /// The sign of touches if it was none: then the pad returns to that reference.
+        otherwise: TouchSign,
+    },
 }
 
 impl Detector {
@@ -148,18 +153,21 @@ impl Detector {
     /// Remembers the reference that is given up because a finger seems to have been lying on the pad.
     pub(super) fn remember_reference(&mut self) {
         if !self.sign.is_known && self.knows_both_signs() && self.sign.tried.is_none() {
-            self.sign.tried = Some(Tried::Lift(Box::new(self.reference.clone())));
+            self.sign.tried = Some(Tried::Lift {
+                old: Box::new(self.reference.clone()),
+                otherwise: self.sign.expected.opposite(),
+            });
         }
     }
 
-    /// Whether the pad is back at the reference that was given up: what was taken for the lift of a finger was a touch of the
-    /// other sign. Then that reference and that sign count again.
+    /// Whether the pad is back at the reference that was given up: what was taken for the lift of a finger was a touch. Then that
+    /// reference counts again, and the sign of that touch.
     pub(super) fn is_back_at_old_reference(
         &mut self,
         frame: &Frame,
         changed: &mut Vec<Touch>,
     ) -> bool {
-        let Some(Tried::Lift(old)) = &self.sign.tried else {
+        let Some(Tried::Lift { old, otherwise }) = &self.sign.tried else {
             return false;
         };
         let (mut from_old, mut from_new, mut count) = (0.0, 0.0, 0.0);
@@ -180,14 +188,14 @@ impl Detector {
         if from_old > BACK_VARIANCES * count || from_old > BACK_SHARE * from_new {
             return false;
         }
-        let old = old.as_ref().clone();
+        let (old, sign) = (old.as_ref().clone(), *otherwise);
         self.lift_all(changed);
         self.reset();
         self.reference = old;
         self.reference.advance(frame.t_ns);
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
-        self.sign.decide(self.sign.expected.opposite());
+        self.sign.decide(sign);
         if let Some(locator) = &mut self.locator {
             locator.expect_sign(self.sign.expected);
         }
@@ -259,9 +267,14 @@ impl Detector {
             return false;
         }
         self.tracker.lift_all(changed);
+        // If the touches were some after all, such as one very wide finger, the pad returns to this reference.
+        let tried = Tried::Lift {
+            old: Box::new(self.reference.clone()),
+            otherwise: self.sign.expected,
+        };
         // The locator follows with the next frame.
         self.sign.expected = sign;
-        self.sign.tried = None;
+        self.sign.tried = Some(tried);
         self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
         true
     }

@@ -4,6 +4,7 @@
 //! finger, and the model's error, a share of each reading's response, counts as noise.
 
 use nalgebra::{Matrix4, Vector4};
+use pulp::{Arch, NullaryFnOnce};
 
 use super::readings::{MODEL_ERROR, PartReadings};
 use crate::eit::ResponseTable;
@@ -15,6 +16,8 @@ const LONGEST_MM: f64 = 6.0;
 const LONGEST: f64 = 0.3;
 /// Standard deviations of log radius and strength between fingers.
 const SPREAD: [f64; 2] = [0.35, 0.3];
+/// Channels that are summed together.
+const LANES: usize = 8;
 /// Smallest strength.
 const LEAST_STRENGTH: f64 = 0.01;
 
@@ -118,16 +121,59 @@ impl FitMemory {
     /// Expands the response and its derivatives at the channels of a part.
     fn expand(&mut self, table: &ResponseTable, readings: &PartReadings) {
         let span = readings.span();
-        let coordinates = std::iter::once(&self.response.value).chain(&self.response.derivatives);
-        for (column, coordinates) in self.columns.iter_mut().zip(coordinates) {
+        for column in &mut self.columns {
             column.clear();
             column.resize(span.len(), 0.0);
-            for (dimension, coordinate) in coordinates.iter().enumerate() {
-                let row = &table.basis_row(dimension)[span.clone()];
-                for (value, basis) in column.iter_mut().zip(row) {
-                    *value += coordinate * basis;
+        }
+        let [x, y, radius, strength] = &self.response.derivatives;
+        Arch::new().dispatch(Expansion {
+            table,
+            first: span.start,
+            coordinates: [&self.response.value, x, y, radius, strength],
+            columns: &mut self.columns,
+        });
+    }
+}
+
+/// Sums over the dimensions of a table, dispatched by processor: only code inlined here is compiled for each. Half of the time of a fit
+/// is spent here, so the sums of a few channels stay in registers.
+struct Expansion<'a> {
+    table: &'a ResponseTable,
+    /// The part's first channel.
+    first: usize,
+    coordinates: [&'a [f32]; 5],
+    columns: &'a mut [Vec<f32>; 5],
+}
+
+impl NullaryFnOnce for Expansion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let channels = self.columns[0].len();
+        let mut done = 0;
+        while done < channels {
+            // The last lanes overlap those before: a channel's sum is the same in any lane.
+            let at = done.min(channels.saturating_sub(LANES));
+            let lanes = LANES.min(channels);
+            let mut sums = [[0.0f32; LANES]; 5];
+            for dimension in 0..self.coordinates[0].len() {
+                let row = &self.table.basis_row(dimension)[self.first + at..];
+                let mut entries = [0.0f32; LANES];
+                match row.first_chunk::<LANES>() {
+                    Some(whole) if lanes == LANES => entries = *whole,
+                    _ => entries[..lanes].copy_from_slice(&row[..lanes]),
+                }
+                for (sums, coordinates) in sums.iter_mut().zip(&self.coordinates) {
+                    for (sum, entry) in sums.iter_mut().zip(&entries) {
+                        *sum += coordinates[dimension] * entry;
+                    }
                 }
             }
+            for (column, sums) in self.columns.iter_mut().zip(&sums) {
+                column[at..at + lanes].copy_from_slice(&sums[..lanes]);
+            }
+            done = at + lanes;
         }
     }
 }
