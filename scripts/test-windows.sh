@@ -23,9 +23,9 @@ started+=($!)
 until [ -s "$work/display" ]; do sleep 0.1; done
 export DISPLAY=:$(cat "$work/display")
 unset WAYLAND_DISPLAY
-wine64 wineboot --init >/dev/null 2>&1
-# One server for all: a program does not wait for a new one.
+# One server for all: a program does not wait for a new one. It must be the first to start.
 wineserver64 -p
+wine64 wineboot --init >/dev/null 2>&1
 
 windows() { scripts/run-in-wine.sh "$exe" "$@"; }
 path() { printf 'Z:%s' "$(realpath -m "$1" | tr / '\\')"; }

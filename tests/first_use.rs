@@ -54,7 +54,9 @@ impl Source for Board {
 
 /// For each matrix: the response table with which it locates touches, if any, and the number of touches at that moment.
 #[derive(Clone, Default)]
-struct Matrices(Arc<Mutex<Vec<(Option<Arc<ResponseTable>>, usize)>>>);
+struct Matrices(Arc<Mutex<Vec<TakenMatrix>>>);
+
+type TakenMatrix = (Option<Arc<ResponseTable>>, usize);
 
 impl Matrices {
     /// The number of touches at each matrix with this table.

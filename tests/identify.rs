@@ -251,7 +251,7 @@ fn play_until(folder: &Path, more: &[&str], texts: &[&str]) -> Vec<String> {
         .spawn()
         .expect("started");
     let stderr = game.stderr.take().expect("piped");
-    let (lines_in, lines) = mpsc::channel();
+    let (lines_in, lines) = mpsc::sync_channel(1000);
     let reader = std::thread::Builder::new()
         .spawn(move || {
             for line in BufReader::new(stderr).lines().map_while(Result::ok) {

@@ -7,8 +7,9 @@
 //! explains are identified again; those that no pad explains leave the drawing in use.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::time::Duration;
+
+use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::kept::KeptPad;
 use super::untouched::{UntouchedFrames, UntouchedWindow};
@@ -34,8 +35,11 @@ const LEAST_SHARE: f64 = 0.01;
 const WORTH_IT: f64 = 0.7;
 /// Time between two judgements at first; it doubles with each, so that a gel that dries is followed, but not all the time.
 const FIRST_PAUSE_NS: Nanos = 4000 * NANOS_PER_MS;
-/// How often a table that is being solved is waited for.
-const POLL: Duration = Duration::from_millis(20);
+/// How often the thread looks for the next window, and for a table that is being solved.
+const POLL: Duration = Duration::from_millis(50);
+/// Windows that may wait to be judged, and results for the game.
+const WINDOWS: usize = 1;
+const CHANGES: usize = 4;
 
 /// What the thread starts from.
 pub(in crate::app) struct Identification {
@@ -61,13 +65,13 @@ struct Change {
 
 /// Receives what the thread finds.
 pub(crate) struct PadIdentifier {
-    changes: Receiver<Change>,
+    changes: Consumer<Change>,
 }
 
 impl PadIdentifier {
     /// Hands over a pad that was identified since the last call, and tells the player.
     pub(crate) fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String)) {
-        while let Ok(Change { builder, notice }) = self.changes.try_recv() {
+        while let Ok(Change { builder, notice }) = self.changes.pop() {
             if let Some(builder) = builder
                 && !running.send_command(PlayCommand::Pad(builder))
             {
@@ -109,8 +113,8 @@ impl Identification {
         method: Method,
         table: Option<Arc<TableInProgress>>,
     ) -> std::io::Result<(Box<dyn StepListener>, PadIdentifier)> {
-        let (windows_in, windows) = sync_channel(1);
-        let (changes_in, changes) = channel();
+        let (windows_in, windows) = RingBuffer::new(WINDOWS);
+        let (changes_in, changes) = RingBuffer::new(CHANGES);
         let listener = UntouchedFrames::new(windows_in, self.drawing.pad.channels());
         std::thread::Builder::new()
             .name("identify".to_owned())
@@ -118,7 +122,7 @@ impl Identification {
                 while table.as_ref().is_some_and(|table| !table.has_ended()) {
                     std::thread::sleep(POLL);
                 }
-                self.run(method, &windows, &changes_in);
+                self.run(method, windows, changes_in);
             })?;
         Ok((Box::new(listener), PadIdentifier { changes }))
     }
@@ -126,15 +130,19 @@ impl Identification {
     fn run(
         mut self,
         method: Method,
-        windows: &Receiver<UntouchedWindow>,
-        changes: &Sender<Change>,
+        mut windows: Consumer<UntouchedWindow>,
+        mut changes: Producer<Change>,
     ) {
         let Ok(threads) = low_priority_threads() else {
             return;
         };
         let mut judged: Vec<f64> = Vec::new();
         let (mut next_ns, mut pause_ns) = (0, FIRST_PAUSE_NS);
-        for window in windows {
+        while !windows.is_abandoned() {
+            let Ok(window) = windows.pop() else {
+                std::thread::sleep(POLL);
+                continue;
+            };
             let (volts, deviations) = medians(&window.frames);
             if window.end_ns < next_ns || !has_changed(&volts, &judged) {
                 continue;
@@ -144,11 +152,11 @@ impl Identification {
                 let builder = pad.and_then(|pad| self.builder(&pad, method));
                 Some(Change { builder, notice })
             });
-            next_ns = window.end_ns + pause_ns;
-            pause_ns *= 2;
+            next_ns = window.end_ns.saturating_add(pause_ns);
+            pause_ns = pause_ns.saturating_mul(2);
             judged = volts;
-            if change.is_some_and(|change| changes.send(change).is_err()) {
-                return;
+            if change.is_some_and(|change| changes.push(change).is_err()) {
+                tracing::warn!("an identified pad was not used: the game was busy");
             }
         }
     }

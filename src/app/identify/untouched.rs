@@ -1,6 +1,6 @@
 //! Collects the frames of an untouched pad during play: a second of them, from one pause or several.
 
-use std::sync::mpsc::SyncSender;
+use rtrb::Producer;
 
 use crate::engine::Input;
 use crate::runtime::{EngineStep, StepListener};
@@ -29,7 +29,7 @@ pub(super) struct UntouchedWindow {
 /// readings are then those of other channels.
 pub(super) struct UntouchedFrames {
     /// None once the source has disconnected.
-    windows: Option<SyncSender<UntouchedWindow>>,
+    windows: Option<Producer<UntouchedWindow>>,
     frames: Vec<Vec<f32>>,
     /// Time that these frames cover.
     covered_ns: Nanos,
@@ -43,7 +43,7 @@ pub(super) struct UntouchedFrames {
 }
 
 impl UntouchedFrames {
-    pub(super) fn new(windows: SyncSender<UntouchedWindow>, channels: usize) -> Self {
+    pub(super) fn new(windows: Producer<UntouchedWindow>, channels: usize) -> Self {
         Self {
             windows: Some(windows),
             frames: Vec::new(),
@@ -80,9 +80,9 @@ impl UntouchedFrames {
                 frames: std::mem::take(&mut self.frames),
                 end_ns: t_ns,
             };
-            if let Some(windows) = &self.windows {
+            if let Some(windows) = &mut self.windows {
                 // While the last window is judged, others are dropped.
-                let _ = windows.try_send(window);
+                let _ = windows.push(window);
             }
         }
     }
@@ -128,13 +128,13 @@ impl StepListener for UntouchedFrames {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::{Receiver, sync_channel};
+    use rtrb::{Consumer, RingBuffer};
 
     use super::*;
     use crate::types::{Contact, Phase, Touch, TouchId};
 
-    fn listener() -> (UntouchedFrames, Receiver<UntouchedWindow>) {
-        let (sender, windows) = sync_channel(1);
+    fn listener() -> (UntouchedFrames, Consumer<UntouchedWindow>) {
+        let (sender, windows) = RingBuffer::new(1);
         (UntouchedFrames::new(sender, 4), windows)
     }
 
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_second_without_touches_is_collected_from_several_pauses() {
-        let (mut listener, windows) = listener();
+        let (mut listener, mut windows) = listener();
         for t in 0..=50 {
             step(&mut listener, &frame(t), &[]);
         }
@@ -180,9 +180,9 @@ mod tests {
         for t in 80..139 {
             step(&mut listener, &frame(t), &[]);
         }
-        assert!(windows.try_recv().is_err(), "0.99 s in all");
+        assert!(windows.pop().is_err(), "0.99 s in all");
         step(&mut listener, &frame(139), &[]);
-        let window = windows.try_recv().expect("a second");
+        let window = windows.pop().expect("a second");
         assert_eq!(window.end_ns, 1_390_000_000);
         let collected: Vec<f32> = window.frames.iter().map(|volts| volts[0]).collect();
         // The frames just before the touch may have been touched already.
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn frames_in_parts_are_put_together_and_incomplete_ones_skipped() {
-        let (mut listener, windows) = listener();
+        let (mut listener, mut windows) = listener();
         let part = |first: usize, frame: u64| {
             Input::Part(Part {
                 t_ns: (frame * 100 + first as u64) * 10_000_000,
@@ -206,18 +206,18 @@ mod tests {
                 step(&mut listener, &part(2, frame), &[]);
             }
         }
-        let window = windows.try_recv().expect("eight whole frames");
+        let window = windows.pop().expect("eight whole frames");
         let whole: Vec<f32> = window.frames.iter().map(|volts| volts[0]).collect();
         assert_eq!(whole, [0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     }
 
     #[test]
     fn a_board_that_was_away_is_not_judged() {
-        let (mut listener, windows) = listener();
+        let (mut listener, mut windows) = listener();
         step(&mut listener, &Input::End { t_ns: 0 }, &[]);
         for t in 0..200 {
             step(&mut listener, &frame(t), &[]);
         }
-        assert!(windows.recv().is_err(), "the sender is gone");
+        assert!(windows.is_abandoned() && windows.pop().is_err());
     }
 }

@@ -49,7 +49,7 @@ pub(in crate::cli) struct IdentifyArgs {
     /// The pad's drawing: a shipped pad, or a file (contains `/` or ends in `.toml`)
     #[arg(default_value = crate::pad::DEFAULT_PAD)]
     pub pad: String,
-    /// Where frames come from: serial:PORT, replay:FILE or simulated[:SCRIPT]
+    /// Where frames come from: `serial:PORT`, `replay:FILE` or `simulated[:SCRIPT]`
     #[arg(long, default_value = "simulated", value_parser = source)]
     pub source: SourceChoice,
     /// File for the pad as found

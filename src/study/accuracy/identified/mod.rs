@@ -162,7 +162,7 @@ pub struct IdentifyRow {
     pub refused: usize,
     /// Root mean square difference of readings at rest from the model as drawn, and as found, mean over the pads.
     pub misfit: [f64; 2],
-    /// With the drawing, the pad as found, the pad as found corrected by [`pressed::PRESSES`] presses, and the pad as it is.
+    /// With the drawing, the pad as found, the pad as found corrected by thirty presses, and the pad as it is.
     pub models: [ModelRow; 4],
     /// Goal of the mean error with the pad as found, mm.
     pub goal_mm: Option<f64>,

@@ -50,10 +50,9 @@ pub struct RealFindings {
 
 impl ConditionFindings {
     pub(super) fn new(condition: &Condition, played: &[Played]) -> Self {
-        let sum = |count: fn(&Played) -> usize| played.iter().map(|one| count(one)).sum::<usize>();
-        let errors = |list: fn(&Played) -> &Vec<f64>| {
-            Spread::new(played.iter().flat_map(|one| list(one)).copied())
-        };
+        let sum = |count: fn(&Played) -> usize| played.iter().map(count).sum::<usize>();
+        let errors =
+            |list: fn(&Played) -> &Vec<f64>| Spread::new(played.iter().flat_map(list).copied());
         let fingers = sum(|one| one.fingers);
         let mut findings = Self {
             name: condition.name.to_owned(),
