@@ -24,6 +24,7 @@ until [ -s "$work/display" ]; do sleep 0.1; done
 export DISPLAY=:$(cat "$work/display")
 unset WAYLAND_DISPLAY
 # One server for all: a program does not wait for a new one. It must be the first to start.
+mkdir "$WINEPREFIX"
 wineserver64 -p
 wine64 wineboot --init >/dev/null 2>&1
 

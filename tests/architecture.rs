@@ -40,7 +40,15 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "study",
-        &["types", "stats", "pad", "eit", "touch", "source"],
+        &[
+            "types",
+            "stats",
+            "pad",
+            "eit",
+            "touch",
+            "source",
+            "calibrate",
+        ],
     ),
     (
         "runtime",

@@ -26,7 +26,7 @@ use crate::source::serial::serial_number;
 use crate::source::{LiveFingers, Source};
 use crate::tape::EngineConfig;
 use crate::touch::SensingBuilder;
-use crate::types::SourceErrors;
+use crate::types::{Method, SourceErrors};
 
 /// A game whose source and output are open; nothing plays yet.
 pub(crate) struct PreparedGame {
@@ -117,40 +117,31 @@ impl PreparedGame {
         };
         let method = choose_method(request.method, &profile, &pad.pad);
         let ((builder, config), table) = match first_use {
-            FirstUse::Wait(progress) => {
-                let config = engine_config(pad, profile, method, correction, progress)?;
-                (config, None)
+            FirstUse::PlayAtOnce(solver) if request.record.is_none() => {
+                let (builder, table) = begin_at_once(solver, &pad.pad, method)?;
+                (
+                    config_with_builder(pad, profile, correction, builder)?,
+                    table,
+                )
             }
-            FirstUse::PlayAtOnce(solver) if request.record.is_some() => {
+            FirstUse::PlayAtOnce(solver) => {
                 solver.wait(&pad.pad);
                 let config = engine_config(pad, profile, method, correction, &|_, _| ())?;
                 (config, None)
             }
-            FirstUse::PlayAtOnce(solver) => {
-                start_workers()?;
-                let (start, builder) = rayon::join(
-                    || solver.start(&pad.pad),
-                    || sensing_by_image(&pad.pad, method),
-                );
-                let (builder, table) = match start.map_err(AppError::Thread)? {
-                    TableStart::Ready(table) => (builder?.with_table(table), None),
-                    TableStart::Solving(table) => (builder?, Some(table)),
-                };
-                let config = config_with_builder(pad, profile, correction, builder)?;
-                (config, table)
+            FirstUse::Wait(progress) => {
+                let config = engine_config(pad, profile, method, correction, progress)?;
+                (config, None)
             }
         };
         let mut listeners = Listeners::start(request, &config, method)?;
-        let identifier = match identification {
-            Some(identification) => {
-                let (listener, identifier) = identification
-                    .start(method, table.clone())
-                    .map_err(AppError::Thread)?;
-                listeners.listeners.push(listener);
-                Some(identifier)
-            }
-            None => None,
-        };
+        let mut identifier = None;
+        if let Some(identification) = identification {
+            let started = identification.start(method, table.clone());
+            let (listener, started) = started.map_err(AppError::Thread)?;
+            listeners.listeners.push(listener);
+            identifier = Some(started);
+        }
         Ok(Self {
             output: match request.output {
                 OutputChoice::Nothing => "nothing".to_owned(),
@@ -212,6 +203,20 @@ impl PreparedGame {
             identifier: self.identifier,
         })
     }
+}
+
+/// Sensing with the response table if it was solved before, else by images until it is.
+fn begin_at_once(
+    solver: &TableSolver,
+    pad: &Pad,
+    method: Method,
+) -> Result<(SensingBuilder, Option<Arc<TableInProgress>>), AppError> {
+    start_workers()?;
+    let (start, builder) = rayon::join(|| solver.start(pad), || sensing_by_image(pad, method));
+    Ok(match start.map_err(AppError::Thread)? {
+        TableStart::Ready(table) => (builder?.with_table(table), None),
+        TableStart::Solving(table) => (builder?, Some(table)),
+    })
 }
 
 /// How the pad of a board is identified, and the pad to start with. A pad that was found by a command, one with a calibration, which was

@@ -9,12 +9,13 @@ use faer::{Mat, Side};
 
 use std::sync::Arc;
 
+use super::LANES;
 use super::derived::DerivedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, Scatterer};
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, LANES, POWERS, ResponseTable, SIGNS, TERMS};
+use super::table::{HALF_RISE, POWERS, ResponseTable, SIGNS, TERMS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 

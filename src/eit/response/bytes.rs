@@ -9,10 +9,11 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
+use super::LANES;
 use super::places::Places;
 use super::quantized;
 use super::symmetry::Orbits;
-use super::table::{LANES, ResponseTable, SIGNS, TERMS};
+use super::table::{ResponseTable, SIGNS, TERMS};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 

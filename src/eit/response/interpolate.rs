@@ -7,8 +7,9 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
+use super::LANES;
 use super::places::{Places, RADII, RADIUS_STEP};
-use super::table::{LANES, POWERS, Response, ResponseTable, SIGNS, TouchModel};
+use super::table::{POWERS, Response, ResponseTable, SIGNS, TouchModel};
 use crate::pad::TouchSign;
 
 impl ResponseTable {

@@ -13,6 +13,9 @@ mod scatter;
 mod symmetry;
 mod table;
 
+/// Dimensions that are summed together; a table's rank is a multiple of it.
+const LANES: usize = 8;
+
 pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
 pub use scatter::Scatterer;

@@ -5,8 +5,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
+use super::LANES;
 use super::places::Places;
-use super::table::LANES;
 use crate::pad::{Direction, Numbering, Pad, Renumbered};
 use crate::types::PointMm;
 

@@ -20,8 +20,6 @@ pub(super) const POWERS: usize = 3;
 pub(super) const TERMS: usize = RADII * POWERS;
 /// Signs of a table: a rise, then a fall.
 pub(super) const SIGNS: usize = 2;
-/// Dimensions that are summed together; a table's rank is a multiple of it.
-pub(super) const LANES: usize = 8;
 
 /// A touch as the table describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +139,7 @@ impl ResponseTable {
 impl ResponseTable {
     /// A small smooth table, 60 x 40 mm, of twelve channels, eight of which respond.
     pub(crate) fn small() -> Self {
-        let (channels, rank) = (12, LANES);
+        let (channels, rank) = (12, super::LANES);
         let places = Places::new([60.0, 40.0]);
         let size = places.len() * TERMS * rank;
         let mut basis = vec![0.0; rank * channels];

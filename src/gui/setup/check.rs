@@ -51,7 +51,6 @@ impl OutputCheck {
         services: &dyn AppServices,
         gamepad: &mut GamepadChecks,
     ) -> Option<UiAction> {
-        let palette = theme::palette_of(ui);
         let send_to = |output| {
             UiAction::Play(PlayRequest {
                 output,
@@ -93,16 +92,22 @@ impl OutputCheck {
             self.received.clear();
         }
         if self.is_running {
-            for output in &playing.view.profile.outputs {
-                let (mark, colour) = if self.received.contains(output) {
-                    ("✔ received", palette.good)
-                } else {
-                    ("… press the pad for", palette.weak)
-                };
-                ui.colored_label(colour, format!("{mark} {}", output_label(*output)));
-            }
-            ui.weak("Gamepad buttons do not reach this window: check them with `gelpad doctor`.");
+            self.list_outputs(ui, playing);
         }
         None
+    }
+
+    /// Which outputs have arrived.
+    fn list_outputs(&self, ui: &mut Ui, playing: &Playing) {
+        let palette = theme::palette_of(ui);
+        for output in &playing.view.profile.outputs {
+            let (mark, colour) = if self.received.contains(output) {
+                ("✔ received", palette.good)
+            } else {
+                ("… press the pad for", palette.weak)
+            };
+            ui.colored_label(colour, format!("{mark} {}", output_label(*output)));
+        }
+        ui.weak("Gamepad buttons do not reach this window: check them with `gelpad doctor`.");
     }
 }

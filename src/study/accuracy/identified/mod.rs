@@ -151,6 +151,15 @@ struct Located {
     others: usize,
 }
 
+impl Located {
+    fn add(&mut self, score: &Score) {
+        self.missed += score.missed();
+        self.others += score.false_touches;
+        let found = score.found.iter().flatten();
+        self.off_mm.extend(found.map(|found| found.off_mm));
+    }
+}
+
 /// Results of one kind of pads.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentifyRow {
@@ -276,9 +285,7 @@ fn locate_on_pad(
         rest: &built.specimen.rest,
     };
     let frames = instrument.frames(&built.specimen.rest, draws.seed(), REST_FRAMES);
-    let means: Vec<f64> = (0..drawing.channels())
-        .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))))
-        .collect();
+    let means = channel_means(&frames);
     let noise = super::noise::share(SNR_DB) / libm::sqrt(REST_FRAMES as f64);
     let identified = identify(drawing, &means, &vec![noise; means.len()]);
     // As in play, a pad that is not found is played with its drawing.
@@ -287,13 +294,10 @@ fn locate_on_pad(
         Err(IdentifyError::OtherPad { misfit, .. }) => (drawing, *misfit),
         Err(error) => return Err(StudyError::refused(error.to_string())),
     };
+    let derived = ResponseBuilder::from_drawing(found, drawn_table(builder)?)?;
     let readers = [
         Sensing::from_pad(drawing, builder.clone())?,
-        sensing_of(
-            found,
-            builder,
-            ResponseBuilder::from_drawing(found, drawn_table(builder)?)?,
-        )?,
+        sensing_of(found, builder, derived)?,
         sensing_of(&built.pad, builder, ResponseBuilder::new(&built.pad)?)?,
     ];
     let seed = draws.seed();
@@ -313,11 +317,7 @@ fn locate_on_pad(
         let contacts = [drawn, found, pressed, true_model];
         for (contacts, located) in contacts.iter().zip(&mut models) {
             let score = Score::new(&presses, contacts, REACH_MM * bench.scale);
-            located.missed += score.missed();
-            located.others += score.false_touches;
-            located
-                .off_mm
-                .extend(score.found.iter().flatten().map(|found| found.off_mm));
+            located.add(&score);
         }
     }
     Ok(PadFindings {
@@ -326,6 +326,14 @@ fn locate_on_pad(
         models,
         pads: [found.clone(), built.with_drawing(drawing)],
     })
+}
+
+/// The mean of each channel over frames.
+fn channel_means(frames: &[Vec<f32>]) -> Vec<f64> {
+    let channels = frames.first().map_or(0, Vec::len);
+    (0..channels)
+        .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))))
+        .collect()
 }
 
 fn drawn_table(builder: &SensingBuilder) -> Result<Arc<ResponseTable>, StudyError> {

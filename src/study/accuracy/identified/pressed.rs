@@ -2,7 +2,6 @@
 
 use super::built::BuiltPad;
 use crate::calibrate::{ModelPrediction, Press, Presses, fit_correction};
-use crate::stats::mean;
 use crate::study::StudyError;
 use crate::study::accuracy::draws::Draws;
 use crate::study::accuracy::noise::Instrument;
@@ -37,9 +36,8 @@ impl Corrected {
             let pressed = draws.presses(1)?;
             let (volts, _) = built.specimen.pressed(&built.pad, &pressed)?;
             let frames = instrument.frames(&volts, draws.seed(), PRESS_FRAMES);
-            let means: Vec<f32> = (0..rest.len())
-                .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))) as f32)
-                .collect();
+            let means = super::channel_means(&frames);
+            let means: Vec<f32> = means.into_iter().map(|volt| volt as f32).collect();
             let [contact] = detector.contacts(&means)[..] else {
                 continue;
             };
