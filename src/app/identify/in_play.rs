@@ -156,7 +156,7 @@ impl Identification {
             pause_ns = pause_ns.saturating_mul(2);
             judged = volts;
             if change.is_some_and(|change| changes.push(change).is_err()) {
-                tracing::warn!("an identified pad was not used: the game was busy");
+                tracing::warn!("the game does not take what was identified");
             }
         }
     }
@@ -188,10 +188,12 @@ impl Identification {
             Err(error) => {
                 let notice = format!("the pad is played as drawn: {error}");
                 let drawing = self.drawing.pad.clone();
-                return Some(match self.in_use == drawing {
-                    true => Judgement { pad: None, notice },
-                    false => self.change_to(drawing, notice),
-                });
+                if self.in_use == drawing {
+                    return Some(Judgement { pad: None, notice });
+                }
+                // Where an electrode is lost, the pad as identified still explains the other readings better.
+                let is_closer = misfit(&drawing, volts).is_ok_and(|as_drawn| as_drawn < own);
+                return is_closer.then(|| self.change_to(drawing, notice));
             }
         };
         if found.misfit[1] > WORTH_IT * own {
