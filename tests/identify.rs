@@ -212,12 +212,17 @@ struct Board {
 
 impl Board {
     fn start(folder: &Path, pad: &str, script: &str) -> Self {
+        Self::with_options(folder, pad, script, &[])
+    }
+
+    fn with_options(folder: &Path, pad: &str, script: &str, options: &[&str]) -> Self {
         std::fs::write(folder.join("script.txt"), script).expect("written");
         let port = folder.join("board");
         let process = Command::new(env!("CARGO_BIN_EXE_gelpad"))
             .current_dir(folder)
             .args(["device", "--format", "gelpad", "--script", "script.txt"])
             .args(["--pad", pad, "--port", "board"])
+            .args(options)
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
@@ -336,4 +341,30 @@ fn a_finger_that_lies_on_the_pad_from_the_start_is_not_kept_as_a_part_of_it() {
     play_until(folder.path(), &[], &twice);
     let [cells, shifts] = errors(&kept_pad(folder.path()), &truth);
     assert!(cells < 0.08 && shifts < 0.3, "{cells} {shifts}");
+}
+
+#[test]
+fn a_pad_is_identified_without_the_readings_of_a_lost_electrode() {
+    let (folder, truth) = bench();
+    let untouched = "t:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    let lost = ["--lose-electrode", "5"];
+    let _board = Board::with_options(folder.path(), "./built.toml", untouched, &lost);
+    let said = play_until(folder.path(), &[], &["pad identified: its readings are"]);
+    assert!(said.concat().contains("electrode 5 is loose"), "{said:?}");
+    let [cells, shifts] = errors(&kept_pad(folder.path()), &truth);
+    assert!(cells < 0.12 && shifts < 0.5, "{cells} {shifts}");
+}
+
+#[test]
+fn a_pad_is_identified_where_nothing_can_be_kept() {
+    let (folder, _) = bench();
+    std::fs::remove_dir_all(folder.path().join("cache")).expect("removed");
+    std::fs::write(folder.path().join("cache"), "a file").expect("written");
+    let untouched = "t:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    let _board = Board::start(folder.path(), "./built.toml", untouched);
+    let in_turn = [
+        "will be identified again",
+        "pad identified: its readings are",
+    ];
+    play_until(folder.path(), &[], &in_turn);
 }

@@ -143,7 +143,11 @@ impl Identification {
                 std::thread::sleep(POLL);
                 continue;
             };
-            let (volts, deviations) = medians(&window.frames);
+            let (mut volts, mut deviations) = medians(&window.frames);
+            for channel in window.left_out {
+                volts[channel] = f64::NAN;
+                deviations[channel] = f64::INFINITY;
+            }
             if window.end_ns < next_ns || !has_changed(&volts, &judged) {
                 continue;
             }

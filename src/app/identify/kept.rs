@@ -51,7 +51,7 @@ impl KeptPad {
             cache::remove(&before, &self.folder);
         }
         let stored = std::fs::create_dir_all(&self.folder)
-            .map_err(|error| error.to_string())
+            .map_err(|error| format!("{}: {error}", self.folder.display()))
             .and_then(|()| {
                 files::write(&self.path, identified.toml.as_bytes()).map_err(|e| e.to_string())
             });

@@ -23,6 +23,8 @@ pub(super) struct UntouchedWindow {
     pub(super) frames: Vec<Vec<f32>>,
     /// Time of the last one.
     pub(super) end_ns: Nanos,
+    /// Channels that the game leaves out, as those of a lost electrode.
+    pub(super) left_out: Vec<usize>,
 }
 
 /// Listens to a game. When the source disconnects it stops for good: a board that is connected again may be turned, and its
@@ -40,6 +42,7 @@ pub(super) struct UntouchedFrames {
     /// The readings so far of a frame that arrives in parts.
     partial: Vec<f32>,
     channels: usize,
+    left_out: Vec<usize>,
 }
 
 impl UntouchedFrames {
@@ -52,6 +55,7 @@ impl UntouchedFrames {
             rests_from_ns: 0,
             partial: Vec::new(),
             channels,
+            left_out: Vec::new(),
         }
     }
 
@@ -79,6 +83,7 @@ impl UntouchedFrames {
             let window = UntouchedWindow {
                 frames: std::mem::take(&mut self.frames),
                 end_ns: t_ns,
+                left_out: self.left_out.clone(),
             };
             if let Some(windows) = &mut self.windows {
                 // While the last window is judged, others are dropped.
@@ -106,6 +111,10 @@ impl StepListener for UntouchedFrames {
                 self.partial.clear();
             }
             Input::Frame(frame) => self.add_frame(frame.t_ns, &frame.volts),
+            Input::Matrix(sensing) => {
+                let channels = 0..sensing.channels();
+                self.left_out = channels.filter(|c| !sensing.uses_channel(*c)).collect();
+            }
             Input::Part(part) => {
                 if part.first == 0 {
                     self.partial.clear();
