@@ -177,6 +177,9 @@ fn the_command_writes_a_pad_that_has_these_readings() {
     assert!(!is_done && said.contains("found.toml exists"), "{said}");
     let (is_done, said) = gelpad(folder.path(), &["pad", "check", "./found.toml"]);
     assert!(is_done, "{said}");
+    // The simulated pad, by default.
+    let (is_done, said) = gelpad(folder.path(), &["pad", "identify"]);
+    assert!(is_done && said.contains("electrodes "), "{said}");
 }
 
 /// The text of a pad with what deviates.

@@ -91,9 +91,11 @@ pub(crate) fn open_pad_source(
     })
 }
 
-/// The simulated pad with nothing on it.
+/// The simulated pad with nothing on it for ten minutes: a script needs a finger, so one follows.
 pub(crate) fn untouched_pad(pad: &Pad, level: NoiseLevel) -> Result<Box<dyn Source>, AppError> {
-    let rest = Script::parse("untouched", "t:600000 end")?;
+    let [x_mm, y_mm] = pad.outline.size_mm().map(|side| side / 2.0);
+    let late = format!("t:600000 down 1 {x_mm} {y_mm}\nt:600100 up 1");
+    let rest = Script::parse("untouched", &late)?;
     Ok(Box::new(SimulatedSource::new(pad, &rest, noise(level))?))
 }
 
