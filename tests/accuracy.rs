@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -163,6 +164,38 @@ fn round_pads_and_other_protocols_are_supported() {
             "{name}: places to compare with the bound"
         );
     }
+}
+
+/// Fingers so wide that two touches nearly explain them: the search once added a touch and removed another without end.
+#[test]
+fn a_very_wide_finger_does_not_end_the_session() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut study = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args([
+            "accuracy",
+            "--real",
+            "--seed",
+            "23",
+            "--only",
+            "radius 15",
+            "--out",
+        ])
+        .arg(folder.path())
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("started");
+    // Five seconds on an idle machine.
+    for _ in 0..1200 {
+        if let Some(status) = study.try_wait().expect("a status") {
+            assert!(status.success(), "{status}");
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    study.kill().expect("killed");
+    panic!("still searching after two minutes");
 }
 
 #[test]

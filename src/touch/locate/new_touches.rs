@@ -89,6 +89,7 @@ impl Locator {
             let Some(peak) = peak.filter(|peak| peak.gain > TEMPLATE_SHARE * least_gain) else {
                 break;
             };
+            let (count, cost) = (self.fit.touches.len(), self.fit.cost);
             if !self.try_add(peak.place_mm, least_gain, noise) {
                 self.refused_cost = rest;
                 break;
@@ -97,6 +98,11 @@ impl Locator {
             // Touches that begin together may first have been fitted as one between them.
             if self.escape_minimum(noise) || self.fit.touches.len() > before + 1 {
                 self.prune(least_gain);
+            }
+            // A touch that only replaces another could be added and removed for ever.
+            if self.fit.touches.len() <= count && self.fit.cost > BETTER_SHARE * cost {
+                self.refused_cost = rest;
+                break;
             }
         }
     }
