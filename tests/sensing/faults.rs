@@ -6,6 +6,9 @@ use gelpad::types::{Frame, Phase};
 
 use crate::bench::{Bench, FRAME_NS, finger, wild};
 
+/// Hands that are played.
+const HANDS: u64 = 80;
+
 #[test]
 fn an_electrode_that_is_off_at_the_start_is_excluded_and_reported() {
     let mut bench = Bench::located(60.0, 1);
@@ -240,6 +243,28 @@ fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
         }
     }
     assert!(retaken > 0, "some are taken for a lift at first");
+}
+
+/// Palms, heels, forearms: up to four wide fingers, which may overlap. Each search ends, and nothing is left down: at the latest half a
+/// second after the last frame that touches explain.
+#[test]
+fn hands_of_any_width_leave_nothing_down() {
+    const SEED: u64 = 2;
+    let mut bench = Bench::located(60.0, SEED);
+    bench.play(&[], 400);
+    for hand in 0..HANDS {
+        let number = |index: usize| f64::from(wild(index, SEED * HANDS + hand));
+        let fingers: Vec<_> = (0..1 + hand as usize % 4)
+            .map(|index| {
+                let centre_mm = [0, 1].map(|axis| 50.0 + 50.0 * number(4 * index + axis));
+                let radius_mm = 15.0 + 7.0 * number(4 * index + 2);
+                finger(centre_mm, radius_mm, 1.6 + 1.4 * number(4 * index + 3))
+            })
+            .collect();
+        bench.play(&fingers, 12);
+        bench.play(&[], 55);
+        assert_eq!(bench.down(), [], "hand {hand}: {fingers:?}");
+    }
 }
 
 /// Nothing is down, and another press is found in its place.
