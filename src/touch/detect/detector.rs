@@ -24,6 +24,8 @@ const YOUNG_FRAMES: u64 = 128;
 const YOUNG_GAINS: f64 = 2.0;
 /// While touches that leave this many times noise and model error are down, the reference is not updated.
 const POLLUTING_REST: f64 = 10.0;
+/// A change of the untouched pad that nothing explains may be a hand that no table knows: for so long the reference does not follow it.
+const SUDDEN_NS: Nanos = 1_000 * NANOS_PER_MS;
 /// A press that is shorter than this leaves the reference as it is: what the model does not know of many short presses would add
 /// up, and the reference drifts little in this time.
 const SHORT_PRESS_NS: Nanos = 300 * NANOS_PER_MS;
@@ -81,6 +83,8 @@ pub struct Detector {
     pub(super) explained_ns: Nanos,
     /// When a touch last went down or up.
     down_changed_ns: Nanos,
+    /// Time of the last frame that left less than [`POLLUTING_REST`].
+    well_explained_ns: Nanos,
     pub(super) frames: u64,
     /// Number of frames when the reference was taken.
     pub(super) referenced_at: u64,
@@ -135,6 +139,7 @@ impl Detector {
             palm_ns: None,
             explained_ns: 0,
             down_changed_ns: 0,
+            well_explained_ns: 0,
             frames: 0,
             referenced_at: 0,
             wanted: None,
@@ -349,8 +354,17 @@ impl Detector {
         }
         // What the touches leave must not become part of the reference.
         let held_ns = frame.t_ns.saturating_sub(self.down_changed_ns);
-        let is_clean = rest < POLLUTING_REST && held_ns >= SHORT_PRESS_NS;
-        if is_clean || self.tracker.down().is_empty() || !self.knows_both_signs() {
+        let is_explained = rest < POLLUTING_REST;
+        if is_explained {
+            self.well_explained_ns = frame.t_ns;
+        }
+        let is_sudden = frame.t_ns.saturating_sub(self.well_explained_ns) < SUDDEN_NS;
+        let is_clean = if self.tracker.down().is_empty() {
+            is_explained || !is_sudden
+        } else {
+            is_explained && held_ns >= SHORT_PRESS_NS
+        };
+        if is_clean || !self.knows_both_signs() {
             self.follow_reference(frame);
         }
     }
