@@ -168,7 +168,7 @@ fn round_pads_and_other_protocols_are_supported() {
 
 /// Fingers so wide that two touches nearly explain them: the search once added a touch and removed another without end.
 #[test]
-fn a_very_wide_finger_does_not_end_the_session() {
+fn the_search_for_a_very_wide_finger_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut study = Command::new(env!("CARGO_BIN_EXE_gelpad"))
         .args([
