@@ -1,6 +1,6 @@
 //! Output files that are written completely or not at all: to a private `NAME.part` first, which is then renamed.
 //!
-//! Only regular files are replaced. `-` and `/dev/stdout` are standard output, and whatever else is no regular file (a
+//! Only regular files are replaced. `-` and `/dev/stdout` are standard output, and whatever else is not a regular file (a
 //! device, a pipe) is written to as it is.
 //!
 //! Invariants: a part file is created, never opened: no link at its place is followed and no other writer's part is
@@ -164,7 +164,7 @@ impl Write for OutputFile {
     }
 }
 
-/// Writes an output that needs to seek; what is no regular file gets a copy of the finished bytes.
+/// Writes an output that needs to seek; what is not a regular file gets a copy of the finished bytes.
 ///
 /// # Errors
 /// The output cannot be written, or `write` fails.

@@ -253,8 +253,8 @@ fn presses_whose_places_do_not_belong_to_their_readings_are_refused() {
 fn what_is_no_calibration_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     for (text, message) in [
-        ("[]", "this is no calibration"),
-        ("{\"format\":\"x\"}", "this is no calibration"),
+        ("[]", "this is not a calibration"),
+        ("{\"format\":\"x\"}", "this is not a calibration"),
     ] {
         std::fs::write(folder.path().join("c.json"), text).expect("written");
         let output = gelpad(

@@ -37,7 +37,7 @@ fn words(name: &str) -> &'static [&'static str] {
     let key = keys().iter().find(|key| key.name == name);
     match key.expect("a key of this name").kind {
         KeyKind::Word(words) => words,
-        _ => panic!("`{name}` is no choice of words"),
+        _ => panic!("`{name}` is not a choice of words"),
     }
 }
 

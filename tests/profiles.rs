@@ -391,6 +391,6 @@ fn the_guide_names_every_key_and_no_other() {
         .collect();
     assert!(unnamed.is_empty(), "{unnamed:?}");
     for name in table.split('`').skip(1).step_by(2) {
-        assert!(name.parse::<Key>().is_ok(), "`{name}` is no key");
+        assert!(name.parse::<Key>().is_ok(), "`{name}` is not a key");
     }
 }

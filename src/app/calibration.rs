@@ -57,7 +57,7 @@ pub(crate) fn load(path: &Path, pad: &Pad) -> Result<Correction, AppError> {
     let text = read_limited(path, MAX_FILE_BYTES)?;
     let file: CalibrationFile = serde_json::from_str(&text).map_err(|error| {
         content_error(format!(
-            "this is no calibration ({error})\n  help: `gelpad calibrate` makes one"
+            "this is not a calibration ({error})\n  help: `gelpad calibrate` makes one"
         ))
     })?;
     if file.format != FORMAT || file.version != VERSION {

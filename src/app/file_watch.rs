@@ -18,7 +18,7 @@ const PERIOD: Duration = Duration::from_millis(33);
 const SETTLE: Duration = Duration::from_millis(20);
 /// Undelivered changes; while the queue is full, further changes wait in the thread.
 const QUEUE: usize = 16;
-/// Larger files are no profiles, bytes.
+/// Larger files are not profiles, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// A file to watch.

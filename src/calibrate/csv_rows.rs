@@ -48,7 +48,7 @@ impl CsvRow<'_> {
     }
 }
 
-/// Reads a text; `name` is the file in messages. `header` says what the titles mean, or `None` if it is no file of this kind.
+/// Reads a text; `name` is the file in messages. `header` says what the titles mean, or `None` if it is not a file of this kind.
 ///
 /// # Errors
 /// A header that is not understood; the first row that is wrong.

@@ -4,12 +4,14 @@
 //! recorded by gelpad have three more columns after the place, `force,model_x_mm,model_y_mm`: the force and place that the
 //! model found. Their differences are relative changes (v - v0) / v0.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 use super::csv_rows::{self, CsvRow};
 use super::error::{FEWEST_PRESSES, PressesError};
 use crate::types::PointMm;
 
+/// Presses lie on one line if their root mean square distance from it is below this share of their spread along it.
+const LINE_SHARE: f64 = 0.01;
 /// Columns of files recorded by gelpad.
 const MODEL_COLUMNS: [&str; 3] = ["force", "model_x_mm", "model_y_mm"];
 
@@ -44,7 +46,7 @@ impl Presses {
     /// Checks presses; `name` is the file in messages.
     ///
     /// # Errors
-    /// Too few presses; rows of different lengths; presses on one line or without any change.
+    /// Too few presses; rows of different lengths; a change that is not a number; presses on one line or without any change.
     pub fn new(name: &str, list: Vec<Press>) -> Result<Self, PressesError> {
         if list.len() < FEWEST_PRESSES {
             return Err(PressesError::TooFew {
@@ -63,6 +65,14 @@ impl Presses {
                 problem: "has other columns than the first row".to_owned(),
             });
         }
+        let is_number = |press: &Press| press.changes.iter().all(|change| change.is_finite());
+        if let Some(odd) = list.iter().position(|press| !is_number(press)) {
+            return Err(PressesError::Row {
+                name: name.to_owned(),
+                line: odd as u64 + 2,
+                problem: "has a change that is not a number".to_owned(),
+            });
+        }
         let presses = Self { list, channels };
         let flat = |problem| {
             Err(PressesError::Flat {
@@ -72,12 +82,7 @@ impl Presses {
         };
         let all: Vec<usize> = (0..presses.len()).collect();
         let places = presses.places(&all);
-        let varies = |axis: usize| {
-            let first = places[(0, axis)];
-            all.iter()
-                .any(|row| (places[(*row, axis)] - first).abs() > 1e-6)
-        };
-        if !varies(0) || !varies(1) {
+        if lie_on_a_line(places.as_ref()) {
             return flat("the presses lie on one line: spread them over the pad");
         }
         if presses
@@ -171,6 +176,23 @@ impl Presses {
             self.list[which[row]].changes[channel]
         })
     }
+}
+
+/// Whether places (presses by 2) lie on one line, in any direction, or all at one point: what they are spread across the line
+/// is below [`LINE_SHARE`] of what they are spread along it.
+fn lie_on_a_line(places: MatRef<'_, f64>) -> bool {
+    let count = places.nrows() as f64;
+    let mean = [0, 1].map(|axis| places.col(axis).sum() / count);
+    let sum = |a: usize, b: usize| -> f64 {
+        let off = |row: usize, axis: usize| places[(row, axis)] - mean[axis];
+        (0..places.nrows())
+            .map(|row| off(row, a) * off(row, b))
+            .sum()
+    };
+    let (xx, xy, yy) = (sum(0, 0), sum(0, 1), sum(1, 1));
+    // The product of the two principal spreads, and their sum.
+    let (determinant, trace) = (xx * yy - xy * xy, xx + yy);
+    determinant <= LINE_SHARE * LINE_SHARE * trace * trace
 }
 
 /// The columns of a file.
@@ -276,10 +298,28 @@ mod tests {
                 format!("x_mm,y_mm,d0\n{}", "1,2,3\n".repeat(9)),
                 "p: the presses lie on one line",
             ),
+            (
+                {
+                    let diagonal: String =
+                        (0..9).map(|i| format!("{i},{},1,{i}\n", 2 * i)).collect();
+                    format!("x_mm,y_mm,d0,d1\n{diagonal}")
+                },
+                "p: the presses lie on one line",
+            ),
         ] {
             let error = Presses::from_csv("p", &text).expect_err(&text).to_string();
             assert!(error.starts_with(message), "{error}");
         }
+    }
+
+    #[test]
+    fn a_change_that_is_not_a_number_is_refused() {
+        let mut list: Vec<Press> = (0..9)
+            .map(|i| press(f64::from(i), f64::from(i * i), &[1.0], false))
+            .collect();
+        list[4].changes[0] = f64::NAN;
+        let error = Presses::new("p", list).expect_err("NaN").to_string();
+        assert!(error.starts_with("p:6: has a change"), "{error}");
     }
 
     #[test]

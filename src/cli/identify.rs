@@ -20,7 +20,7 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         check_new(path, args)?;
     }
     if args.source == SourceChoice::Gamepad {
-        bail!("a gamepad is no pad to identify: give serial:PORT or replay:FILE");
+        bail!("a gamepad cannot be identified as a pad: give serial:PORT or replay:FILE");
     }
     let drawing = load_pad(&args.pad)?;
     let level = NoiseLevel {

@@ -1,4 +1,4 @@
-//! Progress bars on stderr; nothing where stderr is no terminal.
+//! Progress bars on stderr; nothing where stderr is not a terminal.
 
 use std::io::IsTerminal as _;
 

@@ -52,7 +52,7 @@ pub(super) fn summary_text(summary: &SessionSummary) -> String {
             "\n{} of {} were late, by up to {:.0} ms: is the computer busy?",
             summary.late_events,
             counted(summary.events, "event"),
-            summary.latest.as_secs_f64() * 1e3
+            summary.longest_delay.as_secs_f64() * 1e3
         ));
     }
     text

@@ -13,7 +13,7 @@
 use super::noise::median;
 use crate::pad::Protocol;
 
-/// The fault is no single electrode's if the median channel deviates by this share of the worst electrode's mean.
+/// The fault is not that of a single electrode if the median channel deviates by this share of the worst electrode's mean.
 const EVERYWHERE_SHARE: f64 = 0.5;
 /// Frames in a row that must suspect an electrode.
 const SUSPECT_FRAMES: u32 = 2;

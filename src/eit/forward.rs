@@ -54,6 +54,9 @@ pub enum ForwardError {
     /// The mesh is too large for this machine.
     #[error("the mesh is too large to factorise")]
     TooLarge,
+    /// A deformation turns a brick of the body inside out, counted from 0.
+    #[error("the deformation turns brick {} inside out", .0 + 1)]
+    InvertedBrick(usize),
 }
 
 /// A mesh with its contacts, prepared for any conductivity.

@@ -46,6 +46,7 @@ struct Emitter {
 }
 
 impl Emitter {
+    /// Sends events until the engine has ended and all are sent, or [`DRAIN_TIMEOUT`] has passed since.
     fn run(&mut self, mut events: Consumer<Due>) -> Result<(), OutputError> {
         let mut end: Option<Instant> = None;
         loop {
@@ -112,7 +113,7 @@ impl Emitter {
         let late = taken.saturating_duration_since(at);
         report.events += 1;
         report.late += u64::from(late > LATE);
-        report.latest = report.latest.max(late);
+        report.longest_delay = report.longest_delay.max(late);
         report.presses += u64::from(matches!(due.event.action, Action::Press(_)));
     }
 

@@ -62,7 +62,7 @@ const FRAME_QUEUE: usize = 256;
 const EVENT_QUEUE: usize = 1024;
 /// Commands that may wait for the engine.
 const COMMAND_QUEUE: usize = 16;
-/// Longest sleep of any thread, and so the longest delay of a shut-down.
+/// Longest sleep of the threads that a shut-down waits for, and so its longest delay.
 const NAP: Duration = Duration::from_millis(20);
 /// Longest wait for the threads when [`RunningGame`] is dropped without [`RunningGame::join`].
 const LAST_WAIT: Duration = Duration::from_secs(2);
@@ -103,8 +103,8 @@ pub struct SessionSummary {
     pub events: u64,
     /// Events sent more than 4 ms (a quarter of a game's frame) after they were due.
     pub late_events: u64,
-    /// The longest delay of an event after it was due.
-    pub latest: Duration,
+    /// The longest time by which an event was sent after it was due.
+    pub longest_delay: Duration,
     /// Latency of each stage.
     pub stages: StageLatencies,
     /// From a frame's arrival to its events, ns.
@@ -183,7 +183,7 @@ struct OutputReport {
     presses: u64,
     events: u64,
     late: u64,
-    latest: Duration,
+    longest_delay: Duration,
     device_ns: Histogram<u64>,
     frame_to_device_ns: Histogram<u64>,
     error: Option<OutputError>,
@@ -195,7 +195,7 @@ impl Default for OutputReport {
             presses: 0,
             events: 0,
             late: 0,
-            latest: Duration::ZERO,
+            longest_delay: Duration::ZERO,
             device_ns: new_histogram(),
             frame_to_device_ns: new_histogram(),
             error: None,
@@ -371,7 +371,7 @@ impl RunningGame {
             presses: output.presses,
             events: output.events,
             late_events: output.late,
-            latest: output.latest,
+            longest_delay: output.longest_delay,
             stages: engine.times.stages(&emitted),
             frame_to_events_ns: engine.times.frame_to_events_ns,
             frame_to_device_ns: output.frame_to_device_ns,

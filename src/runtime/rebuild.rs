@@ -1,8 +1,8 @@
 //! Builds another reconstruction matrix during play: when an electrode is lost or comes back, when the pad's response table
 //! has been solved, or when the pad has been identified.
 //!
-//! The engine reports which channel deviations it wants a matrix for. The thread here builds it, and the result goes
-//! back to the engine as an input like any other.
+//! The engine reports which channel noise it wants a matrix for. The thread here builds it, and the result goes back to the
+//! engine as an input like any other.
 
 use std::io;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use super::spawn;
 use crate::eit::ResponseTable;
 use crate::touch::{ChannelNoise, Sensing, SensingBuilder};
 
-/// Longest sleep of the thread; a request wakes it earlier.
-const NAP: Duration = Duration::from_millis(500);
+/// Longest sleep of the thread. A request wakes it earlier, and no shut-down waits for it.
+const REBUILD_NAP: Duration = Duration::from_millis(500);
 
 /// Requests that may wait: one for other weights, the response table, which comes once, and an identified pad.
 const QUEUE: usize = 3;
@@ -82,14 +82,14 @@ impl Rebuilder {
     /// Requests a matrix that locates touches with a response table, as all later ones do.
     pub(super) fn add_table(&mut self, table: Arc<ResponseTable>) {
         if !self.push(Request::Table(table)) {
-            tracing::error!("the response table is not used: another one is waiting");
+            tracing::error!("the response table is not used: too many requests are waiting");
         }
     }
 
     /// Requests a matrix of the pad as identified; later ones are built for it too.
     pub(super) fn change_pad(&mut self, builder: Box<SensingBuilder>) {
         if !self.push(Request::Pad(builder)) {
-            tracing::error!("the identified pad is not used: another one is waiting");
+            tracing::error!("the identified pad is not used: too many requests are waiting");
         }
     }
 
@@ -116,60 +116,76 @@ impl Rebuilder {
 
 impl Drop for Rebuilder {
     fn drop(&mut self) {
-        // The thread notices the abandoned queue when it wakes.
+        // The thread ends at its next look at the queue; nothing waits for it.
         self.thread.unpark();
     }
 }
 
 fn build_all(
-    mut builder: SensingBuilder,
+    builder: SensingBuilder,
     mut requests: Consumer<Request>,
     mut built: Producer<Option<Built>>,
     engine: &Thread,
 ) {
-    // The weights of the last matrix; none for those at the start.
-    let mut last_noise: Option<ChannelNoise> = None;
-    let mut is_identified = false;
+    let mut builds = Builds {
+        builder,
+        last_noise: None,
+        is_identified: false,
+    };
     while !requests.is_abandoned() {
         let Ok(request) = requests.pop() else {
-            std::thread::park_timeout(NAP);
+            std::thread::park_timeout(REBUILD_NAP);
             continue;
         };
+        let _ = built.push(builds.answer(request));
+        engine.unpark();
+    }
+}
+
+/// What the next matrix is built from. Only a request that succeeded changes it.
+struct Builds {
+    builder: SensingBuilder,
+    /// The weights of the last matrix; `None` for those at the start.
+    last_noise: Option<ChannelNoise>,
+    is_identified: bool,
+}
+
+impl Builds {
+    /// The matrix of a request; `None`, after a message, if it cannot be built.
+    fn answer(&mut self, request: Request) -> Option<Built> {
         let relocates = !matches!(request, Request::Noise(_));
-        let noise = match request {
-            Request::Noise(noise) => Some(noise),
-            Request::Table(table) => {
-                // An identified pad has a table of its own.
-                if !is_identified {
-                    builder = builder.with_table(table);
-                }
-                last_noise.clone()
-            }
-            Request::Pad(identified) => {
-                builder = *identified;
-                is_identified = true;
-                last_noise.clone()
-            }
+        let what = match &request {
+            Request::Noise(_) => "no matrix without the lost electrodes",
+            Request::Table(_) => "the response table cannot be used",
+            Request::Pad(_) => "the identified pad cannot be used",
         };
+        let (noise, builder, is_identified) = match request {
+            Request::Noise(noise) => (Some(noise), None, self.is_identified),
+            // An identified pad has a table of its own.
+            Request::Table(_) if self.is_identified => (self.last_noise.clone(), None, true),
+            Request::Table(table) => {
+                let builder = self.builder.clone().with_table(table);
+                (self.last_noise.clone(), Some(builder), false)
+            }
+            Request::Pad(identified) => (self.last_noise.clone(), Some(*identified), true),
+        };
+        let used = builder.as_ref().unwrap_or(&self.builder);
         let sensing = match &noise {
-            Some(noise) => builder.build(noise),
-            None => builder.build_initial(),
+            Some(noise) => used.build(noise),
+            None => used.build_initial(),
         };
         let sensing = sensing
-            .inspect_err(|error| {
-                tracing::error!(
-                    "no matrix without the lost electrodes: {error}; the present one is kept"
-                );
-            })
-            .ok();
-        if sensing.is_some() {
-            last_noise = noise;
+            .inspect_err(|error| tracing::error!("{what}: {error}; the present matrix is kept"))
+            .ok()?;
+        self.last_noise = noise;
+        self.is_identified = is_identified;
+        if let Some(builder) = builder {
+            self.builder = builder;
         }
-        let _ = built.push(sensing.map(|sensing| Built {
+        Some(Built {
             sensing: Arc::new(sensing),
             relocates,
-        }));
-        engine.unpark();
+        })
     }
 }
 
@@ -191,6 +207,24 @@ mod tests {
             std::thread::park_timeout(Duration::from_millis(10));
         }
         None
+    }
+
+    #[test]
+    fn a_pad_that_cannot_be_used_changes_nothing() {
+        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
+        let shipped = Pad::from_toml("p", text).expect("sound");
+        let builder = SensingBuilder::new(&shipped, Method::default()).expect("solvable");
+        let mut builds = Builds {
+            builder: builder.clone(),
+            last_noise: Some(vec![f64::INFINITY; shipped.channels()].into()),
+            is_identified: false,
+        };
+        // Without any channel, no matrix can be built for the identified pad either.
+        assert!(builds.answer(Request::Pad(Box::new(builder))).is_none());
+        assert!(!builds.is_identified, "a later table must be used");
+        let all = vec![1e-3; shipped.channels()];
+        let built = builds.answer(Request::Noise(all.into())).expect("a matrix");
+        assert!(!built.relocates);
     }
 
     #[test]

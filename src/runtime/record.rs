@@ -115,7 +115,7 @@ pub fn check_recording(path: &Path, existing: ExistingFile) -> Result<(), Record
         Ok(target) if target.is_file() => Ok(()),
         _ if found.is_file() => Ok(()),
         _ => Err(refused(
-            "it is no regular file\n  help: a recording needs a file, since it is compressed when it ends",
+            "it is not a regular file\n  help: a recording needs a file, since it is compressed when it ends",
         )),
     }
 }

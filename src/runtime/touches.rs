@@ -1,6 +1,6 @@
-//! Sends touches as TUIO, on a thread of its own. If the queue is full, a frame is omitted, as UDP may lose one too.
+//! Sends touches as TUIO, on a thread of its own. If the queue is full, a frame is omitted: UDP may lose frames anyway.
 
-use std::thread::Thread;
+use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -19,13 +19,15 @@ struct TouchFrame {
 }
 
 struct TouchSender {
-    frames: Producer<TouchFrame>,
-    thread: Thread,
-    /// The touches that were sent last.
+    /// `None` only while the sender is dropped.
+    frames: Option<Producer<TouchFrame>>,
+    /// `None` only while the sender is dropped.
+    thread: Option<JoinHandle<()>>,
+    /// The touches of the last frame in the queue.
     last: Vec<Touch>,
 }
 
-/// A listener that sends the touches of every frame. Its thread ends when it is dropped.
+/// A listener that sends the touches of every frame. When it is dropped, its thread has sent that no touch is down, and ended.
 ///
 /// # Errors
 /// The system cannot start a thread.
@@ -33,8 +35,8 @@ pub fn send_touches(tuio: Tuio) -> std::io::Result<Box<dyn StepListener>> {
     let (frames_in, frames) = RingBuffer::new(FRAME_QUEUE);
     let thread = spawn("tuio", move || send_all(tuio, frames))?;
     Ok(Box::new(TouchSender {
-        frames: frames_in,
-        thread: thread.thread().clone(),
+        frames: Some(frames_in),
+        thread: Some(thread),
         last: Vec::new(),
     }))
 }
@@ -64,18 +66,44 @@ impl StepListener for TouchSender {
             Input::Rezero { t_ns } | Input::End { t_ns } => *t_ns,
             _ => return,
         };
-        self.last.clear();
-        self.last.extend_from_slice(step.touches);
-        let _ = self.frames.push(TouchFrame {
-            t_ns,
-            down: step.touches.to_vec(),
-        });
-        self.thread.unpark();
+        let (Some(frames), Some(thread)) = (&mut self.frames, &self.thread) else {
+            return;
+        };
+        let down = step.touches.to_vec();
+        if frames.push(TouchFrame { t_ns, down }).is_ok() {
+            self.last.clear();
+            self.last.extend_from_slice(step.touches);
+        }
+        thread.thread().unpark();
     }
 }
 
 impl Drop for TouchSender {
     fn drop(&mut self) {
-        self.thread.unpark();
+        // Abandoned before the thread wakes, so that it ends at once.
+        self.frames = None;
+        if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::UdpSocket;
+
+    use super::*;
+
+    #[test]
+    fn a_receiver_has_learned_that_no_touch_is_down_when_the_sender_is_dropped() {
+        let receiver = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        let address = receiver.local_addr().expect("bound").to_string();
+        let tuio = Tuio::connect(&address, [100.0, 100.0]).expect("an address");
+        drop(send_touches(tuio).expect("a thread"));
+        receiver.set_nonblocking(true).expect("a socket");
+        let length = receiver.recv(&mut [0; 2048]).expect("a last bundle");
+        assert!(length > 0);
     }
 }

@@ -11,7 +11,7 @@ use crate::types::{FrameAssembler, Part};
 const MEASURED_FRAMES: usize = 20;
 /// The largest step as a share of the standard deviation.
 const MOST_STEP: f32 = 1.0;
-/// The largest step as a share of a reading: a finger that moves in the first frames is no noise.
+/// The largest step as a share of a reading: a finger that moves in the first frames is not noise.
 const MOST_SHARE: f32 = 1.0 / 512.0;
 /// Median of the absolute difference of two readings, as a share of their standard deviation.
 const MEDIAN_DIFFERENCE: f32 = 0.954;

@@ -70,7 +70,7 @@ impl ImageLocator {
     }
 
     /// Finds the contacts of an image: those that continue a touch, each touch once, and others that are strong enough for a
-    /// new touch. Returns whether the image is that of an untouched pad.
+    /// new touch. Returns whether the image is that of an untouched pad; if so, the noise follows its highest value.
     pub(super) fn contacts(
         &mut self,
         image: &Image,
@@ -101,9 +101,14 @@ impl ImageLocator {
         }
         let is_quiet = contacts.is_empty() && highest < doubt * stay.0;
         if is_quiet {
-            self.noise_peak += NOISE_FOLLOW * (highest - self.noise_peak);
+            self.follow_noise(highest);
         }
         is_quiet
+    }
+
+    /// Moves the level of the noise towards the highest value of an untouched pad's image.
+    fn follow_noise(&mut self, highest: f32) {
+        self.noise_peak += NOISE_FOLLOW * (highest - self.noise_peak);
     }
 
     /// If the image shows a palm, replaces the contacts by those of the image, with the parts of the palm merged into one.

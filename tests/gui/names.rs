@@ -92,7 +92,7 @@ fn the_keyboard_reaches_every_control_and_comes_back() {
             );
             order.push(id);
         }
-        // Fields in closed parts and lists are no controls of the tree.
+        // Fields in closed parts and lists are not controls of the tree.
         let reached = order.len();
         assert!(reached * 10 >= total * 9, "{view}: {reached} of {total}");
     }

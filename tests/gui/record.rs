@@ -99,7 +99,7 @@ fn a_file_that_cannot_be_read_says_why() {
     for _ in 0..100 {
         std::thread::sleep(std::time::Duration::from_millis(10));
         stage.steps(1);
-        if stage.shows("this is no recording") {
+        if stage.shows("this is not a recording") {
             return;
         }
     }

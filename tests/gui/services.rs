@@ -169,7 +169,7 @@ impl AppServices for TestServices {
 
     fn load_timeline(&self, file: &Path, _: &PlayRequest) -> Result<RecordingTimeline, String> {
         let tape = self.tape.lock().expect("no panic").take();
-        tape.ok_or_else(|| format!("{}: this is no recording", file.display()))
+        tape.ok_or_else(|| format!("{}: this is not a recording", file.display()))
     }
 
     fn calibration_places(&self, _: &Pad, count: usize) -> Vec<PointMm> {

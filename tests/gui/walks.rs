@@ -1,5 +1,5 @@
 //! Ways through the window from an empty home, counted in actions: a click, a text that is typed, a key. Presses of the pad that the
-//! window asks for are no actions. The way of a gamer into a real game is that of `tests/game`: three clicks.
+//! window asks for are not actions. The way of a gamer into a real game is that of `tests/game`: three clicks.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};

@@ -35,7 +35,7 @@ fn step(now: &mut Control, line: &str) -> Result<(), String> {
     now.t_ns = nanos_from_ms(time.ok_or("begins with no time")?);
     let number = |index: usize| -> Result<f32, String> {
         let word = words.get(index).ok_or("too short")?;
-        word.parse().map_err(|_| format!("{word} is no number"))
+        word.parse().map_err(|_| format!("{word} is not a number"))
     };
     let part = || -> Result<GamepadPart, String> {
         let word = words.get(2).ok_or("names no part")?;
@@ -51,7 +51,7 @@ fn step(now: &mut Control, line: &str) -> Result<(), String> {
         (Some("plug"), _) => now.present = true,
         (Some(word @ ("press" | "release")), _) => {
             let GamepadPart::Button(button) = part()? else {
-                return Err("is no button".to_owned());
+                return Err("is not a button".to_owned());
             };
             now.buttons = match word {
                 "press" => now.buttons.with(button),

@@ -30,7 +30,7 @@ struct Port {
     /// Product name from USB.
     product: String,
     accessible: bool,
-    /// Processes that have it open: id and name.
+    /// Processes that have it open: id and name. Those of other users are only visible to root.
     holders: Vec<(String, String)>,
 }
 
@@ -113,7 +113,7 @@ fn judge_port(port: &Port) -> CheckLine {
     if !port.accessible {
         return CheckLine::wrong(
             path,
-            format!("{product}: no read permission"),
+            format!("{product}: no permission to read and write"),
             "sudo usermod -aG dialout $USER, then log in again",
         );
     }

@@ -60,7 +60,12 @@ pub(super) fn of_electrodes(pad: &Pad) -> Result<Mat<f64>, ForwardError> {
             let volts = volts_with(pad, electrodes)?;
             let column = slopes.col_mut(way * count + index);
             for (slope, (volt, rest)) in column.iter_mut().zip(volts.iter().zip(&rest)) {
-                *slope = (volt - rest) / (rest * STEP_MM);
+                // A reading that is 0 by symmetry has no relative change.
+                *slope = if *rest == 0.0 {
+                    0.0
+                } else {
+                    (volt - rest) / (rest * STEP_MM)
+                };
             }
         }
     }

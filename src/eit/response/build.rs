@@ -15,24 +15,25 @@ use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, Scatterer};
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, POWERS, ResponseTable, SIGNS, TERMS};
+use super::table::{HALF_RISE, POWERS, ResponseTable, SIGNS};
+use super::terms::Terms;
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
-/// Part of the key; raised whenever the same pad gives another table for another reason than a changed constant, which is
-/// part of the key too ([`solver_constants`]).
+/// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
+/// show.
 const VERSION: u32 = 3;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
-/// Radii that are solved; the outermost two are extrapolated.
+/// Radii that are solved; the smallest and the largest are extrapolated from them.
 const SOLVED: usize = RADII - 2;
 /// Samples per place: radii x signs x strengths.
 const SAMPLES: usize = SOLVED * SIGNS * POWERS;
 /// Dimensions with less than this share of the responses' energy are left out: 90 dB below the total.
 const LEAST_SHARE: f64 = 1e-9;
-/// A table has up to this many dimensions, ...
+/// A table has up to this many dimensions, unless those left out hold more than [`LARGEST_REST`].
 const USUAL_DIMENSIONS: usize = 72;
-/// ... and more while those left out hold more than this share of the energy: a square pad of 16 electrodes needs 72, of 32
+/// Dimensions are added while those left out hold more than this share of the energy: a square pad of 16 electrodes needs 72, of 32
 /// 168. With 72 of those 168, a quarter of the response of the large readings was missing.
 const LARGEST_REST: f64 = 4e-6;
 
@@ -200,9 +201,8 @@ impl ResponseBuilder {
             channels: self.channels,
             rank,
             places: self.places,
-            terms: self.orbits.expand(&solved, TERMS, &basis),
+            terms: Terms::new(solved, rank, self.orbits, &basis),
             basis,
-            orbits: self.orbits,
         }
     }
 
@@ -216,13 +216,13 @@ impl ResponseBuilder {
         let chosen: Vec<&[f32]> = samples.step_by(5).collect();
         for batch in chosen.chunks(256) {
             // Normalised: otherwise touches near electrodes, the strongest, would dominate.
-            let length = |sample: &[f32]| {
+            let energy_of = |sample: &[f32]| {
                 let square: f32 = sample.iter().map(|change| change * change).sum();
                 f64::from(square).max(f64::MIN_POSITIVE)
             };
             let lengths: Vec<f64> = batch
                 .iter()
-                .map(|sample| libm::sqrt(length(sample)))
+                .map(|sample| libm::sqrt(energy_of(sample)))
                 .collect();
             let matrix = Mat::from_fn(self.channels, batch.len(), |channel, sample| {
                 f64::from(batch[sample][channel]) / lengths[sample]

@@ -14,6 +14,7 @@ use super::places::Places;
 use super::quantized;
 use super::symmetry::Orbits;
 use super::table::{ResponseTable, SIGNS, TERMS};
+use super::terms::Terms;
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
@@ -49,7 +50,8 @@ impl ResponseTable {
     /// The table as bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let packed = quantized::pack(self.solved_terms(), &self.places, self.rank);
+        let solved = self.terms.solved();
+        let packed = quantized::pack(solved.iter(), &self.places, self.rank);
         let packed = packed.filter(|_| self.has_both_signs());
         let magic = match packed {
             Some(_) => MAGIC,
@@ -76,20 +78,11 @@ impl ResponseTable {
         floats(&mut self.basis.iter());
         match packed {
             Some(packed) => bytes.extend_from_slice(&packed),
-            None => floats(&mut self.solved_terms()),
+            None => floats(&mut solved.iter()),
         }
         let sum = CRC.checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
         bytes
-    }
-
-    /// The terms at the places that the others follow from.
-    fn solved_terms(&self) -> impl Iterator<Item = &f32> {
-        let stride = TERMS * self.rank;
-        let places = self.terms.chunks_exact(stride).enumerate();
-        places
-            .filter(|(index, _)| self.orbits.is_solved(index % self.places.len()))
-            .flat_map(|(_, terms)| terms)
     }
 
     /// Reads and checks a table of a pad.
@@ -155,15 +148,13 @@ impl ResponseTable {
         if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
             return Err(TableError::OutOfRange);
         }
-        let terms = orbits.expand(&terms, TERMS, &basis);
         Ok(Self {
             key: String::from_utf8(key.to_vec()).map_err(|_| TableError::Damaged)?,
             channels,
             rank,
+            terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
-            orbits,
-            terms,
         })
     }
 }
@@ -192,7 +183,8 @@ mod tests {
 
     fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
         let table = ResponseTable::small();
-        ResponseTable::read(bytes, table.places, table.orbits, SIGNS, table.channels)
+        let orbits = Orbits::none(&table.places, table.channels);
+        ResponseTable::read(bytes, table.places, orbits, SIGNS, table.channels)
     }
 
     /// The small table's bytes with some replaced, and a checksum that is right again.
@@ -208,7 +200,10 @@ mod tests {
     /// The small table with terms as a solver rounds them.
     fn rounded() -> ResponseTable {
         let mut table = ResponseTable::small();
-        quantized::round(&mut table.terms, &table.places, table.rank);
+        let mut terms = table.terms.solved().to_vec();
+        quantized::round(&mut terms, &table.places, table.rank);
+        let orbits = Orbits::none(&table.places, table.channels);
+        table.terms = Terms::new(terms, table.rank, orbits, &table.basis);
         table
     }
 

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::scatter::LinearResponses;
-use super::table::{POWERS, ResponseTable, SIGNS, TERMS};
+use super::table::{POWERS, ResponseTable, SIGNS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 
@@ -49,9 +49,8 @@ impl DerivedResponses {
         let mut coordinates = vec![0.0; table.rank];
         let mut response = vec![0.0; table.channels];
         for sign in 0..SIGNS {
-            let first =
-                ((sign * table.places.len() + place) * TERMS + radius * POWERS) * table.rank;
-            let terms = &table.terms[first..first + POWERS * table.rank];
+            let first = radius * POWERS * table.rank;
+            let terms = &table.terms.at(sign, place)[first..first + POWERS * table.rank];
             for strength in strengths {
                 sum_powers(&mut coordinates, terms, *strength);
                 table.expand(&coordinates, &mut response);

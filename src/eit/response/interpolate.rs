@@ -9,7 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
 use super::places::{Places, RADII, RADIUS_STEP};
-use super::table::{POWERS, Response, ResponseTable, SIGNS, TouchModel};
+use super::table::{POWERS, Response, ResponseTable, TouchModel};
 use crate::pad::TouchSign;
 
 impl ResponseTable {
@@ -23,8 +23,8 @@ impl ResponseTable {
 /// The sums of [`ResponseTable::respond`], dispatched by processor: only code inlined here is compiled for each.
 pub(super) struct Interpolation<'a> {
     table: &'a ResponseTable,
-    /// The terms of the touch's sign.
-    terms: &'a [f32],
+    /// The terms of the touch's sign at the sixteen places around it, row by row.
+    terms: [&'a [f32]; 16],
     size: SizeWeights,
     across: Cubic,
     up: Cubic,
@@ -45,16 +45,19 @@ impl<'a> Interpolation<'a> {
         let [x, y] = touch.centre_mm;
         let pitch_mm = table.places.pitch_mm;
         let margin = table.places.margin as f64;
-        let terms = match touch.sign {
-            TouchSign::Fall if table.has_both_signs() => &table.terms[table.terms.len() / SIGNS..],
-            _ => &table.terms,
-        };
+        let sign = usize::from(touch.sign == TouchSign::Fall && table.has_both_signs());
+        let across = Cubic::at(x / pitch_mm + margin, table.places.columns).per(pitch_mm);
+        let up = Cubic::at(y / pitch_mm + margin, table.places.rows).per(pitch_mm);
+        let terms = std::array::from_fn(|index| {
+            let (row, column) = (up.first + index / 4, across.first + index % 4);
+            table.terms.at(sign, row * table.places.columns + column)
+        });
         Self {
             table,
             terms,
             size: SizeWeights::new(touch, &table.places),
-            across: Cubic::at(x / pitch_mm + margin, table.places.columns).per(pitch_mm),
-            up: Cubic::at(y / pitch_mm + margin, table.places.rows).per(pitch_mm),
+            across,
+            up,
             response,
         }
     }
@@ -75,14 +78,12 @@ impl NullaryFnOnce for Interpolation<'_> {
         } = self;
         let rank = table.rank;
         let radius_stride = POWERS * rank;
-        let place_stride = RADII * radius_stride;
         // A few dimensions at a time, so that the sums stay in registers.
         for first in (0..rank).step_by(LANES) {
             let mut sums = [[0.0f32; LANES]; 5];
-            for index in 0..16 {
+            let start = size.first_radius * radius_stride + first;
+            for (index, terms) in terms.iter().enumerate() {
                 let (j, i) = (index / 4, index % 4);
-                let place = (up.first + j) * table.places.columns + across.first + i;
-                let start = place * place_stride + size.first_radius * radius_stride + first;
                 let [value, by_radius, by_strength] =
                     response_at(&terms[start..], rank, &size.terms);
                 let weights = [

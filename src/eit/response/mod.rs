@@ -12,6 +12,7 @@ mod quantized;
 mod scatter;
 mod symmetry;
 mod table;
+mod terms;
 
 /// Dimensions that are summed together; a table's rank is a multiple of it.
 const LANES: usize = 8;

@@ -3,9 +3,6 @@
 //! A touch at the image of a place changes the readings as a touch at the place does, in another order. So the response table
 //! solves one place of each set of images, an eighth of all on a square pad.
 
-use pulp::{Arch, NullaryFnOnce};
-
-use super::LANES;
 use super::places::Places;
 use crate::pad::{Direction, Numbering, Pad, Renumbered};
 use crate::types::PointMm;
@@ -38,39 +35,62 @@ struct Symmetry {
     readings: Vec<usize>,
 }
 
+/// The place that another one follows from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Origin {
+    /// The least of the images of the place, which is solved.
+    place: usize,
+    /// Its number among the solved places.
+    pub(super) solved: usize,
+    /// The symmetry that maps it to the place.
+    pub(super) symmetry: usize,
+}
+
 /// Which places of a table follow from which.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orbits {
     symmetries: Vec<Symmetry>,
-    /// For each place the least of its images, and the symmetry that maps that one to it.
-    origins: Vec<(usize, usize)>,
+    /// For each place.
+    origins: Vec<Origin>,
+    /// Number of solved places.
+    solved: usize,
 }
 
 impl Orbits {
     /// The orbits of a grid of places on a pad.
     pub(super) fn new(pad: &Pad, places: &Places) -> Self {
+        let conductor = Conductor::sampled(pad);
         let symmetries: Vec<Symmetry> = TURNS
             .iter()
             .filter(|turn| **turn == TURNS[0] || pad.deviations.is_none())
-            .filter_map(|turn| Symmetry::new(*turn, pad))
+            .filter_map(|turn| Symmetry::new(*turn, pad, &conductor))
             .filter(|symmetry| {
                 (0..places.len()).all(|index| symmetry.image(index, pad, places).is_some())
             })
             .collect();
-        let mut origins: Vec<(usize, usize)> = (0..places.len()).map(|index| (index, 0)).collect();
+        let mut origins: Vec<Option<Origin>> = vec![None; places.len()];
+        let mut solved = 0;
         for least in 0..places.len() {
-            if origins[least].0 != least {
+            if origins[least].is_some() {
                 continue;
             }
+            let origin = |symmetry| Origin {
+                place: least,
+                solved,
+                symmetry,
+            };
+            origins[least] = Some(origin(0));
             for (number, symmetry) in symmetries.iter().enumerate() {
                 if let Some(image) = symmetry.image(least, pad, places).filter(|at| *at > least) {
-                    origins[image] = (least, number);
+                    origins[image] = Some(origin(number));
                 }
             }
+            solved += 1;
         }
         Self {
             symmetries,
-            origins,
+            origins: origins.into_iter().flatten().collect(),
+            solved,
         }
     }
 
@@ -81,66 +101,43 @@ impl Orbits {
                 turn: TURNS[0],
                 readings: (0..channels).collect(),
             }],
-            origins: (0..places.len()).map(|place| (place, 0)).collect(),
+            origins: (0..places.len())
+                .map(|place| Origin {
+                    place,
+                    solved: place,
+                    symmetry: 0,
+                })
+                .collect(),
+            solved: places.len(),
         }
     }
 
     /// Number of solved places.
     pub(super) fn solved(&self) -> usize {
-        (0..self.origins.len())
-            .filter(|place| self.is_solved(*place))
-            .count()
+        self.solved
     }
 
-    /// The vectors at all places from those at the solved ones, in the order of the places; `per_place` vectors of the basis's
-    /// rank each. `basis` holds rows of readings. Of `solved`, and so of the result, several such lists may follow each other.
-    ///
-    /// The order of the sums is fixed: the same bits on every machine.
-    ///
-    /// # Panics
-    /// If the rank is no multiple of [`LANES`].
-    pub(super) fn expand(&self, solved: &[f32], per_place: usize, basis: &[f32]) -> Vec<f32> {
-        let turns: Vec<Vec<f32>> = self
-            .symmetries
-            .iter()
+    /// Number of places.
+    pub(super) fn len(&self) -> usize {
+        self.origins.len()
+    }
+
+    /// What each symmetry does to coordinates in a basis (rows of readings): columns of a matrix, rank x rank.
+    pub(super) fn turned_bases(&self, basis: &[f32]) -> Vec<Vec<f32>> {
+        let symmetries = self.symmetries.iter();
+        symmetries
             .map(|symmetry| symmetry.turned_basis(basis))
-            .collect();
-        let channels = self.symmetries[0].readings.len();
-        let rank = basis.len() / channels;
-        let stride = per_place * rank;
-        let mut end = 0;
-        let first_of: Vec<usize> = (0..self.origins.len())
-            .map(|place| {
-                let first = end;
-                end += if self.is_solved(place) { stride } else { 0 };
-                first
-            })
-            .collect();
-        let lists = solved.len() / end.max(1);
-        let mut all = vec![0.0f32; lists * self.origins.len() * stride];
-        let arch = Arch::new();
-        for (index, into) in all.chunks_exact_mut(stride).enumerate() {
-            let (list, place) = (index / self.origins.len(), index % self.origins.len());
-            let (origin, symmetry) = self.origins[place];
-            let vectors = &solved[list * end + first_of[origin]..][..stride];
-            if origin == place {
-                into.copy_from_slice(vectors);
-            } else {
-                let columns = &turns[symmetry];
-                arch.dispatch(Turning {
-                    vectors,
-                    columns,
-                    rank,
-                    turned: into,
-                });
-            }
-        }
-        all
+            .collect()
+    }
+
+    /// What a place follows from.
+    pub(super) fn origin(&self, place: usize) -> Origin {
+        self.origins[place]
     }
 
     /// Whether a place is solved.
     pub(super) fn is_solved(&self, place: usize) -> bool {
-        self.origins[place].0 == place
+        self.origins[place].place == place
     }
 
     /// The order of the readings under each symmetry.
@@ -151,61 +148,16 @@ impl Orbits {
     }
 }
 
-/// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. A few sums of
-/// a few vectors are kept in registers, since every start of a game does this for each place.
-struct Turning<'a> {
-    vectors: &'a [f32],
-    /// Rank x rank.
-    columns: &'a [f32],
-    rank: usize,
-    turned: &'a mut [f32],
-}
-
-impl NullaryFnOnce for Turning<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        const VECTORS: usize = 4;
-        let block = VECTORS * self.rank;
-        for (vectors, turned) in self
-            .vectors
-            .chunks(block)
-            .zip(self.turned.chunks_mut(block))
-        {
-            for first in (0..self.rank).step_by(LANES) {
-                let mut sums = [[0.0f32; LANES]; VECTORS];
-                for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
-                    for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(self.rank)) {
-                        for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
-                            *sum += vector[index] * entry;
-                        }
-                    }
-                }
-                for (turned, sums) in turned.chunks_exact_mut(self.rank).zip(&sums) {
-                    turned[first..first + LANES].copy_from_slice(sums);
-                }
-            }
-        }
-    }
-}
-
 impl Symmetry {
     /// The symmetry of a turn; `None` if it does not map the pad onto itself.
-    fn new(turn: Turn, pad: &Pad) -> Option<Self> {
+    fn new(turn: Turn, pad: &Pad, conductor: &Conductor) -> Option<Self> {
         let [width, height] = pad.outline.size_mm();
         let same_mm = SAME * width.max(height);
         let swaps_sides = turn[0][0] == 0.0;
         if swaps_sides && (width - height).abs() > same_mm {
             return None;
         }
-        let point = |i: usize, j: usize| {
-            [(i, width), (j, height)].map(|(k, side)| (k as f64 + 0.5) / SAMPLES as f64 * side)
-        };
-        let is_conductor_kept = (0..SAMPLES * SAMPLES).all(|index| {
-            let point = point(index / SAMPLES, index % SAMPLES);
-            pad.conducts_at(point) == pad.conducts_at(turned(turn, point, pad))
-        });
+        let is_conductor_kept = conductor.is_kept_by(turn);
         let numbering = is_conductor_kept.then(|| renumbering(turn, pad, same_mm))??;
         let readings = Renumbered::new(&pad.protocol, numbering)?
             .board_indices()
@@ -234,6 +186,30 @@ impl Symmetry {
     /// The place to which a place is mapped, if it is one of the grid.
     fn image(&self, index: usize, pad: &Pad, places: &Places) -> Option<usize> {
         places.index_at(turned(self.turn, places.at_mm(index), pad))
+    }
+}
+
+/// Where a pad has conductor: [`SAMPLES`] x [`SAMPLES`] points, evenly spaced within its box.
+struct Conductor(Vec<bool>);
+
+impl Conductor {
+    fn sampled(pad: &Pad) -> Self {
+        let [width, height] = pad.outline.size_mm();
+        let at = |sample: usize, side: f64| (sample as f64 + 0.5) / SAMPLES as f64 * side;
+        let points = (0..SAMPLES * SAMPLES)
+            .map(|index| [at(index / SAMPLES, width), at(index % SAMPLES, height)]);
+        Self(points.map(|point| pad.conducts_at(point)).collect())
+    }
+
+    /// Whether a turn about the centre, which maps the points onto each other, maps conductor to conductor.
+    fn is_kept_by(&self, turn: Turn) -> bool {
+        // Twice the distance from the centre, in samples: a whole number.
+        let middle = SAMPLES as f64 - 1.0;
+        (0..SAMPLES * SAMPLES).all(|index| {
+            let off = [index / SAMPLES, index % SAMPLES].map(|at| 2.0 * at as f64 - middle);
+            let [i, j] = turn.map(|row| (row[0] * off[0] + row[1] * off[1] + middle) / 2.0);
+            self.0[index] == self.0[i as usize * SAMPLES + j as usize]
+        })
     }
 }
 
@@ -298,7 +274,7 @@ mod tests {
         let solved = (0..places.len()).filter(|place| orbits.is_solved(*place));
         assert!(solved.count() < places.len() / 6);
         for place in 0..places.len() {
-            assert!(orbits.is_solved(orbits.origins[place].0));
+            assert!(orbits.is_solved(orbits.origins[place].place));
         }
     }
 }

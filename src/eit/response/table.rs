@@ -5,7 +5,7 @@
 //! smaller than the model error.
 
 use super::places::{Places, RADII};
-use super::symmetry::Orbits;
+use super::terms::Terms;
 use crate::eit::cholesky::add_scaled;
 use crate::pad::TouchSign;
 use crate::types::PointMm;
@@ -59,10 +59,8 @@ pub struct ResponseTable {
     /// Rank x channels, rows orthonormal: coordinates times the basis are relative changes.
     pub(super) basis: Vec<f32>,
     pub(super) places: Places,
-    /// Which places follow from which by symmetry: bytes hold the others only.
-    pub(super) orbits: Orbits,
-    /// Signs x places x radii x powers of the strength x rank. Tables of the first version hold one sign, that of the pad.
-    pub(super) terms: Vec<f32>,
+    /// Of each sign at each place. Tables of the first version hold one sign, that of the pad.
+    pub(super) terms: Terms,
 }
 
 /// A response and its derivatives, in the table's coordinates.
@@ -116,7 +114,7 @@ impl ResponseTable {
     /// Whether the table has responses of rising and falling touches; otherwise only those of the pad's sign.
     #[must_use]
     pub fn has_both_signs(&self) -> bool {
-        self.terms.len() == SIGNS * self.places.len() * TERMS * self.rank
+        self.terms.signs() == SIGNS
     }
 
     /// Converts coordinates to relative changes, one per channel.
@@ -134,6 +132,9 @@ impl ResponseTable {
         }
     }
 }
+
+#[cfg(test)]
+use super::symmetry::Orbits;
 
 #[cfg(test)]
 impl ResponseTable {
@@ -158,14 +159,14 @@ impl ResponseTable {
                 (sign * wave * 1e-3 / (1.0 + power as f64)) as f32
             })
             .collect();
+        let orbits = Orbits::none(&places, channels);
         Self {
             key: "small".to_owned(),
             channels,
             rank,
+            terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
-            orbits: Orbits::none(&places, channels),
-            terms,
         }
     }
 }

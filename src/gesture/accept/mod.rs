@@ -159,8 +159,9 @@ impl Accept {
         self.watched.push(watched);
     }
 
+    /// A touch goes down: a finger that returns goes on, any other is watched in the state that size, place and settings give.
     fn down(&mut self, t_ns: Nanos, touch: &Touch, at_mm: PointMm, layout: &Layout) {
-        if self.take_back(t_ns, touch.id, at_mm) {
+        if self.resume_lifted(t_ns, touch.id, at_mm) {
             return;
         }
         let place = layout.topmost(at_mm);
@@ -195,8 +196,9 @@ impl Accept {
         self.watch(watched);
     }
 
-    /// Whether a touch is a finger that has just lifted nearby: a tremor, not a new touch.
-    fn take_back(&mut self, t_ns: Nanos, id: TouchId, at_mm: PointMm) -> bool {
+    /// If the touch is a finger that has just lifted nearby (a tremor, not a new touch), that finger goes on under its new id, and
+    /// counts if its waiting time ended meanwhile. Returns whether it did.
+    fn resume_lifted(&mut self, t_ns: Nanos, id: TouchId, at_mm: PointMm) -> bool {
         let settings = &self.settings;
         let returning = self.watched.iter_mut().find(|one| {
             let is_away = matches!(

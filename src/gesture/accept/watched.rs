@@ -9,7 +9,7 @@ pub(in crate::gesture) struct AcceptedTouch {
     pub id: TouchId,
     /// The place of a part of a gamepad; none for a finger.
     pub part: Option<usize>,
-    /// Of a part of a gamepad: share of its travel.
+    /// Place on the pad, mm. Of a part of a gamepad, whose travel has no length: share of its travel, -1 to 1.
     pub at_mm: PointMm,
     /// 0..1 of the person's range.
     pub force: f64,

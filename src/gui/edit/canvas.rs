@@ -67,19 +67,18 @@ impl EditView {
             ui.ctx().set_cursor_icon(cursor(grip));
         }
         if response.clicked() || response.drag_started() {
-            let pressed_at = ui.input(|input| input.pointer.press_origin());
-            let hit = pressed_at
-                .or(response.interact_pointer_pos())
-                .and_then(|at| canvas.grip_at(at));
-            match hit {
-                Some((index, grip)) => {
+            let pressed_at = ui
+                .input(|input| input.pointer.press_origin())
+                .or(response.interact_pointer_pos());
+            match pressed_at.and_then(|at| Some((at, canvas.grip_at(at)?))) {
+                Some((from, (index, grip))) => {
                     let region = &canvas.profile.regions[index];
                     self.select_region(&region.name);
                     self.drag = response.drag_started().then(|| Drag {
                         region: region.name.clone(),
                         grip,
                         shape: region.shape.clone(),
-                        from: pressed_at.unwrap_or_default(),
+                        from,
                     });
                 }
                 None => self.selected = None,

@@ -284,7 +284,7 @@ mod tests {
             (
                 "stimulation = \"adjacent\"",
                 "stimulation = \"adjacant\"",
-                "`adjacant` is no stimulation pattern",
+                "`adjacant` is not a stimulation pattern",
                 "\"adjacant\"",
             ),
             (
@@ -345,7 +345,7 @@ mod tests {
             (
                 "\"adjacent\"",
                 "\"skip-18446744073709551615\"",
-                "`skip-18446744073709551615` is no stimulation pattern",
+                "`skip-18446744073709551615` is not a stimulation pattern",
             ),
         ];
         for (from, to, message) in cases {

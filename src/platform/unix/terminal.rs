@@ -95,7 +95,7 @@ fn wait_for(file: BorrowedFd<'_>, wanted: PollFlags, wait: Duration) -> Result<b
     Ok(found.intersects(wanted))
 }
 
-/// The commands in what one read of a raw terminal returned. Escape sequences, as of arrow keys, are no commands.
+/// The commands in what one read of a raw terminal returned. Escape sequences, as of arrow keys, are not commands.
 fn commands(bytes: &[u8]) -> Vec<KeyCommand> {
     const ESCAPE: u8 = 0x1b;
     if bytes.first() == Some(&ESCAPE) && bytes.len() > 1 {

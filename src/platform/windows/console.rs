@@ -16,7 +16,7 @@ pub fn prepare() {
             continue;
         }
         let mut mode = 0;
-        // SAFETY: `mode` outlives the call; a handle that is no console is refused.
+        // SAFETY: `mode` outlives the call; a handle that is not a console is refused.
         if unsafe { GetConsoleMode(handle, &raw mut mode) } != 0 {
             // SAFETY: as above. Consoles before Windows 10 refuse, and colours stay off.
             unsafe { SetConsoleMode(handle, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) };

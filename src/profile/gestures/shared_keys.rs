@@ -5,7 +5,7 @@ use crate::profile::keys::{CountKey, MM, NumberKey, Table, count, define_keys, n
 
 define_keys! {
     pub(super) TAPPING_TERM_MS: NumberKey = time_ms("tapping_term_ms", 200.0, "a touch that lifts sooner is a tap");
-    pub(super) SLOP_MM: NumberKey = number("slop_mm", Table::Setting, MM, 8.0, "a touch that moves this far is no tap and no hold");
+    pub(super) SLOP_MM: NumberKey = number("slop_mm", Table::Setting, MM, 8.0, "a touch that moves this far is neither a tap nor a hold");
     pub(super) WAYS: CountKey = count("ways", Table::Binding, (4, 8), 4, "number of directions: 4 or 8");
     pub(super) FINGERS: CountKey = count("fingers", Table::Binding, (1, 10), 1, "touches that move together or are down at once");
     pub(super) DEAD_ZONE: NumberKey = number("dead_zone", Table::Binding, (0.0, 0.95, "of the way"), 0.2, "nothing happens nearer to the centre, or below this force");

@@ -20,7 +20,7 @@ impl EngineThread {
         }
     }
 
-    /// Counts the time from the last frame to one at `t_ns`; a longer silence is no part of the frame rate.
+    /// Counts the time from the last frame to one at `t_ns`; a longer silence is not part of the frame rate.
     pub(super) fn count_time(&mut self, t_ns: Nanos) {
         if let Some(last_ns) = self.last_end_ns.replace(t_ns)
             && let Some(step_ns) = t_ns.checked_sub(last_ns)

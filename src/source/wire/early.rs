@@ -2,7 +2,7 @@
 //!
 //! A line is the proof of its numbers: only when it ends is it known how they are separated, how many there are, and that none was
 //! cut. So the numbers of a line are handed up while it arrives only if reading the line before in the same way gave exactly its
-//! values. A word that is no number ends that for the rest of its line.
+//! values. A word that is not a number ends that for the rest of its line.
 //!
 //! Invariant: what is handed up of a line are its first values, in order and once.
 
@@ -19,7 +19,7 @@ pub(super) struct EarlyWords {
     values: Vec<f32>,
     /// Values that were handed up.
     handed_up: usize,
-    /// A word of the line is no number.
+    /// A word of the line is not a number.
     is_odd: bool,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct WordRule<'a> {
     pub(super) is_separator: &'a dyn Fn(u8) -> bool,
     /// Whether several separators in a row are one.
     pub(super) may_repeat: bool,
-    /// The number of the word with this index; none if it is no number.
+    /// The number of the word with this index; none if it is not a number.
     pub(super) parse: &'a dyn Fn(usize, &str) -> Option<f32>,
 }
 

@@ -67,7 +67,7 @@ impl ProtocolStudy {
     /// Validates the settings.
     ///
     /// # Errors
-    /// An invalid pad; a noise or an accuracy that is no positive number.
+    /// An invalid pad; a noise or an accuracy that is not a positive number.
     pub fn new(settings: ProtocolSettings) -> Result<Self, StudyError> {
         // Reports a mistake at its place in the user's text.
         super::parse_pad(&settings.pad, &settings.pad_toml)?;
@@ -75,7 +75,7 @@ impl ProtocolStudy {
         let pad = super::parse_pad(&settings.pad, &text)?;
         if !(settings.keep_mm > 0.0 && settings.keep_mm.is_finite()) {
             return Err(StudyError::refused(format!(
-                "--keep {} is no error of place: give millimetres above zero",
+                "--keep {} is not an error of place: give millimetres above zero",
                 settings.keep_mm
             )));
         }

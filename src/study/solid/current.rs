@@ -109,8 +109,10 @@ impl CurrentModel {
         let mut values = vec![0.0; self.system.entries()];
         for (brick, (entries, sigma)) in self.entries.iter().zip(conductivity_s_per_m).enumerate() {
             for point in gauss_points(&self.bricks.corners_of(brick, places_mm)) {
-                if point.volume_mm3 <= 0.0 {
-                    return Err(ForwardError::Disconnected);
+                // NaN is not above zero either.
+                let is_sound = point.volume_mm3 > 0.0;
+                if !is_sound {
+                    return Err(ForwardError::InvertedBrick(brick));
                 }
                 let siemens_mm2 = sigma * point.volume_mm3 * M_PER_MM;
                 add_conductance(&mut values, entries, siemens_mm2, &point.gradients);
@@ -141,7 +143,7 @@ impl CurrentModel {
                 let gradient = gradient_at(place.into());
                 let swell = gradient.determinant();
                 let inverse = gradient.try_inverse().filter(|_| swell > 0.0);
-                let inverse = inverse.ok_or(ForwardError::Disconnected)?;
+                let inverse = inverse.ok_or(ForwardError::InvertedBrick(brick))?;
                 let siemens_mm2 = sigma * swell * point.volume_mm3 * M_PER_MM;
                 let carried = inverse.tr_mul(&point.gradients);
                 add_conductance(&mut values, entries, siemens_mm2, &carried);
@@ -150,26 +152,22 @@ impl CurrentModel {
         self.transfer(places_mm, values)
     }
 
-    /// Adds the contacts to the bricks' entries, factorises and solves.
+    /// Adds the contacts to the bricks' entries, factorises, and solves for 1 A into each electrode but the last, which is
+    /// ground: the potentials of the electrodes.
     fn transfer(
         &self,
         places_mm: &[Point],
         mut values: Vec<f64>,
     ) -> Result<Transfer, ForwardError> {
         self.add_contacts(places_mm, &mut values);
-        let factor = self
-            .system
-            .factorise(&values)
-            .map_err(|_| ForwardError::Disconnected)?;
+        let factor = self.system.factorise(&values)?;
         let nodes = self.bricks.nodes_mm.len();
         let ground = self.contacts.len() - 1;
         let mut fields = Mat::<f64>::zeros(nodes + ground, ground);
         for electrode in 0..ground {
             fields[(nodes + electrode, electrode)] = 1.0;
         }
-        factor
-            .solve_in_place(fields.as_mut())
-            .map_err(|_| ForwardError::TooLarge)?;
+        factor.solve_in_place(fields.as_mut())?;
         Ok(Transfer {
             ohm: fields.get(nodes.., ..).to_owned(),
         })

@@ -6,7 +6,7 @@
 
 /// Parts of at most this many nodes are not dissected.
 const LEAF: usize = 48;
-/// Least share of the nodes in each part.
+/// Least share of the nodes in the smaller part and the separating plane together.
 const LEAST_SHARE: f64 = 0.3;
 
 /// The nodes in the order of elimination, from their grid indices.

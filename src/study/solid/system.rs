@@ -10,6 +10,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
+use crate::eit::ForwardError;
+
 /// Cost of a factorisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Size {
@@ -30,6 +32,15 @@ pub(super) enum SystemError {
     /// Too little memory, or more entries than an index can count.
     #[error("the system is too large for the memory of this machine")]
     TooLarge,
+}
+
+impl From<SystemError> for ForwardError {
+    fn from(error: SystemError) -> Self {
+        match error {
+            SystemError::Singular => Self::Disconnected,
+            SystemError::TooLarge => Self::TooLarge,
+        }
+    }
 }
 
 /// The sparsity pattern of a system and its symbolic factorisation.

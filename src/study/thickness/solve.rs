@@ -179,15 +179,21 @@ impl TouchResult {
     ) -> Self {
         let pairs = || rest.iter().zip(touched);
         let rose = pairs().filter(|(v, t)| t.abs() > v.abs()).count();
+        let fell = pairs().filter(|(v, t)| t.abs() < v.abs()).count();
+        // A reading that is 0 by symmetry has no relative change.
+        let relative = || {
+            let readings = pairs().filter(|(v, _)| **v != 0.0);
+            readings.map(|(v, t)| (t - v) / v)
+        };
         Self {
             depth_mm: depth.mm,
             share: depth.share,
             force_n,
             height_share,
             change: mean(pairs().map(|(v, t)| (t - v).abs())),
-            relative: mean(pairs().map(|(v, t)| ((t - v) / v).abs())),
-            signed: mean(pairs().map(|(v, t)| (t - v) / v)),
-            rose_fell: [rose, rest.len() - rose],
+            relative: mean(relative().map(f64::abs)),
+            signed: mean(relative()),
+            rose_fell: [rose, fell],
         }
     }
 }

@@ -280,7 +280,7 @@ fn variants(settings: &WidthSettings) -> Result<Vec<Variant>, StudyError> {
     Ok(std::iter::once(solid).chain(lattices).collect())
 }
 
-/// The voltages with the conductivity at a level (S/m) where the pad is touched, V/A in 2-D units.
+/// The readings with the conductivity at a level (S/m) where the pad is touched: volts per ampere, in 2-D units.
 fn volts(
     pad: &Pad,
     model: &ForwardModel,
@@ -302,10 +302,15 @@ impl Change {
         let noise = 10f64.powf(-SNR_DB / 20.0);
         let [_, full_scale] = range(rest.iter().map(|volt| volt.abs()));
         let pairs = || rest.iter().zip(touched).map(|(v, t)| (v, t - v));
+        // A reading that is 0 by symmetry has no relative change.
+        let relative = || {
+            let readings = pairs().filter(|(v, _)| **v != 0.0);
+            readings.map(|(v, dv)| dv / v)
+        };
         Self {
             absolute: mean(pairs().map(|(_, dv)| dv.abs())),
-            relative: mean(pairs().map(|(v, dv)| (dv / v).abs())),
-            over_proportional_noise: rms(pairs().map(|(v, dv)| dv / v / noise)),
+            relative: mean(relative().map(f64::abs)),
+            over_proportional_noise: rms(relative().map(|change| change / noise)),
             over_full_scale_noise: rms(pairs().map(|(_, dv)| dv / full_scale / noise)),
         }
     }

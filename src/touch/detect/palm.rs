@@ -23,7 +23,7 @@ const GONE_NS: Nanos = 100 * NANOS_PER_MS;
 impl Detector {
     /// Whether a frame shows a palm. If so, the contacts of the image replace the located ones.
     pub(super) fn is_under_palm(&mut self, rest: f64, t_ns: Nanos) -> bool {
-        // Where the table covers all fingers, what they explain this well is no palm.
+        // Where the table covers all fingers, what they explain this well is not a palm.
         let are_fingers = self.knows_both_signs() && rest < FINGERS_REST;
         let heavy = !are_fingers
             && self

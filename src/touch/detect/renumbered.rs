@@ -84,7 +84,7 @@ impl BoardNumbering {
 }
 
 /// Deviation of nearly all readings from the reference, after their common gain, in deviations of their noise. `None` if most
-/// are no numbers.
+/// are not numbers.
 fn misfit(volts: &[f32], reference: &Reference, ratios: &mut Vec<f32>) -> Option<f32> {
     ratios.clear();
     let used = || (0..volts.len()).filter(|channel| !reference.is_muted(*channel));

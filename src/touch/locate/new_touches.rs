@@ -22,16 +22,16 @@ const OUTERMOST_SHARE: f64 = 0.97;
 /// A touch whose centre lies outside the pad or within [`LEAST_DEPTH_MM`] of its edge leaves less than this many times noise
 /// and model error: the contact of an electrode that comes loose resembles such a touch, but less well.
 const EDGE_REST: f64 = 3.0;
-/// While channels are excluded, it must explain this many times as much as another new touch: near a lost electrode the edge is
-/// hardly seen.
+/// While channels are excluded, a new touch at the edge must explain this many times as much as another one: near a lost
+/// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
 /// Two touches must explain more than one odd finger by this many times what a new touch must explain.
 const ODD_GAINS: f64 = 0.1;
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
-/// Below this distance, the second touch must explain most of what the first leaves, ...
+/// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
 const NEAR_MM: f64 = 28.0;
-/// ... this share.
+/// Least share of what a touch leaves that a second one near it must explain.
 const NEAR_DROP: f64 = 0.55;
 /// Within this distance in mm of a strong touch, one with less than this share of its volume is part of its shape.
 const SHADOWS: [(f64, f64); 2] = [(NEAR_MM, 0.12), (50.0, 0.04)];
@@ -40,9 +40,9 @@ const SHADOWS: [(f64, f64); 2] = [(NEAR_MM, 0.12), (50.0, 0.04)];
 const EDGE_SHADOW: (f64, f64) = (50.0, 0.12);
 /// Where one touch was fitted to two, the residual has its peak within this distance of it.
 const SPLIT_WITHIN_MM: f64 = 50.0;
-/// The halves of a split touch start at these distances from its centre, mm, ...
+/// Distances of the halves of a split touch from its centre, mm, at the start of the fit.
 const SPLITS_MM: [f64; 2] = [7.0, 10.0];
-/// ... in this many directions.
+/// Directions in which the halves of a split touch start.
 const DIRECTIONS: usize = 8;
 /// Most touches: the fingers of two hands.
 const MOST_TOUCHES: usize = 10;
@@ -57,21 +57,21 @@ const TEMPLATE_SHARE: f64 = 0.5;
 /// A new touch that leaves more than this many times noise and model error, more than noise alone does, is tried from other
 /// places, too.
 const MISPLACED_REST: f64 = 1.6;
-/// Where every touch is tried as two, in so few directions, ...
+/// Directions of the halves where every touch of a frame is tried as two.
 const FEW_DIRECTIONS: usize = 4;
-/// ... at this distance from its centre, mm, ...
+/// Distance of those halves from the centre of the touch, mm.
 const FAR_SPLIT_MM: f64 = 11.0;
-/// ... ranked by so many steps of the fit, ...
+/// Steps of the fit that ranks those splits.
 const FEW_STEPS: usize = 3;
-/// ... and kept if the cost falls below this share.
+/// Such a split is kept if the cost falls below this share.
 const WORTH_SPLIT: f64 = 0.6;
 /// A new touch whose fit leaves less than this share of noise and model error is accepted without trying splits.
 const WELL_REST: f64 = 0.5;
-/// A fit that leaves more than this is improved touch by touch, ...
+/// A fit that leaves more than this share of noise and model error is improved touch by touch.
 const POOR_REST: f64 = 0.8;
-/// ... in at most this many rounds; ...
+/// Most rounds of that improvement.
 const MOST_ROUNDS: usize = 3;
-/// ... a change counts if the cost falls below this share.
+/// A change counts as an improvement if the cost falls below this share.
 const BETTER_SHARE: f64 = 0.9;
 
 impl Locator {

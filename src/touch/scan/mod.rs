@@ -1,6 +1,6 @@
 //! Frames that are read drive by drive: touches are seen while their frame is still being read.
 //!
-//! A board reads one drive after another, so a frame is no moment: half of it may show a finger that the other half does not.
+//! A board reads one drive after another, so a frame is not a moment: half of it may show a finger that the other half does not.
 //! A [`Scan`] keeps for every reading the response of the touches that it is believed to contain. When the readings since some
 //! moment show that a finger went down or lifted, the older ones are brought to the present by adding or removing its response,
 //! and readings of a moving finger are moved on with it. The completed frame, in which everything belongs to one moment, goes to
@@ -57,7 +57,7 @@ pub struct Scan {
     is_read: Vec<bool>,
     /// ... and how many were not.
     unread: usize,
-    /// Readings that are not current are from before a lift: what the gone finger leaves in them is no touch.
+    /// Readings that are not current are from before a lift: what the gone finger leaves in them is not a touch.
     is_after_lift: bool,
     /// The detector found no lift in this frame where the parts show one.
     has_failed_lift: bool,
@@ -169,7 +169,7 @@ impl Scan {
         if self.landing.is_active() {
             self.run(detector, t_ns, Run::Between, changed);
         } else if ends_frame {
-            // A change that is under way is no fault of an electrode, nor the untouched pad.
+            // A change that is under way is neither a fault of an electrode nor the untouched pad.
             self.unclear_frames = if is_unclear {
                 self.unclear_frames + 1
             } else {

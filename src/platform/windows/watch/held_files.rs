@@ -12,7 +12,7 @@ pub(in crate::platform) fn claim(_: &File) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether the process that wrote a file lives; none if the name is no number.
+/// Whether the process that wrote a file lives; none if the name is not a number.
 pub(in crate::platform) fn is_claimed(path: &Path) -> Option<bool> {
     let process = path.file_stem()?.to_str()?.parse().ok()?;
     Some(is_running(process))

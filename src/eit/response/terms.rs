@@ -1,0 +1,166 @@
+//! The terms of a table at each place: those solved, and the others, turned when they are first needed.
+//!
+//! A finger visits few places, and most players press with one sign. Turning all places of both signs at the start would take
+//! 39 ms and 35 MB.
+//!
+//! Invariant: the order of the sums is fixed, so a place has the same bits on every machine and whenever it is turned.
+
+use std::sync::OnceLock;
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::LANES;
+use super::symmetry::Orbits;
+use super::table::TERMS;
+
+/// Terms of all places: radii x powers of the strength x rank each.
+#[derive(Clone, Debug)]
+pub(super) struct Terms {
+    /// Signs x solved places x radii x powers x rank.
+    solved: Vec<f32>,
+    /// Which places follow from which by symmetry.
+    orbits: Orbits,
+    /// What each symmetry does to coordinates: rank x rank, as columns.
+    turns: Vec<Vec<f32>>,
+    /// Signs x places; empty for solved places and for those that were not needed yet.
+    turned: Box<[OnceLock<Box<[f32]>>]>,
+    /// Values per place.
+    stride: usize,
+}
+
+impl PartialEq for Terms {
+    /// Which places were turned already makes no difference.
+    fn eq(&self, other: &Self) -> bool {
+        (&self.solved, &self.orbits) == (&other.solved, &other.orbits)
+    }
+}
+
+impl Terms {
+    /// The terms at all places from those at the solved ones (signs x solved places x radii x powers x rank), and the basis, rows
+    /// of readings.
+    ///
+    /// # Panics
+    /// If there are no terms for one sign or two, or the rank is not a multiple of [`LANES`].
+    pub(super) fn new(solved: Vec<f32>, rank: usize, orbits: Orbits, basis: &[f32]) -> Self {
+        assert_eq!(rank % LANES, 0);
+        let stride = TERMS * rank;
+        let signs = solved.len() / (orbits.solved() * stride).max(1);
+        assert!((1..=2).contains(&signs) && solved.len() == signs * orbits.solved() * stride);
+        let turned = vec![OnceLock::new(); signs * orbits.len()];
+        Self {
+            turns: orbits.turned_bases(basis),
+            turned: turned.into(),
+            solved,
+            orbits,
+            stride,
+        }
+    }
+
+    /// Number of signs: one in tables of the first version.
+    pub(super) fn signs(&self) -> usize {
+        self.turned.len() / self.orbits.len()
+    }
+
+    /// The terms at the places that the others follow from.
+    pub(super) fn solved(&self) -> &[f32] {
+        &self.solved
+    }
+
+    /// The terms of a sign at a place.
+    pub(super) fn at(&self, sign: usize, place: usize) -> &[f32] {
+        let origin = self.orbits.origin(place);
+        let first = (sign * self.orbits.solved() + origin.solved) * self.stride;
+        let vectors = &self.solved[first..first + self.stride];
+        if self.orbits.is_solved(place) {
+            return vectors;
+        }
+        self.turned[sign * self.orbits.len() + place].get_or_init(|| {
+            let mut turned = vec![0.0; self.stride].into_boxed_slice();
+            Arch::new().dispatch(Turning {
+                vectors,
+                columns: &self.turns[origin.symmetry],
+                rank: self.stride / TERMS,
+                turned: &mut turned,
+            });
+            turned
+        })
+    }
+}
+
+/// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. A few
+/// sums of a few vectors are kept in registers.
+struct Turning<'a> {
+    vectors: &'a [f32],
+    /// Rank x rank.
+    columns: &'a [f32],
+    rank: usize,
+    turned: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Turning<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        const VECTORS: usize = 4;
+        let block = VECTORS * self.rank;
+        for (vectors, turned) in self
+            .vectors
+            .chunks(block)
+            .zip(self.turned.chunks_mut(block))
+        {
+            for first in (0..self.rank).step_by(LANES) {
+                let mut sums = [[0.0f32; LANES]; VECTORS];
+                for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
+                    for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(self.rank)) {
+                        for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
+                            *sum += vector[index] * entry;
+                        }
+                    }
+                }
+                for (turned, sums) in turned.chunks_exact_mut(self.rank).zip(&sums) {
+                    turned[first..first + LANES].copy_from_slice(sums);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eit::response::places::Places;
+    use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
+
+    #[test]
+    fn a_place_that_follows_has_the_readings_of_its_origin_in_the_order_of_the_symmetry() {
+        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
+        let pad = Pad::from_toml("p", text).expect("sound");
+        let orbits = Orbits::new(&pad, &Places::new(pad.outline.size_mm()));
+        // Every reading is a dimension of its own, so nothing is lost in a turn.
+        let channels = pad.channels();
+        let mut identity = vec![0.0; channels * channels];
+        for channel in 0..channels {
+            identity[channel * channels + channel] = 1.0;
+        }
+        let size = orbits.solved() * TERMS * channels;
+        let solved: Vec<f32> = (0..2 * size).map(|index| (index % 8191) as f32).collect();
+        let terms = Terms::new(solved, channels, orbits.clone(), &identity);
+        assert_eq!(terms.signs(), 2);
+        let orders: Vec<&[usize]> = orbits.reading_orders().collect();
+        for place in (0..orbits.len()).step_by(97) {
+            let origin = orbits.origin(place);
+            for sign in 0..2 {
+                let first = sign * size + origin.solved * TERMS * channels;
+                for reading in 0..channels {
+                    let from = first + orders[origin.symmetry][reading];
+                    assert_eq!(
+                        terms.at(sign, place)[reading],
+                        (from % 8191) as f32,
+                        "{place} {reading}"
+                    );
+                }
+            }
+        }
+    }
+}
