@@ -1,7 +1,7 @@
 //! What boards, cables and mains do to readings, by name.
 //!
 //! One list for the simulated pad (`--disturb`), for `gelpad accuracy --real`, for tests and for the documentation: a name with an
-//! optional value, as in `adc:12,gain:60`. A [`Disturber`] changes readings frame by frame; the same seed gives the same
+//! optional value, as in `adc:12,gain:60`. They act in the order in which they are named, but a converter (`adc`) always last. A [`Disturber`] changes readings frame by frame; the same seed gives the same
 //! disturbance.
 
 use std::f64::consts::TAU;
@@ -233,8 +233,10 @@ impl Disturber {
                 .iter()
                 .any(|pair| lost.contains(&pair.0) || lost.contains(&pair.1))
         };
+        // The converter comes last on a board, wherever it is named.
+        let mut disturbances = disturbances.to_vec();
+        disturbances.sort_by_key(|disturbance| matches!(disturbance, Disturbance::Adc(_)));
         Self {
-            disturbances: disturbances.to_vec(),
             full_scale: ADC_HEADROOM * largest,
             drives: protocol.drives(),
             replugged: disturbances
@@ -242,6 +244,7 @@ impl Disturber {
                 .find_map(|disturbance| disturbance.numbering(protocol.electrodes))
                 .and_then(|numbering| Renumbered::new(protocol, numbering)),
             is_lost: protocol.channels.iter().map(is_lost).collect(),
+            disturbances,
             victim,
             flicker: vec![[0.0; FLICKER_OCTAVES]; rest.len()],
             phase,
@@ -433,6 +436,21 @@ mod tests {
         let error = "adc:3".parse::<Disturbance>().expect_err("too few bits");
         assert!(error.to_string().contains("adc:BITS"), "{error}");
         assert!("gain:loud".parse::<Disturbance>().is_err());
+    }
+
+    #[test]
+    fn the_converter_rounds_what_the_gain_has_changed_wherever_it_is_named() {
+        let rest = [1.0, 0.01, -0.3];
+        let read = |list: &str| {
+            let disturbances: Vec<Disturbance> = list
+                .split(',')
+                .map(|name| name.parse().expect("known"))
+                .collect();
+            let mut volts = rest.to_vec();
+            Disturber::new(&disturbances, &rest, &protocol(), 1).apply(0.0, &mut volts);
+            volts
+        };
+        assert_eq!(read("adc:10,gain:20"), read("gain:20,adc:10"));
     }
 
     #[test]

@@ -119,6 +119,9 @@ impl SensingBuilder {
     pub fn build(&self, noise: &ChannelNoise) -> Result<Sensing, SetupError> {
         let deviations = noise.deviations.as_slice();
         assert_eq!(deviations.len(), self.linearised.jacobian.nrows());
+        if !deviations.iter().any(|deviation| deviation.is_finite()) {
+            return Err(SetupError::NoChannel);
+        }
         let image_weights = image_weights(deviations);
         let mut linearised = self.linearised.clone();
         for pixel in 0..linearised.jacobian.ncols() {

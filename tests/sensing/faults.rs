@@ -231,11 +231,21 @@ fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
     for x_mm in [30.0, 45.0, 60.0] {
         for y_mm in [35.0, 50.0, 70.0] {
             let wide = vec![finger([x_mm, y_mm], 15.0, 1.2)];
-            let close = [-6.0, 6.0].map(|off_mm| finger([x_mm + off_mm, y_mm], 7.0, 1.2));
-            for fingers in [wide, close.to_vec()] {
+            let close = [-6.0, 6.0]
+                .map(|off_mm| finger([x_mm + off_mm, y_mm], 7.0, 1.2))
+                .to_vec();
+            // The press ends before, while and after the new reference is taken.
+            for (fingers, frames) in [
+                (&wide, 12),
+                (&wide, 10),
+                (&wide, 11),
+                (&close, 12),
+                (&close, 10),
+                (&close, 11),
+            ] {
                 let mut bench = Bench::located(60.0, 12);
                 bench.play(&[], 400);
-                bench.play(&fingers, 12);
+                bench.play(fingers, frames);
                 bench.play(&[], 50);
                 retaken += bench.detector.references_retaken();
                 play_once_more(&mut bench);

@@ -220,7 +220,9 @@ impl Detector {
         if self.is_hung(frame, changed) {
             return;
         }
-        if !self.reference.is_ready() {
+        if !self.reference.is_ready()
+            && (self.is_between || !self.is_back_at_old_reference(frame, changed))
+        {
             self.take_reference_frame(frame);
             return;
         }

@@ -106,7 +106,7 @@ impl Detector {
         self.rebounds.push((frame.t_ns, frame.volts.clone()));
         if self.rebounds.len() >= REBOUND_FRAMES {
             let frames = std::mem::take(&mut self.rebounds);
-            self.remember_reference();
+            self.remember_reference(frame);
             self.retake_reference(&frames);
         }
         true

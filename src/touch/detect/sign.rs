@@ -100,6 +100,8 @@ enum Tried {
     Lift {
         /// The reference before it.
         old: Box<Reference>,
+        /// The last frame that was taken for the untouched pad: what counts as the new reference until that is complete.
+        lifted: Vec<f32>,
         /// The sign of touches if it was none: then the pad returns to that reference.
         otherwise: TouchSign,
     },
@@ -150,11 +152,13 @@ impl Detector {
         self.sign.has_both
     }
 
-    /// Remembers the reference that is given up because a finger seems to have been lying on the pad.
-    pub(super) fn remember_reference(&mut self) {
+    /// Remembers the reference that is given up because a finger seems to have been lying on the pad, which is untouched in this
+    /// frame.
+    pub(super) fn remember_reference(&mut self, frame: &Frame) {
         if !self.sign.is_known && self.knows_both_signs() && self.sign.tried.is_none() {
             self.sign.tried = Some(Tried::Lift {
                 old: Box::new(self.reference.clone()),
+                lifted: frame.volts.clone(),
                 otherwise: self.sign.expected.opposite(),
             });
         }
@@ -167,22 +171,29 @@ impl Detector {
         frame: &Frame,
         changed: &mut Vec<Touch>,
     ) -> bool {
-        let Some(Tried::Lift { old, otherwise }) = &self.sign.tried else {
+        let Some(Tried::Lift {
+            old,
+            lifted,
+            otherwise,
+        }) = &self.sign.tried
+        else {
             return false;
         };
+        // A short press is over before the new reference is complete.
+        let new = self.reference.is_ready().then_some(&self.reference);
         let (mut from_old, mut from_new, mut count) = (0.0, 0.0, 0.0);
         for (channel, volt) in frame.volts.iter().enumerate() {
-            if old.is_muted(channel) || self.reference.is_muted(channel) {
+            if old.is_muted(channel) || new.is_some_and(|new| new.is_muted(channel)) {
                 continue;
             }
-            let [noise, doubt] = self.reference.variances(channel);
+            let [noise, doubt] = new.unwrap_or(old).variances(channel);
             let variance = noise + doubt;
-            let off = |reference: &Reference| {
-                let change = f64::from(*volt) / reference.volts()[channel] - 1.0;
+            let off = |reference_volt: f64| {
+                let change = f64::from(*volt) / reference_volt - 1.0;
                 change * change / variance
             };
-            from_old += off(old);
-            from_new += off(&self.reference);
+            from_old += off(old.volts()[channel]);
+            from_new += off(new.map_or(f64::from(lifted[channel]), |new| new.volts()[channel]));
             count += 1.0;
         }
         if from_old > BACK_VARIANCES * count || from_old > BACK_SHARE * from_new {
@@ -270,6 +281,7 @@ impl Detector {
         // If the touches were some after all, such as one very wide finger, the pad returns to this reference.
         let tried = Tried::Lift {
             old: Box::new(self.reference.clone()),
+            lifted: frame.volts.clone(),
             otherwise: self.sign.expected,
         };
         // The locator follows with the next frame.

@@ -35,8 +35,8 @@ pub struct ConditionFindings {
     pub longest_ms: f64,
     /// Seconds played.
     pub seconds: f64,
-    /// Whether every goal of the condition is met.
-    pub is_met: bool,
+    /// Whether every goal of the condition is met; `None` of a condition without a goal.
+    pub is_met: Option<bool>,
 }
 
 /// All conditions.
@@ -72,9 +72,10 @@ impl ConditionFindings {
             stuck: sum(|one| one.stuck),
             longest_ms: played.iter().map(|one| one.longest_ms).fold(0.0, f64::max),
             seconds: played.iter().map(|one| one.seconds).sum(),
-            is_met: false,
+            is_met: None,
         };
-        findings.is_met = findings.meets(condition.goal);
+        findings.is_met =
+            (condition.goal != Goal::default()).then(|| findings.meets(condition.goal));
         findings
     }
 
@@ -116,7 +117,11 @@ impl fmt::Display for ConditionFindings {
             self.false_touches,
             self.stuck,
             self.longest_ms,
-            if self.is_met { "met" } else { "NOT MET" },
+            match self.is_met {
+                Some(true) => "met",
+                Some(false) => "NOT MET",
+                None => "-",
+            },
         )
     }
 }
