@@ -7,7 +7,7 @@ use egui::{Rect, Stroke, Ui, Vec2};
 
 use super::closing::Closing;
 use super::comfort::Comfort;
-use super::comfort::last_game::LastGame;
+use super::comfort::last_game::{LastGame, kept_output};
 use super::edit::{BindStep, EditView};
 use super::focus_ring::FocusRing;
 use super::pad_window::PadWindow;
@@ -19,13 +19,13 @@ use super::problem::{self, UiContext};
 use super::rail;
 use super::record::RecordView;
 use super::repaint_rate::RepaintRate;
-use super::request::{Names, UiAction};
+use super::request::{Names, UiAction, output_words};
 use super::setup::SetUpView;
 use super::signals::SignalsView;
 use super::tab::Tab;
 use super::theme;
 use super::waker::Waker;
-use crate::app::services::{AppServices, PlayRequest, Started};
+use crate::app::services::{AppServices, OutputChoice, PlayRequest, Started};
 use crate::pad::DEFAULT_PAD;
 use crate::runtime::PlayCommand;
 
@@ -34,7 +34,7 @@ const RAIL: (f32, f32) = (92.0, 70.0);
 /// Windows narrower than this have the narrow rail, points.
 const NARROW: f32 = 1000.0;
 /// Smallest size of a view with a pad beside a panel, and of the others, points: large text in a small window leaves less room.
-const MIN_PAGE: (Vec2, Vec2) = (Vec2::new(500.0, 320.0), Vec2::new(300.0, 240.0));
+const MIN_PAGE: (Vec2, Vec2) = (Vec2::new(theme::COLUMN, 320.0), Vec2::new(300.0, 240.0));
 /// Height of the status line at the bottom, points.
 const STATUS: f32 = 26.0;
 
@@ -120,8 +120,9 @@ impl App {
     /// Ends the current game and starts another on a thread.
     pub fn play(&mut self, request: PlayRequest) {
         self.playing.stop();
-        // The lists show what is starting.
+        // The lists and the status line show what is starting.
         self.playing.request = request.clone();
+        self.playing.output = output_words(request.output).to_owned();
         self.failed = None;
         let (sender, receiver) = sync_channel(1);
         let services = Arc::clone(&self.services);
@@ -187,10 +188,11 @@ impl App {
         kept.tab = self.tab;
         self.pad_window.store(kept);
         if self.playing.is_running() {
-            let before = kept.last_game.was_sent;
+            let before = kept.last_game.clone();
             kept.last_game = LastGame::from_request(&self.playing.request);
             // The trial at the start of the next session is not the player's choice.
-            kept.last_game.was_sent |= before && !self.has_chosen_output;
+            kept.last_game.was_sent |= before.was_sent && !self.has_chosen_output;
+            kept.last_game.output = kept.last_game.output.or(before.output);
         }
     }
 
@@ -279,7 +281,10 @@ impl App {
         };
         let mut body_ui = ui.new_child(place(body, self.tab.name()));
         body_ui.set_clip_rect(body.expand(10.0));
+        let is_column = body.width() < theme::COLUMN;
         let smallest = match self.tab {
+            // These have a layout of their own for narrow windows.
+            Tab::Play | Tab::SetUp if is_column => Vec2::ZERO,
             Tab::Play | Tab::Edit | Tab::SetUp | Tab::Signals => MIN_PAGE.0,
             Tab::Practice | Tab::Record | Tab::Comfort => MIN_PAGE.1,
         };
@@ -297,15 +302,23 @@ impl App {
 
     /// The most severe problem of this moment.
     pub fn problem(&self) -> Option<problem::Problem> {
-        let context = UiContext {
+        problem::most_severe(&self.playing, self.problem_context())
+    }
+
+    fn problem_context(&self) -> UiContext<'_> {
+        UiContext {
             failed: self.failed.as_deref(),
             starting: self.starting.is_some(),
             was_sent: self.comfort.preferences.last_game.was_sent,
-        };
-        problem::most_severe(&self.playing, context)
+            last_output: self.comfort.preferences.last_game.output,
+            is_pad_open: self.pad_window.shows_pad(),
+        }
     }
 
     fn view(&mut self, ui: &mut Ui) -> Option<UiAction> {
+        if self.tab != Tab::SetUp {
+            self.set_up.leave();
+        }
         match self.tab {
             Tab::Play => {
                 let problem = self.problem();
@@ -315,6 +328,7 @@ impl App {
                     &mut self.playing,
                     problem.as_ref(),
                     &self.names,
+                    self.pad_window.shows_pad(),
                 )
             }
             Tab::Practice => {
@@ -322,9 +336,12 @@ impl App {
                 None
             }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.services.as_ref()),
-            Tab::SetUp => self
-                .set_up
-                .ui(ui, &mut self.playing, &self.services, &mut self.names),
+            Tab::SetUp => {
+                let failed = self.failed.as_deref();
+                let (services, names) = (&self.services, &mut self.names);
+                self.set_up
+                    .ui(ui, &mut self.playing, services, names, failed)
+            }
             Tab::Record => self.record.ui(ui, &self.playing, &self.services),
             Tab::Signals => {
                 self.signals.ui(ui, &self.playing);
@@ -337,15 +354,28 @@ impl App {
     fn perform(&mut self, action: UiAction) {
         match action {
             UiAction::Play(request) => {
-                self.has_chosen_output |= request.output != self.playing.request.output;
+                self.choose_output(request.output);
                 self.play(request);
             }
-            UiAction::PadWindow => self.pad_window.open_pad(),
+            UiAction::PadWindow => self.pad_window.toggle_pad(),
             UiAction::Overlay => self.pad_window.toggle_overlay(),
             UiAction::Record => self.toggle_recording(),
             UiAction::Show(tab) => self.tab = tab,
             UiAction::Pause => self.playing.send_command(PlayCommand::Pause),
             UiAction::Dismiss => self.playing.notice = None,
+        }
+    }
+
+    /// Keeps an output that the player chose, whether it can be opened now or not. With the first one of a session, the pad window
+    /// opens again.
+    fn choose_output(&mut self, output: OutputChoice) {
+        if output == self.playing.request.output {
+            return;
+        }
+        self.has_chosen_output = true;
+        if let Some(output) = kept_output(output) {
+            self.comfort.preferences.last_game.output = Some(output);
+            self.pad_window.reopen();
         }
     }
 
@@ -387,7 +417,7 @@ impl App {
         let mut ui = ui.new_child(
             egui::UiBuilder::new()
                 .id_salt("status")
-                .max_rect(room.shrink2(Vec2::new(12.0, 2.0)))
+                .max_rect(room.shrink2(Vec2::new(12.0, 1.0)))
                 .layout(egui::Layout::left_to_right(egui::Align::Center)),
         );
         let playing = &self.playing;
@@ -413,11 +443,26 @@ impl App {
             view.profile.name,
         );
         let stops = playing.request.record.is_some() && draw_recording_badge(&mut ui);
+        let continues = self.continues(&mut ui);
         if let Some(share) = playing.table.as_ref().map(|table| table.share()) {
             draw_table_progress(&mut ui, share);
         }
         ui.add(egui::Label::new(egui::RichText::new(words).size(12.5)).truncate());
-        stops.then_some(UiAction::Record)
+        stops.then_some(UiAction::Record).or(continues)
+    }
+
+    /// The way on with the game of the last session, where Play does not show it.
+    fn continues(&self, ui: &mut Ui) -> Option<UiAction> {
+        let is_way_on = |fix: &(&str, UiAction)| fix.0 == problem::CONTINUE;
+        let shown = self.problem().and_then(|problem| problem.fix);
+        if self.starting.is_some()
+            || (self.tab == Tab::Play && shown.as_ref().is_some_and(is_way_on))
+        {
+            return None;
+        }
+        let trial = problem::trial(&self.playing, self.problem_context())?;
+        let (label, action) = trial.fix.filter(is_way_on)?;
+        theme::small_button(ui, label).clicked().then_some(action)
     }
 }
 
@@ -425,7 +470,8 @@ impl App {
 fn draw_recording_badge(ui: &mut Ui) -> bool {
     let palette = theme::palette_of(ui);
     let text = egui::RichText::new("⏺ recording: stop").color(palette.bad);
-    ui.add(egui::Button::new(text.size(12.5)).small())
+    let size = Vec2::splat(theme::MIN_TARGET);
+    ui.add(egui::Button::new(text.size(12.5)).small().min_size(size))
         .on_hover_text("Ends the recording; the game starts again")
         .clicked()
 }

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Context, Id, Modal, Ui};
 
 use super::theme;
@@ -27,6 +29,8 @@ enum Task {
 pub(super) struct FileDialog {
     open: Option<(Task, PathBuf)>,
     name: String,
+    /// Whether the name is to be selected: the dialog has just opened.
+    selects_name: bool,
     failed: Option<String>,
 }
 
@@ -35,6 +39,7 @@ impl FileDialog {
     pub(super) fn rename(&mut self, path: &Path) {
         let stem = path.file_stem().unwrap_or_default();
         self.name = stem.to_string_lossy().into_owned();
+        self.selects_name = true;
         (self.open, self.failed) = (Some((Task::Rename, path.to_owned())), None);
     }
 
@@ -75,13 +80,28 @@ impl FileDialog {
     fn draw_rename(&mut self, ui: &mut Ui, path: &Path) -> Option<Result<FileChange, String>> {
         ui.heading("Rename");
         let label = ui.label("New name");
-        let field = ui.add(egui::TextEdit::singleline(&mut self.name));
+        let id = ui.make_persistent_id("new name");
+        let field = ui.add(egui::TextEdit::singleline(&mut self.name).id(id));
         let field = field.labelled_by(label.id);
+        if self.selects_name && !ui.is_sizing_pass() {
+            self.selects_name = false;
+            field.request_focus();
+            select_all(ui.ctx(), id, &self.name);
+        }
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let clicked = theme::primary(ui, "Rename").clicked();
         let renames = clicked || entered;
         renames.then(|| own_files::rename(path, &self.name).map(FileChange::Renamed))
     }
+}
+
+/// Selects the text of a field: typing replaces it.
+fn select_all(ctx: &Context, field: Id, text: &str) {
+    let mut state = TextEditState::load(ctx, field).unwrap_or_default();
+    let end = CCursor::new(text.chars().count());
+    let all = CCursorRange::two(CCursor::new(0), end);
+    state.cursor.set_char_range(Some(all));
+    state.store(ctx, field);
 }
 
 fn draw_delete(ui: &mut Ui, path: &Path) -> Option<Result<FileChange, String>> {

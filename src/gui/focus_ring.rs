@@ -8,6 +8,30 @@ use super::theme;
 
 /// Distance of the ring from the control, points.
 const GAP: f32 = 2.0;
+/// What is seen around a control that was scrolled to, points.
+const SEEN: f32 = 8.0;
+
+/// Scrolls to the control that the keyboard has moved the focus to. Called at the end of what scrolls.
+pub(super) fn follow_focus(ui: &Ui) {
+    let id = ui.make_persistent_id("followed focus");
+    let followed: Option<egui::Id> = ui.data(|data| data.get_temp(id));
+    let focused = ui.memory(|memory| memory.focused());
+    if focused == followed {
+        return;
+    }
+    ui.data_mut(|data| match focused {
+        Some(focused) => drop(data.insert_temp(id, focused)),
+        None => data.remove::<egui::Id>(id),
+    });
+    let response = focused.and_then(|focused| ui.ctx().read_response(focused));
+    if let Some(response) = response
+        && response.layer_id == ui.layer_id()
+        && ui.min_rect().contains(response.rect.center())
+        && !ui.input(|input| input.pointer.any_down())
+    {
+        ui.scroll_to_rect(response.rect.expand(SEEN), None);
+    }
+}
 
 /// Whether the keyboard moved the focus last.
 #[derive(Default)]

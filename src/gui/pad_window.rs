@@ -35,6 +35,8 @@ pub struct PadWindow {
     pub size: Option<Vec2>,
     /// Opacity, 0 to 1.
     pub opacity: f32,
+    /// Whether it was open in the last session, until this one opens or closes it.
+    was_open: bool,
     /// Whether the desktop can show what is behind it.
     pub can_be_transparent: bool,
     picture: Picture,
@@ -48,6 +50,7 @@ impl Default for PadWindow {
             place: None,
             size: None,
             opacity: 1.0,
+            was_open: false,
             can_be_transparent: false,
             picture: Picture::default(),
         }
@@ -88,6 +91,7 @@ impl PadWindow {
             place: preferences.pad_window.map(Pos2::from),
             size: preferences.pad_window_size.map(clamped_size),
             opacity: preferences.pad_window_opacity,
+            was_open: preferences.pad_window_open,
             ..Self::default()
         }
     }
@@ -97,6 +101,7 @@ impl PadWindow {
         preferences.pad_window = self.place.map(|place| [place.x, place.y]);
         preferences.pad_window_size = self.size.map(|size| [size.x, size.y]);
         preferences.pad_window_opacity = self.opacity;
+        preferences.pad_window_open = self.shows_pad() || self.was_open;
     }
 
     /// The id of its viewport.
@@ -104,13 +109,28 @@ impl PadWindow {
         ViewportId::from_hash_of("pad window")
     }
 
-    /// Opens it, or makes a pad of the overlay.
-    pub fn open_pad(&mut self) {
-        (self.open, self.is_overlay) = (true, false);
+    /// Whether it is open with a pad that can be pressed.
+    #[must_use]
+    pub fn shows_pad(&self) -> bool {
+        self.open && !self.is_overlay
+    }
+
+    /// Opens it, or makes a pad of the overlay; closes an open pad.
+    pub fn toggle_pad(&mut self) {
+        self.was_open = false;
+        (self.open, self.is_overlay) = (!self.shows_pad(), false);
+    }
+
+    /// Opens it if it was open in the last session.
+    pub fn reopen(&mut self) {
+        if std::mem::take(&mut self.was_open) && !self.open {
+            self.toggle_pad();
+        }
     }
 
     /// Opens or closes the overlay.
     pub fn toggle_overlay(&mut self) {
+        self.was_open = false;
         (self.open, self.is_overlay) = match self.open && self.is_overlay {
             true => (false, false),
             false => (true, true),
@@ -287,8 +307,8 @@ mod tests {
         let mut window = PadWindow::default();
         window.toggle_overlay();
         assert!(window.open && window.is_overlay);
-        window.open_pad();
-        assert!(window.open && !window.is_overlay);
+        window.toggle_pad();
+        assert!(window.shows_pad());
         window.toggle_overlay();
         window.toggle_overlay();
         assert!(!window.open);

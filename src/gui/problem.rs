@@ -2,7 +2,7 @@
 
 use self::Severity::{Error, Hint, Warning};
 use super::playing::Playing;
-use super::request::UiAction;
+use super::request::{UiAction, output_words};
 use super::tab::Tab;
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
 use crate::eit::REFERENCE_FRAMES;
@@ -12,8 +12,11 @@ pub const SLOW_FRAMES_PER_S: f64 = 25.0;
 /// A press of this many frames is always detected.
 pub const SHORTEST_PRESS_FRAMES: f64 = 2.0;
 
+/// The button that goes on with the game of the last session.
+pub const CONTINUE: &str = "Continue in my game";
 const RETRY: &str = "Try again";
 const SIGNALS: &str = "Show signals";
+const PAD_WINDOW: &str = "Open the pad window";
 
 /// How severe a problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,12 +64,16 @@ pub struct UiContext<'a> {
     pub starting: bool,
     /// Whether keys were sent to a game in the last session.
     pub was_sent: bool,
+    /// The output that was chosen last.
+    pub last_output: Option<OutputChoice>,
+    /// Whether the pad window is open.
+    pub is_pad_open: bool,
 }
 
 type Check = fn(&Playing, UiContext<'_>) -> Option<Problem>;
 
 /// All checks; among equally severe problems the first one wins.
-const CHECKS: [Check; 11] = [
+const CHECKS: [Check; 12] = [
     failed_start,
     ended,
     paused,
@@ -78,6 +85,7 @@ const CHECKS: [Check; 11] = [
     lost_frames,
     slow_frames,
     trial,
+    no_pad_to_press,
 ];
 
 /// The most severe problem, if there is one.
@@ -154,12 +162,12 @@ fn plain_hint(text: &str) -> Problem {
     }
 }
 
-fn blocked_keys(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
-    let fix = ("Open the pad window", UiAction::PadWindow);
+fn blocked_keys(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    let fix = (PAD_WINDOW, UiAction::PadWindow);
     playing.are_keys_blocked().then(|| Problem {
         severity: Error,
         text: "Click your game: no keys are sent while this window has the focus".to_owned(),
-        fix: playing.is_simulated().then_some(fix),
+        fix: (playing.is_simulated() && !context.is_pad_open).then_some(fix),
     })
 }
 
@@ -213,18 +221,35 @@ fn slow_frames(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
     ))
 }
 
-fn trial(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+/// The trial at the start: its button sends keys to the game.
+pub(super) fn trial(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    let output = context.last_output.unwrap_or(OutputChoice::Auto);
     let request = PlayRequest {
-        output: OutputChoice::Auto,
+        output,
         ..playing.request.clone()
     };
-    let (text, fix) = ("Trial: no keys are sent", UiAction::Play(request));
+    let text = match output {
+        OutputChoice::Auto => "Trial: no keys are sent".to_owned(),
+        _ => format!(
+            "Trial: no keys are sent. Last output: {}",
+            output_words(output)
+        ),
+    };
+    let fix = UiAction::Play(request);
     let label = match context.was_sent {
-        true => "Continue in my game",
+        true => CONTINUE,
         false => "Send to my game",
     };
     let problem = || Problem::new(Hint, text, label, fix);
     (playing.request.output == OutputChoice::Nothing).then(problem)
+}
+
+/// The simulated pad sends keys, but nothing can press it while the game has the focus.
+fn no_pad_to_press(playing: &Playing, context: UiContext<'_>) -> Option<Problem> {
+    let sends = playing.request.output != OutputChoice::Nothing;
+    let text = "To press the simulated pad while your game has the keyboard, open the pad window";
+    let problem = || Problem::new(Hint, text, PAD_WINDOW, UiAction::PadWindow);
+    (sends && playing.is_simulated() && !context.is_pad_open).then(problem)
 }
 
 #[cfg(test)]
@@ -257,6 +282,36 @@ mod tests {
             ..context
         };
         assert_eq!(text(&playing, failed), "no such port");
+    }
+
+    #[test]
+    fn the_pad_window_is_offered_until_it_is_open() {
+        let mut playing = Playing::idle();
+        playing.request.output = OutputChoice::Keyboard;
+        let mut context = UiContext::default();
+        let problem = most_severe(&playing, context).expect("no pad to press");
+        assert_eq!(problem.fix, Some((PAD_WINDOW, UiAction::PadWindow)));
+        context.is_pad_open = true;
+        assert_eq!(most_severe(&playing, context), None);
+    }
+
+    #[test]
+    fn the_last_output_is_named_and_used_again() {
+        let playing = Playing::idle();
+        let context = UiContext {
+            was_sent: true,
+            last_output: Some(OutputChoice::Gamepad),
+            ..UiContext::default()
+        };
+        let problem = most_severe(&playing, context).expect("a trial");
+        assert!(
+            problem.text.ends_with("Last output: gamepad"),
+            "{problem:?}"
+        );
+        let Some(("Continue in my game", UiAction::Play(request))) = problem.fix else {
+            panic!("{problem:?}");
+        };
+        assert_eq!(request.output, OutputChoice::Gamepad);
     }
 
     #[test]

@@ -5,6 +5,11 @@ use egui::{CornerRadius, Rect, Sense, Stroke, Ui, Vec2};
 use super::tab::Tab;
 use super::theme;
 
+/// Smallest and largest height of a view's button, points.
+const HEIGHTS: (f32, f32) = (theme::MIN_TARGET, 62.0);
+/// Buttons of this height have an icon above the name, points.
+const WITH_ICON: f32 = 44.0;
+
 /// Draws the list of views; `current` is the one that is shown.
 pub(super) fn draw(ui: &mut Ui, room: Rect, current: &mut Tab) {
     let palette = theme::palette_of(ui);
@@ -20,7 +25,7 @@ pub(super) fn draw(ui: &mut Ui, room: Rect, current: &mut Tab) {
             .max_rect(room.shrink(6.0)),
     );
     rail.spacing_mut().item_spacing.y = 4.0;
-    let size = (((room.height() - 60.0) / Tab::ALL.len() as f32) - 4.0).clamp(44.0, 62.0);
+    let size = (((room.height() - 60.0) / Tab::ALL.len() as f32) - 4.0).clamp(HEIGHTS.0, HEIGHTS.1);
     let (name, _) = rail.allocate_exact_size(Vec2::new(room.width() - 12.0, 30.0), Sense::hover());
     theme::centred_text(
         rail.painter(),
@@ -29,10 +34,8 @@ pub(super) fn draw(ui: &mut Ui, room: Rect, current: &mut Tab) {
         if room.width() > 80.0 { 19.0 } else { 16.0 },
         palette.accent,
     );
-    // Large text in a small window leaves no room for all.
-    let scroll = egui::ScrollArea::vertical()
-        .id_salt("views")
-        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden);
+    // The smallest windows leave no room for all.
+    let scroll = egui::ScrollArea::vertical().id_salt("views");
     scroll.show(&mut rail, |ui| {
         for tab in Tab::ALL {
             if button(ui, tab, *current == tab, size) {
@@ -53,28 +56,21 @@ fn button(ui: &mut Ui, tab: Tab, chosen: bool, height: f32) -> bool {
     if chosen {
         painter.rect_filled(rect, round, palette.accent.gamma_multiply(0.18));
         let edge = Rect::from_min_size(
-            rect.left_top() + Vec2::new(0.0, 8.0),
-            Vec2::new(3.0, height - 16.0),
+            rect.left_top() + Vec2::new(0.0, height * 0.15),
+            Vec2::new(3.0, height * 0.7),
         );
         painter.rect_filled(edge, 2.0, palette.accent);
     } else if response.hovered() {
         painter.rect_filled(rect, round, palette.line.gamma_multiply(0.4));
     }
     let colour = if chosen { palette.accent } else { palette.text };
-    theme::centred_text(
-        painter,
-        rect.center() - Vec2::new(0.0, height * 0.14),
-        tab.icon(),
-        19.0,
-        colour,
-    );
-    theme::centred_text(
-        painter,
-        rect.center() + Vec2::new(0.0, height * 0.28),
-        tab.name(),
-        12.5,
-        colour,
-    );
+    let mut name_at = rect.center();
+    if height >= WITH_ICON {
+        let icon_at = rect.center() - Vec2::new(0.0, height * 0.14);
+        theme::centred_text(painter, icon_at, tab.icon(), 19.0, colour);
+        name_at.y += height * 0.28;
+    }
+    theme::centred_text(painter, name_at, tab.name(), 12.5, colour);
     let key = format!("{:?}", tab.key());
     if response.gained_focus() {
         response.scroll_to_me(None);

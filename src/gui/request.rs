@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::playing::Playing;
 use super::tab::Tab;
-use crate::app::services::{AppServices, PlayRequest};
+use crate::app::services::{AppServices, OutputChoice, PlayRequest};
 
 /// What a view requests of the application.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub enum UiAction {
     Pause,
     /// Show a view.
     Show(Tab),
-    /// Open the pad-only window.
+    /// Open or close the pad-only window.
     PadWindow,
     /// Open or close the overlay of regions and touches.
     Overlay,
@@ -61,6 +61,16 @@ impl Names {
             ports: services.ports(),
             calibrations: services.calibrations(pad),
         }
+    }
+}
+
+/// An output in a word or two.
+pub(super) fn output_words(output: OutputChoice) -> &'static str {
+    match output {
+        OutputChoice::Nothing => "nothing",
+        OutputChoice::Keyboard => "keyboard",
+        OutputChoice::Gamepad => "gamepad",
+        OutputChoice::Auto | OutputChoice::Trace => "your game",
     }
 }
 

@@ -68,6 +68,10 @@ const TOUCHES: [Color32; 6] = [
 
 /// Corner radius of cards and buttons, points.
 pub const ROUND: u8 = 7;
+/// Smallest side of a button, points: a smaller one is hard to hit.
+pub const MIN_TARGET: f32 = 24.0;
+/// Pages narrower than this show their parts below each other, points: large text in a small window.
+pub const COLUMN: f32 = 500.0;
 
 /// The palette of the theme that a `Ui` is drawn with.
 pub fn palette_of(ui: &egui::Ui) -> Palette {
@@ -145,6 +149,20 @@ pub fn primary(ui: &mut egui::Ui, text: &str) -> egui::Response {
     let palette = palette_of(ui);
     let text = egui::RichText::new(text).color(palette.on_accent);
     ui.add(egui::Button::new(text).fill(palette.accent))
+}
+
+/// A button that is highlighted while it is the way on.
+pub fn way_on(ui: &mut egui::Ui, text: &str, is_way_on: bool) -> egui::Response {
+    match is_way_on {
+        true => primary(ui, text),
+        false => ui.button(text),
+    }
+}
+
+/// A button with small text, large enough to be hit.
+pub fn small_button(ui: &mut egui::Ui, text: &str) -> egui::Response {
+    let size = egui::Vec2::splat(MIN_TARGET);
+    ui.add(egui::Button::new(text).small().min_size(size))
 }
 
 /// Keeps the focus in a line of text when Enter ends it: otherwise Tab would start from the top of the window.

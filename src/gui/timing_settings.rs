@@ -129,10 +129,10 @@ pub(super) fn draw_slider(
 }
 
 /// Steps of the buttons beside a slider: -1, 0 or 1.
-fn clicked_steps(ui: &mut Ui, label: &str) -> f64 {
+pub(super) fn clicked_steps(ui: &mut Ui, label: &str) -> f64 {
     let mut steps = 0.0;
     for (symbol, word, by) in [("−", "Less", -1.0), ("+", "More", 1.0)] {
-        let button = ui.small_button(symbol);
+        let button = theme::small_button(ui, symbol);
         let name = format!("{word}: {label}");
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name.clone()));
         if button.clicked() {

@@ -39,6 +39,38 @@ fn the_text_size_is_chosen_and_saved() {
 }
 
 #[test]
+fn a_dragged_text_size_is_applied_on_release() {
+    let mut stage = stage();
+    let slider = stage
+        .window
+        .get_by_role_and_label(Role::Slider, "Text size");
+    let start = slider.rect().left_center() + egui::vec2(20.0, 0.0);
+    stage.window.drag_at(start);
+    for step in 1..=8 {
+        stage
+            .window
+            .hover_at(start + egui::vec2(10.0 * step as f32, 0.0));
+        stage.steps(2);
+        assert_eq!(stage.window.ctx.zoom_factor(), 1.0, "step {step}");
+    }
+    stage.window.drop_at(start + egui::vec2(80.0, 0.0));
+    stage.steps(4);
+    assert!(stage.window.ctx.zoom_factor() > 1.1);
+}
+
+#[test]
+fn buttons_change_the_text_size_in_steps() {
+    let mut stage = stage();
+    stage.button("More: Text size");
+    stage.steps(3);
+    assert!((stage.window.ctx.zoom_factor() - 1.1).abs() < 1e-3);
+    stage.button("Less: Text size");
+    stage.button("Less: Text size");
+    stage.steps(3);
+    assert!((saved(&stage).text_scale - 0.9).abs() < 1e-3);
+}
+
+#[test]
 fn each_kind_of_feedback_is_switched_and_saved() {
     let mut stage = stage();
     for label in [

@@ -4,12 +4,15 @@
 
 mod comfort;
 mod edit;
+mod edit_bindings;
 mod edit_text;
 mod names;
 mod play;
 mod record;
+mod restart;
 mod services;
 mod set_up;
+mod set_up_presses;
 mod signals;
 mod views;
 mod walks;
@@ -131,6 +134,25 @@ impl Stage {
     pub fn key(&mut self, key: egui::Key) {
         self.window.key_press(key);
         self.steps(2);
+    }
+
+    /// The colour of the first letter of a text that was painted.
+    pub fn colour_of(&self, text: &str) -> Option<egui::Color32> {
+        let shapes = self.window.output().shapes.iter();
+        shapes
+            .filter_map(|clipped| match &clipped.shape {
+                egui::Shape::Text(painted) => Some(painted),
+                _ => None,
+            })
+            .find(|painted| painted.galley.text().starts_with(text))
+            .map(|painted| painted.galley.job.sections[0].format.color)
+    }
+
+    /// The enabled button of this label.
+    pub fn button_rect(&self, label: &str) -> egui::Rect {
+        self.window
+            .get_by_role_and_label(Role::Button, label)
+            .rect()
     }
 
     /// Presses Tab until the control of this label has the focus; returns whether it was reached.

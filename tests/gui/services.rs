@@ -32,6 +32,8 @@ pub struct TestServices {
     pub tape: Mutex<Option<RecordingTimeline>>,
     /// Games start and read this board.
     pub board: Mutex<Option<TestBoard>>,
+    /// Recommended settings make every press wrong.
+    pub worsens: Mutex<bool>,
 }
 
 /// A board of a game that starts.
@@ -106,6 +108,7 @@ impl TestServices {
             calibrated: Mutex::new(0),
             tape: Mutex::new(None),
             board: Mutex::new(None),
+            worsens: Mutex::new(false),
         }
     }
 
@@ -201,9 +204,13 @@ impl AppServices for TestServices {
         };
         let plain = judge.profile(None).map_err(|faulty| faulty.to_string())?;
         let overlay = RecommendedSettings::from_profile(&plain);
+        let mut after = of(Some(&overlay))?;
+        if *self.worsens.lock().expect("no panic") {
+            after.right = 0;
+        }
         Ok(Recommendation {
             before: of(None)?,
-            after: of(Some(&overlay))?,
+            after,
             overlay,
         })
     }

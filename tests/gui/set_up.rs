@@ -8,13 +8,14 @@ use gelpad::gui::setup::Step;
 use gelpad::gui::still::touch;
 use gelpad::runtime::PlayCommand;
 
+use crate::services::NO_START;
 use crate::{Stage, WIDE};
 
 fn stage() -> Stage {
     Stage::with_view(Tab::SetUp, WIDE)
 }
 
-fn at(step: Step) -> Stage {
+pub fn at(step: Step) -> Stage {
     let mut stage = stage();
     stage.app().set_up.step = step;
     stage.steps(3);
@@ -234,6 +235,7 @@ fn the_output_check_shows_received_keys() {
         OutputChoice::Auto
     );
     stage.app().playing.request.output = OutputChoice::Auto;
+    stage.app().failed = None;
     stage.steps(2);
     stage.button("Start the check");
     stage.key(egui::Key::F);
@@ -256,6 +258,34 @@ fn a_gamepad_is_offered_with_what_it_needs_and_its_command() {
     let last = stage.services.last_request().expect("a start");
     assert_eq!(last.source, SourceChoice::Gamepad);
     assert!(stage.shows("/dev/uinput"), "{:?}", stage.window);
+}
+
+#[test]
+fn an_output_that_does_not_open_is_named_with_its_help() {
+    let mut stage = at(Step::Check);
+    stage.app().playing.output = "keyboard and mouse of the X11 display".to_owned();
+    stage.button("Send to a virtual gamepad");
+    let words = format!("The chosen output, gamepad, gets no keys: {NO_START}");
+    assert!(stage.shows(&words), "{:?}", stage.window);
+    assert!(stage.shows("gamepads as a source"), "the help");
+    assert!(stage.shows("→ gamepad"), "the status line");
+    assert!(!stage.shows("X11"));
+    assert!(!stage.has_label("Start the check"));
+    stage.button("Try again");
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.output, OutputChoice::Gamepad);
+    stage.button("Send to this desktop");
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.output, OutputChoice::Auto);
+}
+
+#[test]
+fn the_way_on_is_in_view_at_the_first_size() {
+    let stage = Stage::with_view(Tab::SetUp, [1240.0, 730.0]);
+    for label in ["◀ Back", "Next ▶"] {
+        let rect = stage.button_rect(label);
+        assert!(rect.bottom() < 700.0 && rect.height() > 24.0, "{rect:?}");
+    }
 }
 
 #[test]

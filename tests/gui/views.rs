@@ -179,3 +179,43 @@ fn every_view_can_be_reached_with_large_text_in_a_small_window() {
         assert_eq!(stage.app().tab, gelpad::gui::Tab::Comfort);
     }
 }
+
+/// The same window: the list of views is complete, and nothing is cut at the right edge.
+#[test]
+fn large_text_in_a_small_window_cuts_nothing() {
+    for tab in [Tab::Play, Tab::SetUp, Tab::Comfort] {
+        let stage = Stage::with_view(tab, [400.0, 300.0]);
+        for view in stage.window.query_all_by_role(Role::Tab) {
+            let rect = view.rect();
+            assert!(rect.bottom() <= 300.0 && rect.height() >= 24.0, "{rect:?}");
+        }
+        for role in [
+            Role::Button,
+            Role::ComboBox,
+            Role::Slider,
+            Role::RadioButton,
+        ] {
+            for control in stage.window.query_all_by_role(role) {
+                let rect = control.rect();
+                assert!(rect.right() <= 400.0, "{tab:?}: {rect:?} {control:?}");
+            }
+        }
+    }
+    let stage = Stage::with_view(Tab::Play, [400.0, 300.0]);
+    let lists = stage
+        .window
+        .get_by_role_and_label(Role::ComboBox, "Profile");
+    let pad = stage.canvas().rect();
+    assert!(
+        pad.bottom() < lists.rect().top() && pad.top() > 40.0,
+        "{pad:?}"
+    );
+    let stage = Stage::with_view(Tab::SetUp, [400.0, 300.0]);
+    for label in ["5 Personal settings", "7 Output", "Next ▶"] {
+        let rect = stage.button_rect(label);
+        assert!(
+            rect.bottom() <= 300.0 && rect.right() <= 400.0,
+            "{label}: {rect:?}"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! The game that was played last, so that the window opens with it again. Kept in `window.toml` under `[last]`.
 //!
-//! Invariant: the output is not restored. gelpad sends keys only after a click of this session.
+//! Invariant: the output is kept, but nothing is sent to it before a click of this session.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,16 @@ pub struct LastGame {
     match_programs: bool,
     /// Whether its keys were sent to a game.
     pub was_sent: bool,
+    /// The output that was chosen last, other than a trial.
+    pub output: Option<OutputChoice>,
 }
+
+/// The outputs that are kept, with their words in the file.
+const OUTPUTS: [(OutputChoice, &str); 3] = [
+    (OutputChoice::Auto, "auto"),
+    (OutputChoice::Keyboard, "keyboard"),
+    (OutputChoice::Gamepad, "gamepad"),
+];
 
 impl LastGame {
     /// The parts of a game that are kept.
@@ -38,6 +47,7 @@ impl LastGame {
             source: is_kept.then(|| request.source.clone()),
             match_programs: request.match_programs,
             was_sent: request.output != OutputChoice::Nothing,
+            output: kept_output(request.output),
         }
     }
 
@@ -85,6 +95,10 @@ impl LastGame {
                 .and_then(Item::as_bool)
                 .unwrap_or(false),
             was_sent: table.get("sent").and_then(Item::as_bool).unwrap_or(false),
+            output: text("output").and_then(|word| {
+                let mut outputs = OUTPUTS.iter();
+                outputs.find(|one| one.1 == word).map(|one| one.0)
+            }),
         }
     }
 
@@ -106,8 +120,16 @@ impl LastGame {
         }
         table["by_game"] = value(self.match_programs);
         table["sent"] = value(self.was_sent);
+        if let Some((_, word)) = OUTPUTS.iter().find(|one| Some(one.0) == self.output) {
+            table["output"] = value(*word);
+        }
         table
     }
+}
+
+/// The output to keep; none for a trial.
+pub(in crate::gui) fn kept_output(output: OutputChoice) -> Option<OutputChoice> {
+    OUTPUTS.iter().map(|one| one.0).find(|kept| *kept == output)
 }
 
 #[cfg(test)]
@@ -123,13 +145,14 @@ mod tests {
             user: Some("tremor".to_owned()),
             calibration: Some(PathBuf::from("/home/anna/pad.calibration.json")),
             source: SourceChoice::Serial("/dev/ttyACM0".to_owned()),
-            output: OutputChoice::Auto,
+            output: OutputChoice::Gamepad,
             ..PlayRequest::default()
         };
         let kept = LastGame::from_request(&played);
         let read = LastGame::read(&Item::Table(kept.to_table()));
         assert_eq!(read, kept);
         assert!(read.was_sent);
+        assert_eq!(read.output, Some(OutputChoice::Gamepad));
         let trial = PlayRequest {
             output: OutputChoice::Nothing,
             ..played

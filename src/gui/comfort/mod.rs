@@ -16,10 +16,15 @@ use self::feedback::{Alert, Feedback};
 use self::person::PersonSettings;
 use self::preferences::{Preferences, TEXT_SCALE};
 use super::edit::write_atomically;
+use super::focus_ring::follow_focus;
 use super::playing::Playing;
 use super::request::UiAction;
 use super::theme;
+use super::timing_settings::clicked_steps;
 use crate::app::services::AppServices;
+
+/// What a button beside the text size adds, %.
+const TEXT_STEP_PERCENT: f32 = 10.0;
 
 /// Keyboard shortcuts.
 const SHORTCUTS: [&str; 5] = [
@@ -38,6 +43,8 @@ pub struct Comfort {
     person: PersonSettings,
     file: Option<PathBuf>,
     saved: Preferences,
+    /// The text size that is being dragged.
+    dragged_text_percent: Option<f32>,
     /// The zoom that was set last; egui's own shortcuts may have changed it since.
     zoom: f32,
 }
@@ -54,6 +61,7 @@ impl Comfort {
         let preferences = text.map_or_else(Preferences::default, |text| Preferences::read(&text));
         Self {
             saved: preferences.clone(),
+            dragged_text_percent: None,
             zoom: 1.0,
             preferences,
             feedback: Feedback::default(),
@@ -151,6 +159,7 @@ impl Comfort {
                         ui.label(shortcut);
                     }
                 });
+                follow_focus(ui);
             });
         action
     }
@@ -165,17 +174,36 @@ impl Comfort {
                 ui.radio_value(&mut self.preferences.theme, theme, label);
             }
         });
-        let mut percent = self.preferences.text_scale * 100.0;
-        let range = TEXT_SCALE.0 * 100.0..=TEXT_SCALE.1 * 100.0;
-        let slider = egui::Slider::new(&mut percent, range)
-            .step_by(5.0)
-            .suffix(" %")
-            .text("Text size");
-        // Applied on release: zooming would move the slider away from the mouse.
-        if ui.add(slider.update_while_editing(false)).changed() {
+        self.text_size(ui);
+        ui.weak("Shortcut: Ctrl and + or -.");
+    }
+
+    /// The size of the text, applied when the mouse lets go: zooming moves the slider away from it.
+    fn text_size(&mut self, ui: &mut Ui) {
+        let (least, most) = (TEXT_SCALE.0 * 100.0, TEXT_SCALE.1 * 100.0);
+        let applied = self.preferences.text_scale * 100.0;
+        let mut percent = self.dragged_text_percent.unwrap_or(applied);
+        let row = ui.horizontal_wrapped(|ui| {
+            // Its number and its name stand beside it.
+            ui.spacing_mut().slider_width = (ui.available_width() - 160.0).clamp(60.0, 150.0);
+            let slider = egui::Slider::new(&mut percent, least..=most)
+                .step_by(5.0)
+                .suffix(" %")
+                .text("Text size")
+                .update_while_editing(false);
+            let is_changed = ui.add(slider).changed();
+            (is_changed, clicked_steps(ui, "Text size"))
+        });
+        let (is_changed, steps) = row.inner;
+        if is_changed || steps != 0.0 {
+            let wanted = percent + TEXT_STEP_PERCENT * steps as f32;
+            self.dragged_text_percent = Some(wanted.clamp(least, most));
+        }
+        if !ui.input(|input| input.pointer.any_down())
+            && let Some(percent) = self.dragged_text_percent.take()
+        {
             self.preferences.text_scale = percent / 100.0;
         }
-        ui.weak("Shortcut: Ctrl and + or -.");
     }
 
     fn alerts(&mut self, ui: &mut Ui) {

@@ -38,7 +38,14 @@ impl PersonSettings {
         let user = playing.request.user.as_deref();
         match user {
             Some(user) => ui.label(format!("Playing with the settings of {}.", file_name(user))),
-            None => ui.label("Playing without personal settings: a change starts your own."),
+            None => {
+                let folder = services.own_folder().unwrap_or_default().join("users");
+                let file = own_file(None, &folder);
+                let name = file.file_stem().unwrap_or_default().to_string_lossy();
+                ui.label(format!(
+                    "Playing without personal settings: a change starts your own, saved as {name}."
+                ))
+            }
         };
         ui.weak(
             "Play chooses the person. Set up, step 5, recommends settings from your own presses.",

@@ -37,6 +37,8 @@ pub struct Preferences {
     pub pad_window_size: Option<[f32; 2]>,
     /// Opacity of the pad window, 0 to 1.
     pub pad_window_opacity: f32,
+    /// Whether the pad window was open.
+    pub pad_window_open: bool,
     /// The game that was played last.
     pub last_game: LastGame,
 }
@@ -55,6 +57,7 @@ impl Default for Preferences {
             pad_window: None,
             pad_window_size: None,
             pad_window_opacity: 1.0,
+            pad_window_open: false,
             last_game: LastGame::default(),
         }
     }
@@ -96,6 +99,7 @@ impl Preferences {
         if let Some(opacity) = number("pad_window_opacity") {
             read.pad_window_opacity = (opacity as f32).clamp(MIN_OPACITY, 1.0);
         }
+        read.pad_window_open = flag("pad_window_open").unwrap_or(false);
         read.last_game = LastGame::read(document.get("last").unwrap_or(&Item::None));
         read
     }
@@ -118,6 +122,7 @@ impl Preferences {
         document["view"] = value(self.tab.name());
         let opacity = f64::from(self.pad_window_opacity);
         document["pad_window_opacity"] = value((opacity * 100.0).round() / 100.0);
+        document["pad_window_open"] = value(self.pad_window_open);
         for (key, numbers) in [
             ("size", self.size),
             ("pad_window", self.pad_window),
@@ -159,6 +164,7 @@ mod tests {
             pad_window: Some([1500.0, -20.0]),
             pad_window_size: Some([320.0, 300.0]),
             pad_window_opacity: 0.7,
+            pad_window_open: true,
             last_game: LastGame::from_request(&PlayRequest {
                 user: Some("tremor".to_owned()),
                 ..PlayRequest::default()

@@ -38,7 +38,7 @@ impl EditView {
                 };
                 self.bind_step = BindStep::No;
                 let output = output.to_string();
-                self.change(game, |document| document.bind(&region, &output));
+                self.bind(game, &region, &output);
                 self.select_region(&region);
             }
         }

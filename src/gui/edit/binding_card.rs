@@ -4,7 +4,7 @@
 use egui::Ui;
 use toml_edit::Value;
 
-use super::diagrams::{gesture_diagram, mode_diagram};
+use super::diagrams::{gesture_diagram, mode_diagram, split_notes};
 use super::document::number_value;
 use super::document_bindings::{texts, texts_value};
 use super::{EditView, GameContext};
@@ -16,6 +16,8 @@ use crate::profile::{Fallback, Key, KeyKind, Table, keys};
 const ALWAYS: [&str; 5] = ["gesture", "output", "mode", "layer", "region"];
 /// The output of a new binding.
 const NEW_OUTPUT: &str = "key:space";
+/// Smallest and largest letters of a diagram, points.
+const LETTERS: (f32, f32) = (8.0, 10.5);
 /// Width of the names before the fields, points.
 const NAME_WIDTH: f32 = 96.0;
 
@@ -25,7 +27,7 @@ impl EditView {
         let Some(region) = self.selected.clone() else {
             return;
         };
-        theme::title(ui, &format!("bindings of {region}"));
+        theme::title(ui, &format!("Bindings of {region}"));
         let Some(opened) = &self.opened else { return };
         let numbers = opened.document.bindings_of(&region);
         if numbers.is_empty() {
@@ -65,7 +67,7 @@ impl EditView {
                 if mode != "direct" {
                     draw_diagram(ui, &mode_diagram(&mode));
                 }
-                ui.small_button("Remove this binding").clicked()
+                theme::small_button(ui, "Remove this binding").clicked()
             });
         if body.body_returned == Some(true) {
             self.change(game, |document| document.remove_binding(number));
@@ -129,16 +131,9 @@ impl EditView {
                 changed.then(|| (flag != default).then(|| Value::from(flag)))
             }
             KeyKind::Text | KeyKind::Texts | KeyKind::Points => {
-                let mut text = value.map(texts).unwrap_or_default().join(", ");
-                let field = egui::TextEdit::singleline(&mut text)
-                    .desired_width(ui.available_width() - 8.0)
-                    .hint_text(key.default.to_string());
-                let field = ui.add(field).labelled_by(label.id);
-                theme::keep_focus_on_enter(ui, &field);
-                field.changed().then(|| {
-                    let names: Vec<String> = split_names(&text);
-                    (!names.is_empty()).then(|| texts_value(&names))
-                })
+                let names = value.map(texts).unwrap_or_default();
+                let names = draw_names(ui, label, key.name, &names, &key.default.to_string())?;
+                Some((!names.is_empty()).then(|| texts_value(&names)))
             }
         }
     }
@@ -158,28 +153,52 @@ impl EditView {
 
     /// The programs that select this profile.
     pub(super) fn draw_match(&mut self, ui: &mut Ui, game: GameContext<'_>) {
-        theme::title(ui, "games");
+        theme::title(ui, "Games");
         let Some(opened) = &self.opened else { return };
-        let mut text = opened.document.processes().join(", ");
+        let names = opened.document.processes();
         let row = ui.horizontal(|ui| {
             let label = ui.label("Programs");
-            let field = egui::TextEdit::singleline(&mut text)
-                .desired_width(ui.available_width() - 8.0)
-                .hint_text("mygame, mygame.exe");
-            ui.add(field).labelled_by(label.id)
+            draw_names(ui, &label, "programs", &names, "mygame, mygame.exe")
         });
         ui.weak("While one of them runs, the profile “by the running game” is this one.");
-        theme::keep_focus_on_enter(ui, &row.inner);
-        if row.inner.changed() {
+        if let Some(names) = row.inner {
             self.change(game, |document| {
-                document.set_processes(&split_names(&text));
+                document.set_processes(&names);
                 Ok(())
             });
         }
     }
 }
 
-/// Names between commas. The end may be one that is being typed: a space after a comma stays.
+/// A field of names between commas; returns the names when they were changed. What is typed stays as it is while it means the same
+/// names: a comma at the end too. The id of the field does not depend on what is drawn above it, so that it keeps the focus.
+fn draw_names(
+    ui: &mut Ui,
+    label: &egui::Response,
+    salt: &str,
+    names: &[String],
+    hint: &str,
+) -> Option<Vec<String>> {
+    let id = ui.make_persistent_id(("names", salt));
+    let typed: Option<String> = ui.data(|data| data.get_temp(id));
+    let typed = typed.filter(|typed| split_names(typed) == names);
+    let mut text = typed.unwrap_or_else(|| names.join(", "));
+    let field = egui::TextEdit::singleline(&mut text)
+        .id(id)
+        .desired_width(ui.available_width() - 8.0)
+        .hint_text(hint);
+    let field = ui.add(field).labelled_by(label.id);
+    theme::keep_focus_on_enter(ui, &field);
+    let names = field.changed().then(|| split_names(&text));
+    let has_focus = field.has_focus();
+    ui.data_mut(|data| match has_focus {
+        true => drop(data.insert_temp(id, text)),
+        false => data.remove::<String>(id),
+    });
+    names
+}
+
+/// Names between commas.
 fn split_names(text: &str) -> Vec<String> {
     let names = text.split(',').map(str::trim);
     names
@@ -227,22 +246,39 @@ fn draw_number(
     let changed = ui.add(field).labelled_by(label.id).changed();
     if written.is_none() {
         ui.weak("default");
-    } else if ui.small_button("⟲").on_hover_text("Default").clicked() {
+    } else if theme::small_button(ui, "⟲")
+        .on_hover_text("Default")
+        .clicked()
+    {
         return Some(None);
     }
     let is_float = value.is_some_and(Value::is_float);
     changed.then(|| Some(number_value(number, is_float)))
 }
 
-/// A diagram in letters of one width; it may be wider than the panel.
+/// A diagram in letters of one width, small enough for the panel, with its notes below.
 fn draw_diagram(ui: &mut Ui, diagram: &str) {
     if diagram.is_empty() {
         return;
     }
+    let (drawing, notes) = split_notes(diagram);
+    let letters = drawing.lines().map(|line| line.chars().count()).max();
+    let font = |size| egui::FontId::monospace(size);
+    let letter = ui
+        .ctx()
+        .fonts_mut(|fonts| fonts.glyph_width(&font(LETTERS.1), '_'));
+    let width = letter * letters.unwrap_or(1) as f32;
+    // A little less: widths are rounded to whole pixels.
+    let fitting = LETTERS.1 * 0.97 * ui.available_width() / width.max(1.0);
+    let size = fitting.clamp(LETTERS.0, LETTERS.1);
     egui::ScrollArea::horizontal()
         .id_salt(diagram)
         .show(ui, |ui| {
-            let text = egui::RichText::new(diagram).monospace().size(10.5);
+            let text = egui::RichText::new(drawing).font(font(size));
             ui.add(egui::Label::new(text).extend());
         });
+    if !notes.is_empty() {
+        let notes = egui::RichText::new(notes).small().weak();
+        ui.add(egui::Label::new(notes).wrap());
+    }
 }

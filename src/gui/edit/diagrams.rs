@@ -43,6 +43,30 @@ fn block<'a>(lines: impl Iterator<Item = &'a str>, is_wanted: impl Fn(&str) -> b
     block.join("\n")
 }
 
+/// Takes the notes at the ends of lines out of a diagram: the drawing, and a line for each note. A note has several words.
+#[must_use]
+pub(super) fn split_notes(diagram: &str) -> (String, String) {
+    let (mut drawing, mut notes) = (Vec::new(), Vec::new());
+    for line in diagram.lines() {
+        let note = line.rsplit_once("   ").filter(|(before, note)| {
+            let is_text = note.starts_with(char::is_alphabetic) && note.contains(' ');
+            is_text && !before.trim().is_empty()
+        });
+        let Some((before, note)) = note else {
+            drawing.push(line);
+            continue;
+        };
+        drawing.push(before.trim_end());
+        let name = before.split(' ').find(|word| !word.is_empty());
+        let name = name.filter(|name| name.starts_with(char::is_alphabetic));
+        notes.push(match name {
+            Some(name) => format!("{name}: {note}"),
+            None => note.to_owned(),
+        });
+    }
+    (drawing.join("\n"), notes.join("\n"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,6 +93,22 @@ mod tests {
             hold.contains("hold_ms") && !hold.contains("double-tap"),
             "{hold}"
         );
+    }
+
+    #[test]
+    fn notes_leave_drawings_that_fit_into_the_panel() {
+        let all = words("gesture");
+        let gestures = all.iter().map(|gesture| gesture_diagram(gesture, all));
+        let modes = words("mode").iter().map(|mode| mode_diagram(mode));
+        for diagram in gestures.chain(modes) {
+            let (drawing, notes) = split_notes(&diagram);
+            let widest = drawing.lines().map(|line| line.chars().count()).max();
+            assert!(widest.unwrap_or(0) <= 66, "{drawing}");
+            assert!(!notes.contains("__"), "no part of a drawing: {notes}");
+            assert_eq!(drawing.lines().count(), diagram.lines().count());
+        }
+        let force = split_notes(&gesture_diagram("force", all));
+        assert!(force.1.starts_with("force: a level; it is"), "{force:?}");
     }
 
     #[test]

@@ -6,6 +6,8 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
 
 /// Changes that can be undone.
 const MAX_UNDO: usize = 200;
+/// Gestures that [`Document::bind_gesture`] leaves alone: presses, and those that move something.
+const WITHOUT_OUTPUT: [&str; 5] = ["press", "dpad", "stick", "trigger", "pointer"];
 /// Fractions of the pad are written in thousandths.
 const STEPS_PER_PAD: f64 = 1000.0;
 
@@ -113,6 +115,27 @@ impl Document {
                 table.insert("output", value(output));
                 bindings.push(table);
             }
+        }
+        Ok(())
+    }
+
+    /// Gives the first binding of a region that is no press another output; without one, its press is bound.
+    ///
+    /// # Errors
+    /// `binding` is not a list of tables.
+    pub fn bind_gesture(&mut self, region: &str, output: &str) -> Result<(), EditError> {
+        let has_output = |table: &Table| {
+            let text = |key: &str| table.get(key).and_then(Item::as_str);
+            let gesture = text("gesture").unwrap_or("press");
+            text("region") == Some(region) && !WITHOUT_OUTPUT.contains(&gesture)
+        };
+        let bindings = self.array_of_tables("binding")?;
+        let Some(index) = bindings.iter().position(has_output) else {
+            return self.bind(region, output);
+        };
+        self.record_undo(&format!("bind {region}"));
+        if let Some(table) = self.array_of_tables("binding")?.get_mut(index) {
+            set_value(table, "output", Value::from(output));
         }
         Ok(())
     }

@@ -77,6 +77,7 @@ impl EditView {
         (self.failed, self.selected) = (None, None);
         (self.output_error, self.grid_question) = (None, None);
         (self.notice, self.text_editor) = (None, None);
+        self.saved_as = None;
         if let Some(draft) = self.drafts.take(profile) {
             if is_path(profile) {
                 self.watch(ctx, Some(draft.saved.clone()));
@@ -168,7 +169,7 @@ impl EditView {
         }
         opened.check(game);
         let (argument, text) = (opened.argument.clone(), opened.saved.clone());
-        self.notice = Some(format!("saved: {argument}"));
+        (self.notice, self.saved_as) = (None, Some(argument.clone()));
         self.argument.clone_from(&argument);
         // A new watcher: the old one may still report a text from before this save.
         self.watch(ctx, Some(text));

@@ -36,13 +36,14 @@ use self::file::OpenProfile;
 use self::shape::Grip;
 use self::text_draft::TextDraft;
 use super::file_dialog::FileDialog;
+use super::focus_ring::follow_focus;
 use super::picture::Picture;
 use super::play::UiAction;
 use super::playing::Playing;
 use super::request::GameContext;
 use crate::app::file_watch::FileWatcher;
 use crate::app::services::AppServices;
-use crate::profile::{Profile, Shape};
+use crate::profile::{Binding, Gesture, Profile, Shape};
 
 /// Width of the side panel: share of the window, minimum and maximum in points.
 const SIDE: (f32, f32, f32) = (0.34, 270.0, 400.0);
@@ -78,6 +79,8 @@ pub struct EditView {
     output_text: String,
     output_error: Option<String>,
     notice: Option<String>,
+    /// The file that the shown profile was saved in.
+    saved_as: Option<String>,
     /// Profiles with unsaved changes that are not shown now.
     drafts: Drafts,
     /// The grid that the player is asked to separate.
@@ -119,6 +122,7 @@ impl EditView {
                 .show(ui, |ui| {
                     ui.set_width(side - 6.0);
                     wish = self.draw_side(ui, game);
+                    follow_focus(ui);
                 });
         });
         self.ask_about_grid(ui.ctx(), game);
@@ -189,14 +193,39 @@ impl EditView {
         self.output_text = self
             .profile()
             .and_then(|profile| {
-                let index = profile.regions.iter().position(|r| r.name == region)?;
-                let binding = profile
-                    .bindings
-                    .iter()
-                    .find(|binding| binding.regions.contains(&index))?;
+                let binding = shown_binding(profile, region)?;
                 super::regions::outputs_of_binding(profile, binding).next()
             })
             .map(|output| output.to_string())
             .unwrap_or_default();
     }
+
+    /// Gives the shown binding of a region another output, or adds a binding.
+    fn bind(&mut self, game: GameContext<'_>, region: &str, output: &str) {
+        let shown = self.profile().and_then(|p| shown_binding(p, region));
+        let has_gesture = shown.is_some_and(|binding| !is_press(binding));
+        self.change(game, |document| match has_gesture {
+            true => document.bind_gesture(region, output),
+            false => document.bind(region, output),
+        });
+    }
+}
+
+/// The binding whose output the card of a region shows: its press, else the first that has one output for one region.
+fn shown_binding<'a>(profile: &'a Profile, region: &str) -> Option<&'a Binding> {
+    let index = profile.regions.iter().position(|r| r.name == region)?;
+    let of_region = |binding: &&Binding| binding.regions == [index];
+    let mut bindings = profile.bindings.iter().filter(of_region);
+    let moves = |binding: &&Binding| {
+        matches!(
+            binding.gesture,
+            Gesture::Dpad(_) | Gesture::Stick(_) | Gesture::Trigger(_) | Gesture::Pointer(_)
+        )
+    };
+    let press = bindings.clone().find(|binding| is_press(binding));
+    press.or_else(|| bindings.find(|binding| !moves(binding)))
+}
+
+fn is_press(binding: &Binding) -> bool {
+    matches!(binding.gesture, Gesture::Press(_))
 }

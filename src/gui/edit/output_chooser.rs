@@ -26,7 +26,7 @@ type Group = (&'static str, Vec<Output>);
 fn groups() -> Vec<Group> {
     let buttons = types::Button::ALL.iter().copied().map(Output::Button);
     let mouse = MouseButton::ALL.iter().copied().map(Output::Mouse);
-    vec![("gamepad", buttons.collect()), ("mouse", mouse.collect())]
+    vec![("Gamepad", buttons.collect()), ("Mouse", mouse.collect())]
 }
 
 /// The keys of a row; names that this version does not know are left out.
@@ -80,7 +80,7 @@ impl EditView {
             }
         });
         if let Some(output) = chosen {
-            self.change(game, |document| document.bind(&region, &output.to_string()));
+            self.bind(game, &region, &output.to_string());
             self.end_change();
             self.select_region(&region);
         }

@@ -11,6 +11,7 @@ use crate::app::services::PlayRequest;
 use crate::app::texts::is_path;
 use crate::gui::file_dialog::FileChange;
 use crate::gui::play::UiAction;
+use crate::gui::theme;
 use crate::profile::DEFAULT_PROFILE;
 
 impl EditView {
@@ -25,11 +26,11 @@ impl EditView {
         }
         let path = PathBuf::from(&self.argument);
         let row = ui.horizontal_wrapped(|ui| {
-            if ui.small_button("Rename").clicked() {
+            if theme::small_button(ui, "Rename").clicked() {
                 self.dialog.rename(&path);
             }
-            let duplicates = ui.small_button("Duplicate").clicked();
-            if ui.small_button("Delete").clicked() {
+            let duplicates = theme::small_button(ui, "Duplicate").clicked();
+            if theme::small_button(ui, "Delete").clicked() {
                 self.dialog.delete(&path);
             }
             duplicates

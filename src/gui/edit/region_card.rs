@@ -12,7 +12,7 @@ const NEW_REGION: [f64; 4] = [0.4, 0.4, 0.2, 0.2];
 
 impl EditView {
     pub(super) fn draw_region(&mut self, ui: &mut Ui, game: GameContext<'_>) {
-        theme::title(ui, "region");
+        theme::title(ui, "Region");
         let Some(profile) = self.profile().cloned() else {
             ui.label("Fix the file first.");
             return;
@@ -99,7 +99,7 @@ impl EditView {
                 Ok(output) => {
                     self.output_error = None;
                     let output = output.to_string();
-                    self.change(game, |document| document.bind(region, &output));
+                    self.bind(game, region, &output);
                     self.end_change();
                 }
                 Err(error) => {

@@ -20,7 +20,8 @@ impl EditView {
         if self.opened.is_none() {
             return wish;
         }
-        self.draw_mistakes(ui);
+        // A part of its own: the ids of what is below do not depend on the number of mistakes.
+        ui.scope(|ui| self.draw_mistakes(ui));
         card(ui, |ui| self.draw_region(ui, game));
         if self.selected.is_some() {
             card(ui, |ui| self.draw_bindings(ui, game));
@@ -41,13 +42,18 @@ impl EditView {
             }
             return None;
         };
-        let unsaved = opened.is_unsaved();
         let name = egui::RichText::new(file_name(&opened.argument)).size(18.0);
         ui.add(egui::Label::new(name).truncate())
             .on_hover_text(&opened.argument);
-        if unsaved {
-            ui.colored_label(palette.warn, "● not saved");
-        }
+        // Always one line: the first change moves nothing.
+        let (state, colour) = match (opened.is_unsaved(), &self.saved_as) {
+            (true, _) => ("● not saved".to_owned(), palette.warn),
+            (false, Some(file)) => (format!("✔ saved: {file}"), palette.good),
+            (false, None) => ("no changes".to_owned(), palette.weak),
+        };
+        let text = egui::RichText::new(&state).color(colour);
+        ui.add(egui::Label::new(text).truncate())
+            .on_hover_text(state);
         if opened.is_shipped() {
             ui.weak("A shipped profile: saving makes your own copy.");
         }

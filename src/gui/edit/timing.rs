@@ -8,7 +8,7 @@ use crate::gui::timing_settings::{SETTINGS, draw_slider};
 
 impl EditView {
     pub(super) fn draw_timing(&mut self, ui: &mut Ui, game: GameContext<'_>) {
-        theme::title(ui, "timing, beside what you do now");
+        theme::title(ui, "Timing, beside what you do now");
         let Some(settings) = self.profile().map(|profile| profile.settings.clone()) else {
             return;
         };

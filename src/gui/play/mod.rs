@@ -9,6 +9,7 @@ pub use super::request::{Names, UiAction, file_name};
 
 use egui::{Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
+use super::focus_ring::follow_focus;
 use super::pad_nodes;
 use super::picture::{Picture, PictureLayers};
 use super::place::PadTransform;
@@ -22,6 +23,8 @@ use super::theme;
 const SIDE: (f32, f32, f32) = (0.28, 232.0, 330.0);
 /// Strip chart: share of the height, minimum and maximum, points.
 const STRIP: (f32, f32, f32) = (0.18, 66.0, 124.0);
+/// Share of the height for the pad in a narrow window.
+const PAD_SHARE: f32 = 0.75;
 /// Height of the problem line, points.
 const PROBLEM_LINE: f32 = 40.0;
 /// Gap between parts, points.
@@ -34,9 +37,13 @@ pub fn ui(
     playing: &mut Playing,
     problem: Option<&Problem>,
     names: &Names,
+    is_pad_open: bool,
 ) -> Option<UiAction> {
     let mut action = None;
     let room = ui.available_rect_before_wrap();
+    if room.width() < theme::COLUMN {
+        return column(ui, picture, playing, problem, names, is_pad_open);
+    }
     let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
     let strip_height = (room.height() * STRIP.0).clamp(STRIP.1, STRIP.2);
     let middle = room.right() - side - GAP;
@@ -62,11 +69,45 @@ pub fn ui(
             .auto_shrink(false)
             .show(ui, |ui| {
                 ui.set_width(side - 4.0);
-                action = side::ui(ui, playing, names).or(action.take());
+                action = side::ui(ui, playing, names, is_pad_open).or(action.take());
+                follow_focus(ui);
             });
     });
     ui.advance_cursor_after_rect(room);
     action
+}
+
+/// The parts below each other, which scroll.
+fn column(
+    ui: &mut Ui,
+    picture: &mut Picture,
+    playing: &mut Playing,
+    problem: Option<&Problem>,
+    names: &Names,
+    is_pad_open: bool,
+) -> Option<UiAction> {
+    let room = ui.available_rect_before_wrap();
+    let scroll = egui::ScrollArea::vertical().id_salt("play column");
+    let shown = scroll.auto_shrink(false).show(ui, |ui| {
+        let width = room.width() - GAP;
+        ui.set_width(width);
+        let part = |ui: &mut Ui, height: f32| {
+            let size = Vec2::new(width, height);
+            ui.allocate_exact_size(size, Sense::hover()).0
+        };
+        let place = |room: Rect| egui::UiBuilder::new().max_rect(room);
+        let line_room = part(ui, PROBLEM_LINE);
+        let fixed = problem_line(&mut ui.new_child(place(line_room)), problem);
+        let pad_room = part(ui, (room.height() * PAD_SHARE).max(STRIP.2));
+        let mut pad_ui = ui.new_child(place(pad_room));
+        pad(&mut pad_ui, pad_room, picture, playing, false);
+        let strip_room = part(ui, STRIP.1);
+        strip::draw(ui, strip_room, playing);
+        let action = side::ui(ui, playing, names, is_pad_open).or(fixed);
+        follow_focus(ui);
+        action
+    });
+    shown.inner
 }
 
 /// The pad; the simulated one can be pressed.
@@ -149,13 +190,30 @@ fn problem_line(ui: &mut Ui, problem: Option<&Problem>) -> Option<UiAction> {
     let builder = egui::UiBuilder::new().max_rect(inner).layout(layout);
     let clicked = ui.scope_builder(builder, |ui| {
         let fix = problem.and_then(|problem| problem.fix.as_ref());
-        let clicked = fix.filter(|(label, _)| theme::primary(ui, label).clicked());
+        let button = fix.map(|(label, _)| theme::primary(ui, label));
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.label(egui::RichText::new(mark).color(colour).size(17.0));
-            ui.add(egui::Label::new(text).truncate())
-                .on_hover_text(text);
+            let mut line = egui::Label::new(text).truncate();
+            if button.is_none() {
+                // It keeps the focus of a button that has gone.
+                line = line.sense(Sense::focusable_noninteractive());
+            }
+            let line = ui.add(line).on_hover_text(text);
+            pass_focus_on(ui, button.as_ref().unwrap_or(&line));
         });
-        clicked.map(|(_, action)| action.clone())
+        let is_clicked = button.is_some_and(|button| button.clicked());
+        fix.filter(|_| is_clicked).map(|(_, action)| action.clone())
     });
     clicked.inner
+}
+
+/// Gives the focus of the button that the problem line had before to what the line has now: Tab goes on from there.
+fn pass_focus_on(ui: &Ui, to: &Response) {
+    let id = egui::Id::unique("problem line");
+    let before: Option<egui::Id> = ui.data(|data| data.get_temp(id));
+    ui.data_mut(|data| data.insert_temp(id, to.id));
+    let focused = ui.memory(|memory| memory.focused());
+    if before.is_some_and(|before| before != to.id && focused == Some(before)) {
+        to.request_focus();
+    }
 }

@@ -9,7 +9,7 @@ use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
 use crate::gui::choice;
 use crate::gui::playing::Playing;
 use crate::gui::problem::SHORTEST_PRESS_FRAMES;
-use crate::gui::request::{Names, UiAction, file_name};
+use crate::gui::request::{Names, UiAction, file_name, output_words};
 use crate::gui::theme;
 use crate::runtime::PlayCommand;
 
@@ -21,24 +21,27 @@ const BY_GAME: &str = "by the running game";
 const NOBODY: &str = "anyone";
 
 /// Draws the panel; returns what the player requested.
-pub(super) fn ui(ui: &mut Ui, playing: &mut Playing, names: &Names) -> Option<UiAction> {
+pub(super) fn ui(
+    ui: &mut Ui,
+    playing: &mut Playing,
+    names: &Names,
+    is_pad_open: bool,
+) -> Option<UiAction> {
     let card = theme::card(ui).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let chosen = choose(ui, &playing.request, names);
-        buttons(ui, playing).or(chosen)
+        buttons(ui, playing, is_pad_open).or(chosen)
     });
     theme::titled_card(ui, "Game input", |ui| controller::draw(ui, playing));
     theme::titled_card(ui, "Press length", |ui| presses::ui(ui, playing));
     if playing.is_simulated() {
         theme::titled_card(ui, "Simulated pad", |ui| simulated_pad(ui, playing));
     }
-    theme::titled_card(ui, "Timing: median, 99th percentile", |ui| {
-        timing(ui, playing);
-    });
+    timing(ui, playing);
     card.inner
 }
 
-fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
+fn buttons(ui: &mut Ui, playing: &mut Playing, is_pad_open: bool) -> Option<UiAction> {
     let row = ui.horizontal_wrapped(|ui| {
         let mut button = |label, hint| ui.button(label).on_hover_text(hint).clicked();
         let paused = playing.view.paused;
@@ -52,8 +55,12 @@ fn buttons(ui: &mut Ui, playing: &mut Playing) -> Option<UiAction> {
         ) {
             playing.send_command(PlayCommand::Rezero);
         }
+        let label = match is_pad_open {
+            true => "✖ Close the pad window",
+            false => "🗖 Pad window",
+        };
         if button(
-            "🗖 Pad window",
+            label,
             "A small pad on top of everything, which you can press while your game has the keyboard",
         ) {
             return Some(UiAction::PadWindow);
@@ -181,9 +188,7 @@ fn list<T: PartialEq>(
 fn output_label(output: OutputChoice) -> &'static str {
     match output {
         OutputChoice::Nothing => "none (trial)",
-        OutputChoice::Keyboard => "keyboard",
-        OutputChoice::Gamepad => "gamepad",
-        OutputChoice::Auto | OutputChoice::Trace => "your game",
+        other => output_words(other),
     }
 }
 
@@ -209,8 +214,34 @@ fn simulated_pad(ui: &mut Ui, playing: &mut Playing) {
     }
 }
 
-/// Frame rate, latency of each stage, shortest press, lost frames.
+/// The table of times. Nothing in it can be pressed, but it takes the focus: so the keyboard scrolls to it and a reader reads it.
 fn timing(ui: &mut Ui, playing: &Playing) {
+    const TITLE: &str = "Timing: median, 99th percentile";
+    let rows = timing_rows(playing);
+    let card = ui.scope(|ui| {
+        theme::titled_card(ui, TITLE, |ui| {
+            let grid = egui::Grid::new("times").num_columns(2);
+            grid.spacing([14.0, 3.0]).show(ui, |ui| {
+                for (name, value) in &rows {
+                    ui.weak(*name);
+                    ui.monospace(value);
+                    ui.end_row();
+                }
+            });
+        });
+    });
+    let id = ui.make_persistent_id("timing");
+    let sense = egui::Sense::focusable_noninteractive();
+    let response = ui.interact(card.response.rect, id, sense);
+    response.widget_info(|| {
+        let rows = rows.iter().map(|(name, value)| format!("{name} {value}"));
+        let text = format!("{TITLE}: {}", rows.collect::<Vec<_>>().join(", "));
+        egui::WidgetInfo::labeled(egui::Role::Label, true, text)
+    });
+}
+
+/// Frame rate, latency of each stage, shortest press, lost frames.
+fn timing_rows(playing: &Playing) -> Vec<(&'static str, String)> {
     let view = &playing.view;
     let mut rows = vec![("frame rate", format!("{:.0} frames/s", view.frames_per_s))];
     let stages = &view.stages;
@@ -231,12 +262,5 @@ fn timing(ui: &mut Ui, playing: &Playing) {
         rows.push(("shortest press", format!("{shortest_ms:.0} ms")));
     }
     rows.push(("lost frames", view.lost_frames.to_string()));
-    let grid = egui::Grid::new("times").num_columns(2);
-    grid.spacing([14.0, 3.0]).show(ui, |ui| {
-        for (name, value) in rows {
-            ui.weak(name);
-            ui.monospace(value);
-            ui.end_row();
-        }
-    });
+    rows
 }

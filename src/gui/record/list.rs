@@ -9,6 +9,7 @@ use egui::{ScrollArea, Ui};
 use crate::app::own_files::{self, OwnFile};
 use crate::app::services::AppServices;
 use crate::gui::file_dialog::FileDialog;
+use crate::gui::theme;
 
 /// How often the folder is read again while the list is shown, s.
 const REFRESH_S: f64 = 2.0;
@@ -60,12 +61,12 @@ impl RecordingList {
                     if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
                         ui.weak(age_in_words(age));
                     }
-                    let rename = ui.small_button("Rename");
+                    let rename = theme::small_button(ui, "Rename");
                     name_for_readers(&rename, format!("Rename {name}"));
                     if rename.clicked() {
                         self.dialog.rename(&file.path);
                     }
-                    let delete = ui.small_button("Delete");
+                    let delete = theme::small_button(ui, "Delete");
                     name_for_readers(&delete, format!("Delete {name}"));
                     if delete.clicked() {
                         self.dialog.delete(&file.path);

@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use super::presses::ViewPresses;
-use super::{draw_notice, paragraph};
+use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::{Press, RecordedPress};
 use crate::gui::play::UiAction;
@@ -23,6 +23,8 @@ pub(super) struct CalibrationStep {
     presses: Vec<Press>,
     recorder: ViewPresses,
     notice: Option<String>,
+    /// What the last calibration has learned.
+    learned: Option<String>,
     saved: Option<std::path::PathBuf>,
 }
 
@@ -34,6 +36,7 @@ impl Default for CalibrationStep {
             presses: Vec::new(),
             recorder: ViewPresses::default(),
             notice: None,
+            learned: None,
             saved: None,
         }
     }
@@ -67,7 +70,7 @@ impl CalibrationStep {
         match services.calibrate(&playing.pad, presses) {
             Ok((path, summary)) => {
                 self.saved = Some(path);
-                self.notice = Some(summary);
+                self.learned = Some(summary);
             }
             Err(why) => self.notice = Some(why),
         }
@@ -86,7 +89,7 @@ impl CalibrationStep {
                 self.places = services.calibration_places(&playing.pad, self.place_count);
                 self.presses.clear();
                 self.saved = None;
-                self.notice = None;
+                (self.notice, self.learned) = (None, None);
             }
         } else {
             let done = self.presses.len() as f32 / self.places.len() as f32;
@@ -115,6 +118,7 @@ impl CalibrationStep {
                 }));
             }
         }
+        draw_success(ui, &self.learned);
         draw_notice(ui, &self.notice);
         wish
     }

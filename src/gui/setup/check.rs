@@ -4,11 +4,12 @@ use egui::{Event, Ui};
 
 use super::gamepad_checks::GamepadChecks;
 use super::paragraph;
-use crate::app::services::{AppServices, OutputChoice, PlayRequest};
+use crate::app::services::{OutputChoice, PlayRequest};
 use crate::gui::edit::keyboard;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::regions::output_label;
+use crate::gui::request::{GameContext, output_words};
 use crate::gui::theme;
 use crate::types::Output;
 
@@ -47,10 +48,15 @@ impl OutputCheck {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        playing: &Playing,
-        services: &dyn AppServices,
+        game: GameContext<'_>,
         gamepad: &mut GamepadChecks,
+        failed: Option<&str>,
     ) -> Option<UiAction> {
+        let GameContext { playing, services } = game;
+        if let Some(why) = failed.filter(|_| playing.request.output != OutputChoice::Nothing) {
+            self.is_running = false;
+            return draw_failure(ui, game, gamepad, why);
+        }
         let send_to = |output| {
             UiAction::Play(PlayRequest {
                 output,
@@ -110,4 +116,34 @@ impl OutputCheck {
         }
         ui.weak("Gamepad buttons do not reach this window: check them with `gelpad doctor`.");
     }
+}
+
+/// The chosen output gets no keys: why, and what helps.
+fn draw_failure(
+    ui: &mut Ui,
+    game: GameContext<'_>,
+    gamepad: &mut GamepadChecks,
+    why: &str,
+) -> Option<UiAction> {
+    let GameContext { playing, services } = game;
+    let chosen = playing.request.output;
+    let text = format!(
+        "✖ The chosen output, {}, gets no keys: {why}",
+        output_words(chosen)
+    );
+    let text = egui::RichText::new(text).color(theme::palette_of(ui).bad);
+    ui.add(egui::Label::new(text).wrap());
+    if chosen == OutputChoice::Gamepad {
+        gamepad.ui(ui, services);
+    }
+    let mut wanted = playing.request.clone();
+    let row = ui.horizontal_wrapped(|ui| {
+        let mut clicked = theme::primary(ui, "Try again").clicked();
+        if chosen != OutputChoice::Auto && ui.button("Send to this desktop").clicked() {
+            wanted.output = OutputChoice::Auto;
+            clicked = true;
+        }
+        clicked
+    });
+    row.inner.then_some(UiAction::Play(wanted))
 }

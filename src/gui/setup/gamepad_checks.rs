@@ -30,7 +30,7 @@ impl GamepadChecks {
             if let Some(fix) = &line.fix {
                 ui.horizontal_wrapped(|ui| {
                     ui.monospace(fix);
-                    let copy = ui.small_button("Copy");
+                    let copy = theme::small_button(ui, "Copy");
                     let label = format!("Copy {fix}");
                     copy.widget_info(|| {
                         egui::WidgetInfo::labeled(egui::Role::Button, true, label.clone())

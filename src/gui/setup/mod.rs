@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use egui::{Rect, Ui};
 
+use super::focus_ring::follow_focus;
 use super::picture::{Picture, PictureLayers};
 use super::play::{Names, UiAction};
 use super::playing::Playing;
@@ -26,6 +27,10 @@ use crate::types::PointMm;
 
 /// Share of the width for the picture.
 const PICTURE: f32 = 0.46;
+/// Share of the height for the picture above the step, in a narrow window.
+const COLUMN_PICTURE: f32 = 0.6;
+/// Height of the row that leads to the next step, points.
+const NAVIGATION: f32 = 42.0;
 
 /// A step of the wizard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,62 +122,99 @@ impl SetUpView {
         playing: &mut Playing,
         services: &Arc<dyn AppServices>,
         names: &mut Names,
+        failed: Option<&str>,
     ) -> Option<UiAction> {
-        let mut wish = None;
-        self.draw_steps(ui);
+        if self.step != Step::Recommend {
+            self.leave();
+        }
+        let is_column = ui.available_width() < theme::COLUMN;
+        self.draw_steps(ui, is_column);
         ui.add_space(4.0);
         let room = ui.available_rect_before_wrap();
         let split = room.left() + room.width() * PICTURE;
-        let pad_room = Rect::from_min_max(room.min, egui::pos2(split - 8.0, room.bottom()));
-        let side_room = Rect::from_min_max(egui::pos2(split + 4.0, room.top()), room.max);
-        // Steps are updated first: the picture shows where to press next.
-        let mark = match self.step {
-            Step::Orientation => self.way.take_view(playing),
-            Step::Calibrate => self.calibrate.take_view(playing, services.as_ref()),
-            Step::Recommend => {
-                self.recommend.update(playing);
-                None
-            }
-            _ => None,
+        let pad_room = room.with_max_x(split - 8.0);
+        let side_room = match is_column {
+            true => room,
+            false => room.with_min_x(split + 4.0),
         };
-        let target_region = match self.step {
-            Step::Recommend => self.recommend.target_region(),
-            _ => None,
-        };
-        self.draw_pad(ui, pad_room, playing, mark, target_region.as_deref());
+        // The way on stays in view.
+        let end = side_room.bottom() - NAVIGATION;
+        let (side_room, end_room) = (side_room.with_max_y(end), side_room.with_min_y(end));
+        let target = self.take_view(playing, services.as_ref());
+        if !is_column {
+            self.draw_pad(ui, pad_room, playing, &target);
+        }
+        let mut wish = None;
         ui.scope_builder(egui::UiBuilder::new().max_rect(side_room), |ui| {
             egui::ScrollArea::vertical()
                 .id_salt("set-up side")
                 .auto_shrink(false)
                 .show(ui, |ui| {
                     ui.set_width(side_room.width() - 8.0);
+                    if is_column {
+                        let height = (side_room.height() * COLUMN_PICTURE).max(100.0);
+                        let size = egui::vec2(ui.available_width(), height);
+                        let (pad_room, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+                        let place = egui::UiBuilder::new().max_rect(pad_room);
+                        self.draw_pad(&mut ui.new_child(place), pad_room, playing, &target);
+                    }
                     theme::card(ui).show(ui, |ui| {
                         ui.set_width(ui.available_width());
                         ui.heading(self.step.title());
-                        wish = match self.step {
-                            Step::Board => self.draw_board(ui, playing, services, names),
-                            Step::Orientation => self.way.ui(ui, game_context(playing, services)),
-                            Step::Zero => draw_zero(ui, playing),
-                            Step::Calibrate => {
-                                self.calibrate.ui(ui, game_context(playing, services))
-                            }
-                            Step::Recommend => self.recommend.ui(ui, playing, services),
-                            Step::Profile => draw_profiles(ui, playing, names),
-                            Step::Check => self.check.ui(
-                                ui,
-                                playing,
-                                services.as_ref(),
-                                &mut self.gamepad_checks,
-                            ),
-                        };
-                        ui.add_space(6.0);
-                        ui.separator();
-                        self.draw_navigation(ui, &mut wish);
+                        wish = self.draw_step(ui, playing, services, names, failed);
                     });
+                    follow_focus(ui);
                 });
+        });
+        ui.scope_builder(egui::UiBuilder::new().max_rect(end_room), |ui| {
+            ui.add_space(8.0);
+            self.draw_navigation(ui, &mut wish);
         });
         ui.advance_cursor_after_rect(room);
         wish
+    }
+
+    /// Ends guided presses: the player does something else.
+    pub fn leave(&mut self) {
+        self.recommend.stop_presses();
+    }
+
+    /// Updates the step, before the picture shows where to press next.
+    fn take_view(&mut self, playing: &Playing, services: &dyn AppServices) -> Target {
+        match self.step {
+            Step::Orientation => self.way.take_view(playing).into(),
+            Step::Calibrate => self.calibrate.take_view(playing, services).into(),
+            Step::Recommend => {
+                self.recommend.update(playing);
+                match self.recommend.target_region() {
+                    Some(region) => Target::Region(region),
+                    None => Target::None,
+                }
+            }
+            _ => Target::None,
+        }
+    }
+
+    fn draw_step(
+        &mut self,
+        ui: &mut Ui,
+        playing: &mut Playing,
+        services: &Arc<dyn AppServices>,
+        names: &mut Names,
+        failed: Option<&str>,
+    ) -> Option<UiAction> {
+        match self.step {
+            Step::Board => self.draw_board(ui, playing, services, names),
+            Step::Orientation => self.way.ui(ui, game_context(playing, services)),
+            Step::Zero => draw_zero(ui, playing),
+            Step::Calibrate => self.calibrate.ui(ui, game_context(playing, services)),
+            Step::Recommend => self.recommend.ui(ui, playing, services),
+            Step::Profile => draw_profiles(ui, playing, names),
+            Step::Check => {
+                let (game, gamepad) = (game_context(playing, services), &mut self.gamepad_checks);
+                self.check.ui(ui, game, gamepad, failed)
+            }
+        }
     }
 
     /// The first step, and below it the form for another pad.
@@ -195,13 +237,21 @@ impl SetUpView {
         chosen.or(diagnosed).or(form.body_returned.flatten())
     }
 
-    /// The steps as a row of tabs.
-    fn draw_steps(&mut self, ui: &mut Ui) {
+    /// The steps as a row of tabs; in a narrow window, their numbers.
+    fn draw_steps(&mut self, ui: &mut Ui, is_column: bool) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for step in Step::ALL {
-                let label = format!("{} {}", step.index() + 1, step.title());
-                if ui.selectable_label(self.step == step, label).clicked() {
+                let (number, is_shown) = (step.index() + 1, self.step == step);
+                let label = format!("{number} {}", step.title());
+                let tab = match is_column {
+                    true => ui.selectable_label(is_shown, number.to_string()),
+                    false => ui.selectable_label(is_shown, &label),
+                };
+                tab.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
+                });
+                if tab.clicked() {
                     self.step = step;
                 }
             }
@@ -220,7 +270,9 @@ impl SetUpView {
             }
             match self.step.neighbour(1) {
                 Some(next) => {
-                    if theme::primary(ui, "Next ▶").clicked() {
+                    // Another button may be the way on.
+                    let is_way_on = self.step != Step::Recommend || self.recommend.is_done();
+                    if theme::way_on(ui, "Next ▶", is_way_on).clicked() {
                         self.step = next;
                     }
                 }
@@ -234,14 +286,7 @@ impl SetUpView {
     }
 
     /// The pad, which can be pressed, with a mark where to press next.
-    fn draw_pad(
-        &mut self,
-        ui: &mut Ui,
-        room: Rect,
-        playing: &mut Playing,
-        mark: Option<PointMm>,
-        target_region: Option<&str>,
-    ) {
+    fn draw_pad(&mut self, ui: &mut Ui, room: Rect, playing: &mut Playing, target: &Target) {
         let shown = PictureLayers {
             image: true,
             regions: matches!(self.step, Step::Recommend | Step::Profile | Step::Check),
@@ -253,27 +298,40 @@ impl SetUpView {
             .draw(ui, room, playing, &playing.view.profile, shown);
         let id = ui.scope_id().with("set-up pad");
         let response = ui.interact(place.rect, id, egui::Sense::click_and_drag());
-        let label = match (mark, target_region) {
-            (Some([x, y]), _) => format!("Pad: press at {x:.0}, {y:.0} mm"),
-            (None, Some(region)) => format!("Pad: press {region}"),
-            (None, None) => "Pad".to_owned(),
+        let label = match target {
+            Target::Place([x, y]) => format!("Pad: press at {x:.0}, {y:.0} mm"),
+            Target::Region(region) => format!("Pad: press {region}"),
+            Target::None => "Pad".to_owned(),
         };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, label.clone()));
         super::press::handle_input(ui, &response, &place, playing);
-        if let Some(mark) = mark {
-            draw_target(ui, place.screen_from_pad(mark));
+        let profile = &playing.view.profile;
+        match target {
+            Target::Place(mark) => draw_target(ui, place.screen_from_pad(*mark)),
+            Target::Region(name) => {
+                let region = profile.regions.iter().find(|r| r.name == *name);
+                if let Some(region) = region {
+                    let placed = region.placed(place.seen_mm, &profile.settings.area);
+                    draw_target(ui, place.screen_from_seen(placed.centre_mm()));
+                }
+            }
+            Target::None => {}
         }
-        if let Some(region) = target_region
-            && let Some(region) = playing
-                .view
-                .profile
-                .regions
-                .iter()
-                .find(|r| r.name == region)
-        {
-            let placed = region.placed(place.seen_mm, &playing.view.profile.settings.area);
-            draw_target(ui, place.screen_from_seen(placed.centre_mm()));
-        }
+    }
+}
+
+/// What is to be pressed next.
+enum Target {
+    None,
+    /// A place on the pad.
+    Place(PointMm),
+    /// A region of the profile.
+    Region(String),
+}
+
+impl From<Option<PointMm>> for Target {
+    fn from(place: Option<PointMm>) -> Self {
+        place.map_or(Self::None, Self::Place)
     }
 }
 
@@ -302,7 +360,15 @@ fn paragraph(ui: &mut Ui, words: &str) {
     ui.add(egui::Label::new(words).wrap());
 }
 
-/// An error, or where something was saved.
+/// What has worked.
+fn draw_success(ui: &mut Ui, words: &Option<String>) {
+    if let Some(words) = words {
+        let text = egui::RichText::new(format!("✔ {words}"));
+        ui.add(egui::Label::new(text.color(theme::palette_of(ui).good)).wrap());
+    }
+}
+
+/// What has not worked, or has to be repeated.
 fn draw_notice(ui: &mut Ui, words: &Option<String>) {
     if let Some(words) = words {
         let colour = theme::palette_of(ui).warn;

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Ui;
 
-use super::{draw_notice, paragraph};
+use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::orientation::{
     GuidedPressRecorder, Orientation, OrientationSolver, Progress, with_numbering,
@@ -24,6 +24,8 @@ pub(super) struct OrientationStep {
     progress: Option<Progress>,
     last_ns: Nanos,
     notice: Option<String>,
+    /// Where the numbering was saved.
+    saved: Option<String>,
 }
 
 impl OrientationStep {
@@ -112,12 +114,13 @@ impl OrientationStep {
                 ui.add(egui::Label::new(text).wrap());
             }
         }
+        draw_success(ui, &self.saved);
         draw_notice(ui, &self.notice);
         wish
     }
 
     fn begin(&mut self, playing: &Playing) {
-        self.notice = None;
+        (self.notice, self.saved) = (None, None);
         self.progress = None;
         self.presses = None;
         let (sender, receiver) = sync_channel(1);
@@ -158,7 +161,7 @@ impl OrientationStep {
             });
         match saved {
             Ok(path) => {
-                self.notice = Some(format!("saved: {}", path.display()));
+                self.saved = Some(format!("saved: {}", path.display()));
                 Some(UiAction::Play(PlayRequest {
                     pad: path.display().to_string(),
                     calibration: None,

@@ -1,20 +1,23 @@
 //! Personal settings: the player makes guided presses, and timing, force and accessibility settings are recommended from
 //! them as a settings file for this person.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Ui;
 
 use super::presses::TouchChanges;
-use super::{draw_notice, paragraph};
+use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, PlayRequest};
-use crate::calibrate::recommend::{FEWEST_TRIALS, PressSession, PressTrial, Recommendation};
+use crate::calibrate::recommend::{
+    FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, Recommendation,
+};
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
+use crate::types::{Phase, Touch};
 
 /// The name of someone who types none: a mouse is enough.
 const NO_NAME: &str = "me";
@@ -30,6 +33,59 @@ pub(super) struct RecommendStep {
     search: Option<Receiver<Result<Recommendation, String>>>,
     recommendation: Option<Recommendation>,
     notice: Option<String>,
+    prompt: Prompt,
+    /// What the step has led to: the saved file, or that nothing changed.
+    outcome: Option<String>,
+}
+
+/// What is asked now, and what the player has done for it.
+#[derive(Default)]
+struct Prompt {
+    number: usize,
+    words: String,
+    /// Whether the same was asked before.
+    is_again: bool,
+    /// Touches that went up since.
+    lifts: usize,
+    /// Lifts that are asked for.
+    wanted_lifts: usize,
+}
+
+impl Prompt {
+    /// Takes the current request and the touches that have changed.
+    fn take(&mut self, number: usize, asked: &PressRequest, changed: &[Touch]) {
+        let words = asked.to_string();
+        if self.number != number || self.words.is_empty() {
+            self.is_again = number > 0 && self.words == words;
+            (self.number, self.words, self.lifts) = (number, words, 0);
+        }
+        self.wanted_lifts = match asked.length {
+            PressLength::Twice => 2,
+            PressLength::Short | PressLength::Long => 1,
+        };
+        let lifted = changed.iter().filter(|touch| touch.phase == Phase::Up);
+        self.lifts += lifted.count();
+    }
+
+    fn is_seen(&self) -> bool {
+        self.lifts >= self.wanted_lifts
+    }
+
+    fn instruction(&self) -> String {
+        match self.is_again {
+            true => format!("again: {}", self.words),
+            false => self.words.clone(),
+        }
+    }
+
+    /// Says at once that a press has arrived; the next one is asked when the pad was at rest for a while.
+    fn acknowledgement(&self, count: usize) -> String {
+        match self.lifts {
+            0 => "Press now. Esc stops.".to_owned(),
+            _ if self.is_seen() => format!("✔ press {} of {count} seen", self.number + 1),
+            _ => "✔ first tap seen".to_owned(),
+        }
+    }
 }
 
 impl RecommendStep {
@@ -62,7 +118,22 @@ impl RecommendStep {
         let changed = self.changes.take_view(&playing.view);
         if let Some(session) = &mut self.session {
             session.take_frame(playing.view.t_ns, &changed);
+            if let Some((number, asked)) = session.current_request() {
+                self.prompt.take(number, asked, &changed);
+            }
         }
+    }
+
+    /// Ends the guided presses before their end; they can be started again.
+    pub(super) fn stop_presses(&mut self) {
+        if self.session.take().is_some() {
+            self.notice = Some("stopped: nothing was changed".to_owned());
+        }
+    }
+
+    /// Whether the step has led to something.
+    pub(super) fn is_done(&self) -> bool {
+        self.outcome.is_some()
     }
 
     pub(super) fn ui(
@@ -82,16 +153,16 @@ impl RecommendStep {
             theme::keep_focus_on_enter(ui, &field);
         });
         let mut wish = None;
-        let asked = self.session.as_ref().and_then(|session| {
-            let (number, asked) = session.current_request()?;
-            Some((number, session.request_count(), asked.to_string()))
+        if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.stop_presses();
+        }
+        let count = self.session.as_ref().and_then(|session| {
+            let _ = session.current_request()?;
+            Some(session.request_count())
         });
-        if let Some((number, count, words)) = asked {
-            ui.label(egui::RichText::new(words).size(19.0));
-            let done = number as f32 / count as f32;
-            ui.add(egui::ProgressBar::new(done).text(format!("{number} of {count}")));
-            if ui.button("Stop").clicked() {
-                self.session = None;
+        if let Some(count) = count {
+            if self.draw_prompt(ui, count) {
+                self.stop_presses();
             }
         } else if let Some(session) = self.session.take() {
             self.start_search(session.finish(), playing, services);
@@ -100,19 +171,40 @@ impl RecommendStep {
                 ui.spinner();
                 ui.label("analysing your presses …");
             });
-        } else if ui.button("Start").clicked() {
-            self.start(playing);
+        } else {
+            let is_way_on = self.recommendation.is_none() && !self.is_done();
+            if theme::way_on(ui, "Start", is_way_on).clicked() {
+                self.start(playing);
+            }
         }
         if let Some(found) = self.recommendation.clone() {
             wish = self.draw_recommendation(ui, &found, playing, services.as_ref());
         }
+        draw_success(ui, &self.outcome);
         draw_notice(ui, &self.notice);
         wish
     }
 
+    /// What to press now and what has arrived; returns whether the player stops.
+    fn draw_prompt(&self, ui: &mut Ui, count: usize) -> bool {
+        let prompt = &self.prompt;
+        let palette = theme::palette_of(ui);
+        ui.label(egui::RichText::new(prompt.instruction()).size(19.0));
+        let colour = match prompt.lifts {
+            0 => palette.weak,
+            _ => palette.good,
+        };
+        ui.colored_label(colour, prompt.acknowledgement(count));
+        let done = prompt.number + usize::from(prompt.is_seen());
+        let bar = egui::ProgressBar::new(done as f32 / count as f32);
+        ui.add(bar.text(format!("{done} of {count}")));
+        ui.button("Stop").clicked()
+    }
+
     fn start(&mut self, playing: &Playing) {
         self.recommendation = None;
-        self.notice = None;
+        (self.notice, self.outcome) = (None, None);
+        self.prompt = Prompt::default();
         let session = PressSession::new(PressSession::default_requests(
             &playing.view.profile,
             PRESSES,
@@ -155,14 +247,19 @@ impl RecommendStep {
         services: &dyn AppServices,
     ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
-        ui.colored_label(
-            palette.good,
-            format!(
-                "✔ correct presses: {:.0} % before, {:.0} % with these settings",
-                found.before.share() * 100.0,
-                found.after.share() * 100.0
-            ),
+        let is_worse = is_worse(found);
+        let shares = format!(
+            "correct presses: {:.0} % before, {:.0} % with these settings",
+            found.before.share() * 100.0,
+            found.after.share() * 100.0
         );
+        match is_worse {
+            true => ui.colored_label(
+                palette.warn,
+                format!("⚠ {shares}. They are worse: keep what you have."),
+            ),
+            false => ui.colored_label(palette.good, format!("✔ {shares}")),
+        };
         let text = found.toml();
         ui.add(
             egui::TextEdit::multiline(&mut text.as_str())
@@ -170,36 +267,83 @@ impl RecommendStep {
                 .desired_rows(6)
                 .desired_width(f32::INFINITY),
         );
+        if self.is_done() {
+            return None;
+        }
         let folder = services.own_folder().map(|folder| folder.join("users"));
         let name = match self.name.trim() {
             "" => folder.as_deref().map_or(NO_NAME.to_owned(), unused_name),
             name => name.to_owned(),
         };
-        let is_valid = match name_problem(&name) {
-            Some(problem) => {
-                ui.colored_label(palette.warn, problem);
-                false
+        let problem = name_problem(&name);
+        let is_valid = problem.is_none();
+        let is_typed = !self.name.trim().is_empty();
+        let taken = folder.as_deref();
+        let taken = taken.and_then(|folder| name_taken(folder, &name, is_typed));
+        if let Some(words) = problem.or(taken) {
+            let words = egui::RichText::new(words).color(palette.warn);
+            ui.add(egui::Label::new(words).wrap());
+        }
+        let row = ui.horizontal_wrapped(|ui| {
+            if is_worse && theme::primary(ui, "Keep what you have").clicked() {
+                self.outcome = Some("kept: your settings are as they were".to_owned());
             }
-            None => true,
-        };
-        let save = ui.add_enabled(is_valid, egui::Button::new("Save and use"));
-        if !save.clicked() {
+            let label = match is_worse {
+                true => "Save and use anyway",
+                false => "Save and use",
+            };
+            let save = ui.add_enabled_ui(is_valid, |ui| theme::way_on(ui, label, !is_worse));
+            save.inner.clicked()
+        });
+        if !row.inner {
             return None;
         }
+        self.save(folder, &name, &text, playing)
+    }
+
+    fn save(
+        &mut self,
+        folder: Option<PathBuf>,
+        name: &str,
+        text: &str,
+        playing: &Playing,
+    ) -> Option<UiAction> {
         let Some(folder) = folder else {
             self.notice = Some("no folder for your own settings: set HOME".to_owned());
             return None;
         };
         let path = folder.join(format!("{name}.toml"));
-        if let Err(error) = write_atomically(&path, &text) {
+        if let Err(error) = write_atomically(&path, text) {
             self.notice = Some(error.to_string());
             return None;
         }
-        self.notice = Some(format!("saved: {}", path.display()));
+        self.notice = None;
+        self.outcome = Some(format!("saved: {}", path.display()));
         Some(UiAction::Play(PlayRequest {
             user: Some(path.display().to_string()),
             ..playing.request.clone()
         }))
+    }
+}
+
+/// Whether fewer presses are right than before, in the whole percents that are shown.
+fn is_worse(found: &Recommendation) -> bool {
+    let [before, after] =
+        [&found.before, &found.after].map(|score| (score.share() * 100.0).round());
+    after < before
+}
+
+/// What happens to settings that are there already.
+fn name_taken(folder: &Path, name: &str, is_typed: bool) -> Option<String> {
+    let exists = folder.join(format!("{name}.toml")).exists();
+    match is_typed {
+        true if exists => Some(format!(
+            "{name} has settings already: saving replaces them."
+        )),
+        false if name != NO_NAME => Some(format!(
+            "{NO_NAME} has settings already: these are saved as {name}. To replace the others, type {NO_NAME} as your name."
+        )),
+        _ => None,
     }
 }
 
@@ -233,6 +377,42 @@ mod tests {
         assert_eq!(unused_name(folder.path()), "me");
         std::fs::write(folder.path().join("me.toml"), "").expect("written");
         assert_eq!(unused_name(folder.path()), "me-2");
+    }
+
+    #[test]
+    fn settings_that_are_there_already_are_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let taken = |name: &str, is_typed| name_taken(folder.path(), name, is_typed);
+        assert_eq!(taken("me", false), None);
+        assert_eq!(taken("anna", true), None);
+        std::fs::write(folder.path().join("anna.toml"), "").expect("written");
+        assert!(taken("anna", true).is_some_and(|words| words.contains("replaces")));
+        assert!(taken("me-2", false).is_some_and(|words| words.contains("saved as me-2")));
+    }
+
+    #[test]
+    fn a_press_is_acknowledged_when_it_lifts_and_a_repeated_prompt_says_so() {
+        let asked = |length| PressRequest {
+            region: "jump".to_owned(),
+            length,
+        };
+        let up = Touch {
+            phase: Phase::Up,
+            ..crate::gui::still::touch(1, [50.0, 50.0], 0.5)
+        };
+        let mut prompt = Prompt::default();
+        prompt.take(0, &asked(PressLength::Short), &[]);
+        assert_eq!(prompt.instruction(), "tap jump, briefly");
+        assert!(!prompt.is_seen());
+        prompt.take(0, &asked(PressLength::Short), &[up]);
+        assert_eq!(prompt.acknowledgement(24), "✔ press 1 of 24 seen");
+        prompt.take(1, &asked(PressLength::Short), &[]);
+        assert_eq!(prompt.instruction(), "again: tap jump, briefly");
+        assert!(!prompt.is_seen());
+        prompt.take(2, &asked(PressLength::Twice), &[up]);
+        assert_eq!(prompt.acknowledgement(24), "✔ first tap seen");
+        prompt.take(2, &asked(PressLength::Twice), &[up]);
+        assert!(prompt.is_seen());
     }
 
     #[test]
