@@ -181,9 +181,16 @@ fn even_centres(
         (None, None, Outline::Rectangle { .. }) => step / 2.0,
     };
     let span = spec.count.span();
-    if !first.is_finite() {
-        let message = "the place of the first electrode is not a finite number";
-        return Err(Diagnostic::new(span, message, "here"));
+    let perimeter_mm = outline.perimeter_mm();
+    // NaN is not within the outline either.
+    let is_within = first.abs() <= perimeter_mm;
+    if !is_within {
+        let message = format!(
+            "the first electrode lies at most once round the pad, {perimeter_mm:.1} mm along its edge"
+        );
+        let given = spec.first_mm.as_ref().or(spec.first_deg.as_ref());
+        let span = given.map_or(span, Spanned::span);
+        return Err(Diagnostic::new(span, message, "off the outline"));
     }
     Ok((0..count)
         .map(|i| (first + i as f64 * step, span.clone()))

@@ -224,6 +224,46 @@ mod tests {
     }
 
     #[test]
+    fn the_guide_shows_a_sound_pad_and_names_every_key() {
+        const GUIDE: &str = include_str!("../../../docs/pads.md");
+        let example = GUIDE
+            .split("```toml\n")
+            .nth(1)
+            .and_then(|rest| rest.split("```").next())
+            .expect("an example");
+        let pad = Pad::from_toml("coaster", example).expect("sound");
+        assert_eq!(pad.channels(), 40);
+        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
+        let tables = ["outline", "layer", "lattice", "electrodes", "protocol"];
+        let found = "[found]\nodd_key = 1\n".to_owned();
+        let with_odd_keys = tables.map(|table| {
+            let head = format!("[{table}]\n");
+            text.replacen(&head, &format!("{head}odd_key = 1\n"), 1)
+        });
+        let of_pad = format!("odd_key = 1\n{text}");
+        for text in with_odd_keys
+            .iter()
+            .chain([&of_pad, &format!("{text}{found}")])
+        {
+            let error = Pad::from_toml("p", text)
+                .expect_err("an unknown key")
+                .to_string();
+            let (_, keys) = error.split_once("expected ").expect(&error);
+            let keys: Vec<&str> = keys.split('`').skip(1).step_by(2).collect();
+            assert!(keys.len() > 1, "{error}");
+            for key in keys {
+                let is_table = tables.contains(&key) || key == "found";
+                let named = if is_table {
+                    format!("{key}.")
+                } else {
+                    key.to_owned()
+                };
+                assert!(GUIDE.contains(&named), "docs/pads.md does not name `{key}`");
+            }
+        }
+    }
+
+    #[test]
     fn a_board_may_number_places_differently() {
         let pad = edited(
             "width_mm = 3.0",

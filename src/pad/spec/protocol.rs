@@ -87,7 +87,7 @@ fn pattern(
             let step = step_of(name.get_ref(), electrodes).ok_or_else(|| {
                 Diagnostic::new(
                     name.span(),
-                    format!("`{}` is no {key} pattern", name.get_ref()),
+                    format!("`{}` is not a {key} pattern", name.get_ref()),
                     "unknown",
                 )
                 .help(format!(
