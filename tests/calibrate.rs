@@ -80,6 +80,8 @@ fn a_recording_is_learned_from_saved_and_taken_by_replay() {
     assert_eq!(over.status.code(), Some(1));
     assert!(stderr(&over).contains("would be overwritten"));
 
+    refuses_wrong_places(folder.path(), &header);
+
     let frames = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/tests/data/lattice-presses/session.csv"
@@ -387,4 +389,41 @@ fn changes_are_not_scaled_by_the_weights_of_the_channels() {
     }
     let (changes, _) = detector.changes_and_explained();
     assert!((changes[7] + 0.1).abs() < 1e-3, "{}", changes[7]);
+}
+
+/// Presses with shuffled places, and one off the pad, are refused, and the calibration before them stays.
+fn refuses_wrong_places(folder: &Path, presses: &str) {
+    let rows: Vec<Vec<&str>> = presses
+        .lines()
+        .map(|row| row.splitn(3, ',').collect())
+        .collect();
+    let before = std::fs::read(folder.join("again.json")).expect("learned before");
+    let learn = |places: &dyn Fn(usize) -> [String; 2]| {
+        let mut text = format!("{}\n", rows[0].join(","));
+        for (index, row) in rows[1..].iter().enumerate() {
+            let [x, y] = places(index);
+            text.push_str(&format!("{x},{y},{}\n", row[2]));
+        }
+        std::fs::write(folder.join("wrong.csv"), text).expect("written");
+        let refused = gelpad(
+            folder,
+            &["calibrate", "--presses", "wrong.csv", "-o", "again.json"],
+        );
+        assert_eq!(refused.status.code(), Some(1), "{}", stderr(&refused));
+        let after = std::fs::read(folder.join("again.json")).expect("learned before");
+        assert!(after == before, "the calibration was overwritten");
+        stderr(&refused)
+    };
+    let place = |index: usize| [0, 1].map(|axis| rows[1 + index][axis].to_owned());
+    let count = rows.len() - 1;
+    let shuffled = learn(&|index| place((7 * index + 3) % count));
+    assert!(shuffled.contains("the presses disagree"), "{shuffled}");
+    let off = learn(&|index| match index {
+        2 => ["500".to_owned(), "20".to_owned()],
+        _ => place(index),
+    });
+    assert!(
+        off.contains("press 3 lies at (500, 20) mm, off the pad"),
+        "{off}"
+    );
 }

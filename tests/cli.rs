@@ -90,6 +90,14 @@ fn wrong_input_gets_one_clear_message_and_code_1() {
             "did you mean `edinburgh-lattice`?",
         ),
         (
+            ["accuracy", "--real", "--only", "no-such", "--out"]
+                .map(str::to_owned)
+                .into_iter()
+                .chain([folder.path().join("out").display().to_string()])
+                .collect(),
+            "the conditions are:\n  as the model assumes, 60 dB",
+        ),
+        (
             vec!["play".into(), "super-maria".into()],
             "did you mean `super-mario`?",
         ),

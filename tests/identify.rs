@@ -103,6 +103,10 @@ fn readings_of_another_pad_are_refused() {
     let error = identify(&lattice, &shuffled, &deviations).expect_err("another order");
     assert!(matches!(error, IdentifyError::OtherPad { .. }), "{error}");
     assert!(error.to_string().contains("wired in order"), "{error}");
+    // A stuck board.
+    let equal = vec![1.0; lattice.channels()];
+    let error = identify(&lattice, &equal, &deviations).expect_err("equal readings");
+    assert!(matches!(error, IdentifyError::OtherPad { .. }), "{error}");
     let nothing = vec![0.0; lattice.channels()];
     let error = identify(&lattice, &nothing, &deviations).expect_err("no reading");
     assert!(

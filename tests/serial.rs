@@ -159,6 +159,47 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
 }
 
 #[test]
+fn what_arrived_long_before_the_first_reading_is_not_played() {
+    let (mut board, path) = pty();
+    let mut source = open(&path);
+    let frames = frames();
+    // The pad is solved meanwhile: the system keeps what the board sends.
+    let (old, new) = frames.split_at(2);
+    for frame in old {
+        board
+            .write_all(openeit::encode(frame).as_bytes())
+            .expect("sent");
+    }
+    std::thread::sleep(Duration::from_millis(700));
+    let sender = std::thread::spawn({
+        let new: Vec<String> = new[..20]
+            .iter()
+            .map(|frame| openeit::encode(frame))
+            .collect();
+        move || {
+            for line in new {
+                std::thread::sleep(FRAME);
+                board.write_all(line.as_bytes()).expect("sent");
+            }
+            board
+        }
+    });
+    let mut arrived = 0;
+    while arrived < 20 {
+        if let SourceReading::Frame(frame) = source.read().expect("a board") {
+            arrived += 1;
+            let first = new.iter().position(|new| *new == frame.volts);
+            assert!(first.is_some(), "an old frame is played");
+            if first == Some(19) {
+                break;
+            }
+        }
+    }
+    assert!(arrived >= 15, "{arrived} of 20 new frames");
+    drop(sender.join());
+}
+
+#[test]
 fn an_unplugged_port_is_reported_once_and_opened_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let port = folder.path().join("port");

@@ -160,7 +160,7 @@ fn start(request: &PlayRequest, tables: &TableSolver) -> Result<Started, AppErro
 /// Learns a calibration and saves it in the player's own folder.
 fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> {
     let presses = Presses::new("the presses", presses)?;
-    let fitted = fit_correction(&presses, pad.outline.size_mm())?;
+    let fitted = fit_correction(&presses, pad.outline.size_mm())?.checked()?;
     let folder = own_folder().ok_or_else(|| {
         AppError::Unsuitable("there is no folder for your own settings: set HOME".to_owned())
     })?;

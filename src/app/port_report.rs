@@ -122,7 +122,7 @@ impl Report {
                 heard.bytes
             ),
         );
-        if let Some(kind) = heard.kind {
+        if let Some(kind) = heard.kind.filter(|_| heard.frames > 0) {
             let guess = format!("{}: --format {}", kind.description(), kind.name());
             self.line("best guess", guess);
         }

@@ -15,15 +15,19 @@ use crate::touch::{Correction, CorrectionData};
 /// Restores a recording.
 pub(crate) struct Restorer<'a> {
     progress: Progress<'a>,
+    /// The pad of a recording whose own cannot be read.
+    pad: &'a str,
     check: Option<ReplayCheck>,
     /// What was solved again or replaced, for people.
     pub(crate) replaced: Vec<String>,
 }
 
 impl<'a> Restorer<'a> {
-    pub(crate) fn new(progress: Progress<'a>) -> Self {
+    /// `pad` names the pad of a recording whose own cannot be read: by default [`DEFAULT_PAD`].
+    pub(crate) fn new(progress: Progress<'a>, pad: Option<&'a str>) -> Self {
         Self {
             progress,
+            pad: pad.unwrap_or(DEFAULT_PAD),
             check: None,
             replaced: Vec::new(),
         }
@@ -36,9 +40,12 @@ impl<'a> Restorer<'a> {
                 toml: parts.pad.clone().unwrap_or_default(),
             },
             _ => {
-                let note = format!("the pad cannot be read: {DEFAULT_PAD} is assumed");
+                let note = format!(
+                    "the pad cannot be read: {} is assumed (`gelpad recover --pad` names another)",
+                    self.pad
+                );
                 self.replaced.push(note);
-                load_pad(DEFAULT_PAD)?
+                load_pad(self.pad)?
             }
         };
         let profile = match &parts.profile {

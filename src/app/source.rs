@@ -9,8 +9,8 @@ use super::{AppError, services::PlayRequest};
 use crate::pad::Pad;
 use crate::source::serial::SerialSource;
 use crate::source::{
-    DisturbedSource, LEVEL_SCRIPT, LiveFingers, LiveSource, Noise, RoundedSource, Script,
-    SimulatedSource, Source, SourceError, open_file,
+    DisturbedSource, LiveFingers, LiveSource, Noise, RoundedSource, Script, SimulatedSource,
+    Source, open_file,
 };
 
 /// Opens the source of a request; the simulated pad that the window presses comes with its [`LiveFingers`].
@@ -27,8 +27,8 @@ pub(super) fn open_requested(
         }
         SourceChoice::Level | SourceChoice::Script(_) if request.in_turn_hz.is_some() => {
             let script = match &request.source {
-                SourceChoice::Script(path) => load_script(Some(path))?,
-                _ => load_script(None)?,
+                SourceChoice::Script(path) => load_script(Some(path), pad)?,
+                _ => load_script(None, pad)?,
             };
             let source = SimulatedSource::new(pad, &script, noise(request.noise))?
                 .in_turn(pad, request.in_turn_hz.unwrap_or_default());
@@ -66,17 +66,12 @@ pub(crate) fn open_pad_source(
     pad: &Pad,
 ) -> Result<Box<dyn Source>, AppError> {
     Ok(match choice {
-        SourceChoice::Level => match SimulatedSource::new(pad, &load_script(None)?, noise(level)) {
-            Err(SourceError::OffPad { .. }) => {
-                return Err(AppError::Unsuitable(format!(
-                    "the built-in level does not fit the pad {}\n  help: name a touch script: --source simulated:FILE",
-                    pad.name
-                )));
-            }
-            source => Box::new(source?),
-        },
+        SourceChoice::Level => {
+            let script = load_script(None, pad)?;
+            Box::new(SimulatedSource::new(pad, &script, noise(level))?)
+        }
         SourceChoice::Script(path) => {
-            let script = load_script(Some(path))?;
+            let script = load_script(Some(path), pad)?;
             Box::new(SimulatedSource::new(pad, &script, noise(level))?)
         }
         SourceChoice::Serial(port) => {
@@ -99,11 +94,11 @@ pub(crate) fn untouched_pad(pad: &Pad, level: NoiseLevel) -> Result<Box<dyn Sour
     Ok(Box::new(SimulatedSource::new(pad, &rest, noise(level))?))
 }
 
-/// A touch script from a file, or the built-in level.
-pub(crate) fn load_script(path: Option<&Path>) -> Result<Script, AppError> {
+/// A touch script from a file, or the built-in level on this pad.
+pub(crate) fn load_script(path: Option<&Path>, pad: &Pad) -> Result<Script, AppError> {
     Ok(match path {
         Some(path) => Script::parse(&path.display().to_string(), &read_text(path)?)?,
-        None => Script::parse("level", LEVEL_SCRIPT)?,
+        None => Script::level(pad.outline.size_mm())?,
     })
 }
 

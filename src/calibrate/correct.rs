@@ -42,6 +42,8 @@ pub struct FittedCorrection {
     pub lone: PlaceErrors,
     /// Errors of one contact of several, leave-one-out.
     pub several: PlaceErrors,
+    /// Errors of always guessing the middle of the presses.
+    pub guessed: PlaceErrors,
 }
 
 /// Parameters of the process.
@@ -51,6 +53,13 @@ struct Parameters {
     voltages: Component,
     noise: f64,
 }
+
+/// A correction that leaves more than this share of the error of always guessing the middle is refused: the presses do not belong
+/// to their places.
+const MOST_OF_GUESSING: f64 = 0.75;
+/// A correction that makes the mean error larger by more than this, mm, is refused. On a pad that equals its model a few presses
+/// may cost some tenths.
+const MOST_WORSE_MM: f64 = 1.0;
 
 /// Presses with their model places and signatures, all lists of the same length.
 struct ModelledPresses {
@@ -102,12 +111,39 @@ pub fn fit_correction(
         voltages: parameters.voltages,
         force_power: force_power(&forces),
     };
+    let count = modelled.true_mm.len();
+    let mean = |axis: usize| {
+        let sum: f64 = modelled.true_mm.iter().map(|place| place[axis]).sum();
+        sum / count as f64
+    };
+    let guesses = vec![[mean(0), mean(1)]; count];
     Ok(FittedCorrection {
         correction: Correction::new(data).map_err(|_| CalibrateError::Alike)?,
         model: PlaceErrors::between(&modelled.model_mm, &modelled.true_mm),
         lone: PlaceErrors::between(&solution.lone, &modelled.true_mm),
         several: PlaceErrors::between(&solution.several, &modelled.true_mm),
+        guessed: PlaceErrors::between(&guesses, &modelled.true_mm),
     })
+}
+
+impl FittedCorrection {
+    /// Refuses a correction that makes nothing better.
+    ///
+    /// # Errors
+    /// Presses that are located no better than by guessing, or worse than by the model.
+    pub fn checked(self) -> Result<Self, CalibrateError> {
+        let (with_mm, without_mm) = (self.lone.mean_mm, self.model.mean_mm);
+        if with_mm > MOST_OF_GUESSING * self.guessed.mean_mm {
+            return Err(CalibrateError::Disagree);
+        }
+        if with_mm > without_mm + MOST_WORSE_MM {
+            return Err(CalibrateError::Worse {
+                with_mm,
+                without_mm,
+            });
+        }
+        Ok(self)
+    }
 }
 
 impl ModelledPresses {
@@ -308,6 +344,27 @@ mod tests {
                 "the median force maps to 0.5"
             );
         }
+    }
+
+    #[test]
+    fn presses_that_do_not_belong_to_their_places_are_refused() {
+        let good = presses(40);
+        assert!(
+            fit_correction(&good, SIZE_MM)
+                .and_then(FittedCorrection::checked)
+                .is_ok()
+        );
+        let mut list = good.list().to_vec();
+        let places: Vec<PointMm> = list.iter().map(|press| press.place_mm).collect();
+        for (index, press) in list.iter_mut().enumerate() {
+            press.place_mm = places[(17 * index + 5) % places.len()];
+        }
+        let shuffled = Presses::new("p", list).expect("spread");
+        let refused = fit_correction(&shuffled, SIZE_MM).and_then(FittedCorrection::checked);
+        assert!(
+            matches!(refused, Err(CalibrateError::Disagree)),
+            "{refused:?}"
+        );
     }
 
     #[test]

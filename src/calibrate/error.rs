@@ -4,7 +4,7 @@ use crate::stats::quantile;
 use crate::types::PointMm;
 
 /// Why nothing can be learned from presses.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     /// The kernel matrix cannot be factored.
     #[error(
@@ -16,6 +16,16 @@ pub enum CalibrateError {
         "the presses disagree: from their readings they are located no better than by guessing. Check that each place belongs to its row, that all presses come from one pad, and that the untouched readings were taken just before each press"
     )]
     Disagree,
+    /// Places are worse with the correction than without.
+    #[error(
+        "the correction would move places away: {with_mm:.2} mm with it, {without_mm:.2} mm without. Play without a calibration, or record the presses again"
+    )]
+    Worse {
+        /// Mean error of lone touches that were left out, corrected, mm.
+        with_mm: f64,
+        /// Mean error of the model's places, mm.
+        without_mm: f64,
+    },
     /// The presses lack the places that the pad's model found.
     #[error(
         "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`"

@@ -28,7 +28,7 @@ pub use curve::{LearningCurve, learning_curve};
 pub use error::{CalibrateError, FEWEST_PRESSES, PlaceErrors, PressesError};
 pub use file_name::calibration_file_name;
 pub use press_recorder::{PressRecorder, RecordedPress, Touching};
-pub use presses::{ModelPrediction, Press, Presses};
+pub use presses::{ModelPrediction, Press, Presses, presses_csv};
 pub use regression::Regression;
 pub use superposed::{MOST_PLACES, SuperposedMaps};
 pub use touch_rows::{TouchRow, TouchRows};

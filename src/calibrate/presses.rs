@@ -107,28 +107,7 @@ impl Presses {
     /// The text that [`Self::from_csv`] reads.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        let mut text = String::from("x_mm,y_mm");
-        if self.is_modelled() {
-            for title in MODEL_COLUMNS {
-                text.push_str(&format!(",{title}"));
-            }
-        }
-        for channel in 0..self.channels {
-            text.push_str(&format!(",d{channel}"));
-        }
-        text.push('\n');
-        for press in &self.list {
-            let [x, y] = press.place_mm;
-            text.push_str(&format!("{x},{y}"));
-            if let Some(ModelPrediction { force, place_mm }) = press.modelled {
-                text.push_str(&format!(",{force},{},{}", place_mm[0], place_mm[1]));
-            }
-            for change in &press.changes {
-                text.push_str(&format!(",{change}"));
-            }
-            text.push('\n');
-        }
-        text
+        presses_csv(&self.list)
     }
 
     /// Number of presses.
@@ -176,6 +155,33 @@ impl Presses {
             self.list[which[row]].changes[channel]
         })
     }
+}
+
+/// Presses as the text of a file, also fewer than [`Presses`] needs.
+#[must_use]
+pub fn presses_csv(list: &[Press]) -> String {
+    let mut text = String::from("x_mm,y_mm");
+    if list.first().is_some_and(|press| press.modelled.is_some()) {
+        for title in MODEL_COLUMNS {
+            text.push_str(&format!(",{title}"));
+        }
+    }
+    for channel in 0..list.first().map_or(0, |press| press.changes.len()) {
+        text.push_str(&format!(",d{channel}"));
+    }
+    text.push('\n');
+    for press in list {
+        let [x, y] = press.place_mm;
+        text.push_str(&format!("{x},{y}"));
+        if let Some(ModelPrediction { force, place_mm }) = press.modelled {
+            text.push_str(&format!(",{force},{},{}", place_mm[0], place_mm[1]));
+        }
+        for change in &press.changes {
+            text.push_str(&format!(",{change}"));
+        }
+        text.push('\n');
+    }
+    text
 }
 
 /// Whether places (presses by 2) lie on one line, in any direction, or all at one point: what they are spread across the line

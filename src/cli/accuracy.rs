@@ -3,14 +3,14 @@
 use std::fs;
 use std::io::Write as _;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 
 use super::args::AccuracyArgs;
 use super::exit::Ending;
 use super::progress::{case_bar, case_progress, solve_pad};
 use crate::app::pads::load_pad;
 use crate::study::accuracy::identified::IdentifyExtent;
-use crate::study::accuracy::real::{Extent, TABLE_HEADER, conditions, own_conditions};
+use crate::study::accuracy::real::{Condition, Extent, TABLE_HEADER, conditions, own_conditions};
 use crate::study::accuracy::scan::ScanExtent;
 use crate::study::accuracy::{Accuracy, AccuracySettings};
 use crate::study::job;
@@ -18,6 +18,7 @@ use crate::study::job;
 pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     let pad = load_pad(&args.pad)?.pad;
     let method = args.method.or(pad.method).unwrap_or_default();
+    let conditions = args.real.then(|| chosen_conditions(args)).transpose()?;
     // Reports a folder that cannot be created before a minute of solving, not after.
     fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
     let sensing = solve_pad(&pad, method)?;
@@ -57,8 +58,8 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         write!(std::io::stdout().lock(), "{}", findings.table())?;
         return Ok(Ending::Done);
     }
-    if args.real {
-        return play_conditions(args, &study);
+    if let Some(conditions) = conditions {
+        return play_conditions(args, &study, &conditions);
     }
     let outcomes =
         job::solve_in_parallel(study.cases(), |case| study.solve(case), case_progress(&bar))?;
@@ -73,15 +74,29 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     Ok(Ending::Done)
 }
 
+/// The conditions of `--real`: one's own, or the shipped ones whose names contain `--only`.
+fn chosen_conditions(args: &AccuracyArgs) -> anyhow::Result<Vec<Condition>> {
+    if !args.disturb.is_empty() {
+        return Ok(own_conditions(&args.disturb, args.snr[0]));
+    }
+    let mut shipped = conditions();
+    let names: Vec<&str> = shipped.iter().map(|condition| condition.name).collect();
+    shipped.retain(|condition| condition.name.contains(&args.only));
+    ensure!(
+        !shipped.is_empty(),
+        "no condition's name contains `{}`; the conditions are:\n  {}",
+        args.only,
+        names.join("\n  ")
+    );
+    Ok(shipped)
+}
+
 /// `--real`: each row is printed and stored as soon as it is played, since all of them take an hour.
-fn play_conditions(args: &AccuracyArgs, study: &Accuracy) -> anyhow::Result<Ending> {
-    let conditions = if args.disturb.is_empty() {
-        let mut shipped = conditions();
-        shipped.retain(|condition| condition.name.contains(&args.only));
-        shipped
-    } else {
-        own_conditions(&args.disturb, args.snr[0])
-    };
+fn play_conditions(
+    args: &AccuracyArgs,
+    study: &Accuracy,
+    conditions: &[Condition],
+) -> anyhow::Result<Ending> {
     let extent = if args.quick {
         Extent::QUICK
     } else {
@@ -91,7 +106,7 @@ fn play_conditions(args: &AccuracyArgs, study: &Accuracy) -> anyhow::Result<Endi
     let progress = case_progress(&bar);
     progress(0, conditions.len());
     bar.suspend(|| writeln!(std::io::stdout().lock(), "{TABLE_HEADER}"))?;
-    study.play_conditions(&conditions, extent, |findings| -> anyhow::Result<()> {
+    study.play_conditions(conditions, extent, |findings| -> anyhow::Result<()> {
         job::write_whole(&args.out, "real.json", findings.json()?.as_bytes())?;
         if let Some(row) = findings.conditions.last() {
             bar.suspend(|| writeln!(std::io::stdout().lock(), "{row}"))?;

@@ -25,7 +25,7 @@ const PERIOD: Duration = Duration::from_millis(30);
 
 pub(super) fn device(args: &DeviceArgs) -> anyhow::Result<Ending> {
     let pad = load_pad(&args.pad)?.pad;
-    let script = load_script(args.script.as_deref())?;
+    let script = load_script(args.script.as_deref(), &pad)?;
     let board = board(args, args.format, &pad)?;
     let plan = plan(args, &pad)?;
     let noise = (args.snr, args.seed);

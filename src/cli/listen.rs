@@ -31,9 +31,14 @@ pub(super) fn listen(args: &ListenArgs) -> anyhow::Result<Ending> {
     stdout.flush()?;
     let ending = ending?;
     if heard.frames == 0 && ending == Ending::Done {
+        let why = heard
+            .first_garbled
+            .as_ref()
+            .map_or(String::new(), |(_, reason, _)| format!(": {reason}"));
         anyhow::bail!(
-            "no frame in {:.1} s\n  help: {}",
+            "no frame in {:.1} s{}\n  help: {}",
             seconds(&heard),
+            printable(&why),
             advice(&heard)
         );
     }

@@ -1,6 +1,6 @@
 //! `gelpad recover`: saves the readable part of a damaged recording.
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 
 use super::args::RecoverArgs;
 use super::exit::Ending;
@@ -15,8 +15,9 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
     files::refuse_input(&args.file, &args.output)?;
     let bar = SolveBar::default();
     let progress = |done, rows| bar.update(done, rows);
-    let mut restorer = Restorer::new(&progress);
-    let salvage = session::recover(&args.file, &args.output, &mut restorer)
+    let mut restorer = Restorer::new(&progress, args.pad.as_deref());
+    let least_frames = REFERENCE_FRAMES as u64;
+    let salvage = session::recover(&args.file, &args.output, &mut restorer, least_frames)
         .with_context(|| args.file.display().to_string())?;
     bar.finish();
     for replaced in &restorer.replaced {
@@ -34,24 +35,14 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
         salvage.inputs + salvage.controls,
         salvage.events
     ));
-    for note in &salvage.notes {
-        say(&format!("lost: {note}"));
-    }
-    let printed = salvage.notes.len() as u64;
-    if salvage.losses > printed {
-        say(&format!("lost: and {} more", salvage.losses - printed));
+    for line in salvage.lost_lines().trim_start().lines() {
+        say(line);
     }
     if salvage.dropped_inputs > 0 {
         say(&format!(
             "missing already in the recording: {} inputs",
             salvage.dropped_inputs
         ));
-    }
-    if salvage.controls == 0 && salvage.frames < REFERENCE_FRAMES as u64 {
-        bail!(
-            "{}: too few frames to replay: the first {REFERENCE_FRAMES} are the reference",
-            args.output.display()
-        );
     }
     if !salvage.is_incomplete() && restorer.replaced.is_empty() {
         say("nothing was lost");

@@ -25,6 +25,14 @@ pub enum CopyError {
     /// A file cannot be created or renamed.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A copy that could not be replayed: it is not kept.
+    #[error("only {} frames can be read, and the first {least} are the reference: nothing is saved{}", .report.frames, .report.lost_lines())]
+    TooFew {
+        /// What could be read.
+        report: Box<RecoveryReport>,
+        /// Frames that a replay needs.
+        least: u64,
+    },
 }
 
 /// Makes a damaged recording one that replays.
@@ -82,9 +90,25 @@ impl RecoveryReport {
     pub fn is_incomplete(&self) -> bool {
         self.losses + self.dropped_inputs > 0
     }
+
+    /// What was lost: the first places, each as a new line, and the number of the others.
+    #[must_use]
+    pub fn lost_lines(&self) -> String {
+        let mut lines: String = self
+            .notes
+            .iter()
+            .map(|note| format!("\nlost: {note}"))
+            .collect();
+        let printed = self.notes.len() as u64;
+        if self.losses > printed {
+            lines.push_str(&format!("\nlost: and {} more", self.losses - printed));
+        }
+        lines
+    }
 }
 
-/// Saves what can be read of a recording, packed: completely or not at all (see [`files`]).
+/// Saves what can be read of a recording, packed: completely or not at all (see [`files`]). Of a pad, at least `least_frames` must
+/// be readable.
 ///
 /// # Errors
 /// A file of which nothing can be read or replayed; a copy that cannot be written.
@@ -92,10 +116,20 @@ pub fn recover(
     from: &Path,
     to: &Path,
     restore: &mut dyn Restore,
+    least_frames: u64,
 ) -> Result<RecoveryReport, CopyError> {
-    let (reader, parts) = Reader::salvage(open(from)?)?;
+    let (mut reader, parts) = Reader::salvage(open(from)?)?;
     let setup = restore.setup(parts).map_err(CopyError::Setup)?;
-    copy(reader, &setup, to, restore)
+    files::write_seekable(to, |file| {
+        let report = copy_into(&mut reader, &setup, file, restore)?;
+        if report.controls == 0 && report.frames < least_frames {
+            return Err(CopyError::TooFew {
+                report: Box::new(report),
+                least: least_frames,
+            });
+        }
+        Ok(report)
+    })
 }
 
 /// Packs a recording in place. The original stays until the packed file is complete.
@@ -103,21 +137,14 @@ pub fn recover(
 /// # Errors
 /// As [`recover`]; any damage of the recording.
 pub fn pack(path: &Path) -> Result<(), CopyError> {
-    let (reader, setup) = Reader::open(open(path)?)?;
-    copy(reader, &setup, path, &mut Unchanged).map(|_| ())
+    let (mut reader, setup) = Reader::open(open(path)?)?;
+    files::write_seekable(path, |file| {
+        copy_into(&mut reader, &setup, file, &mut Unchanged).map(|_| ())
+    })
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, ReadError> {
     File::open(path).map(BufReader::new).map_err(ReadError::Io)
-}
-
-fn copy<R: Read + Seek>(
-    mut reader: Reader<R>,
-    setup: &Setup,
-    to: &Path,
-    restore: &mut dyn Restore,
-) -> Result<RecoveryReport, CopyError> {
-    files::write_seekable(to, |file| copy_into(&mut reader, setup, file, restore))
 }
 
 fn copy_into<R: Read + Seek>(

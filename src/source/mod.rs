@@ -25,6 +25,7 @@ mod scanned;
 mod script;
 pub mod serial;
 mod simulated;
+mod skip_log;
 mod table;
 pub mod wire;
 
@@ -42,8 +43,9 @@ pub use recorded::RecordedFrames;
 pub use robot::RobotSource;
 pub use rounded::RoundedSource;
 pub use scanned::PartSplitter;
-pub use script::{Finger, FingerAction, LEVEL_SCRIPT, Script, ScriptStep};
+pub use script::{Finger, FingerAction, Script, ScriptStep};
 pub use simulated::{SIMULATED_FRAME_NS, SimulatedPad, SimulatedSource};
+pub use skip_log::{NoFrames, SkipLog};
 pub use table::FramesTable;
 
 use std::path::{Path, PathBuf};

@@ -15,10 +15,19 @@ use crate::eit::Press;
 use crate::types::{Diagnostic, NANOS_PER_MS, Nanos, PointMm, SourceErrors, nanos_from_ms};
 
 /// The script that plays when gelpad is started without arguments.
-pub const LEVEL_SCRIPT: &str = include_str!("../../scripts/level.txt");
+const LEVEL_SCRIPT: &str = include_str!("../../scripts/level.txt");
 
 /// Time from the last line to the end of a script without `end`.
 const TAIL_NS: Nanos = 500 * NANOS_PER_MS;
+
+/// Width and height of the pad for which the level is written, mm.
+const LEVEL_SIDE_MM: f64 = 100.0;
+
+fn stretch_place(place_mm: &mut PointMm, by: [f64; 2]) {
+    for (coordinate, by) in place_mm.iter_mut().zip(by) {
+        *coordinate *= by;
+    }
+}
 
 /// A finger on the simulated pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +104,35 @@ impl Script {
         }
         script.end_ns = end_ns.unwrap_or_else(|| script.last_ns() + TAIL_NS);
         Ok(script)
+    }
+
+    /// The built-in level, stretched to a pad of this width and height, mm: regions are shares of the pad, too. On a small pad the
+    /// fingers are smaller.
+    ///
+    /// # Errors
+    /// None in practice: the text is tested.
+    pub fn level(size_mm: [f64; 2]) -> Result<Self, SourceErrors> {
+        let mut level = Self::parse("level", LEVEL_SCRIPT)?;
+        let stretch = size_mm.map(|side_mm| side_mm / LEVEL_SIDE_MM);
+        let narrow = stretch[0].min(stretch[1]).min(1.0);
+        for step in &mut level.steps {
+            match &mut step.kind {
+                FingerAction::Down(Finger { press, .. }) => {
+                    stretch_place(&mut press.centre_mm, stretch);
+                    press.radius_mm *= narrow;
+                }
+                FingerAction::Move {
+                    centre_mm,
+                    radius_mm,
+                    ..
+                } => {
+                    stretch_place(centre_mm, stretch);
+                    *radius_mm = radius_mm.map(|radius_mm| radius_mm * narrow);
+                }
+                FingerAction::Up { .. } => {}
+            }
+        }
+        Ok(level)
     }
 
     /// All steps, in the order of time.
@@ -352,6 +390,16 @@ mod tests {
 
     #[test]
     fn the_level_is_a_sound_script() {
-        assert!(Script::parse("level", LEVEL_SCRIPT).is_ok());
+        let written = Script::parse("level", LEVEL_SCRIPT).expect("sound");
+        assert_eq!(Script::level([100.0; 2]), Ok(written));
+        for size_mm in [[150.0, 80.0], [45.0, 45.0]] {
+            let level = Script::level(size_mm).expect("sound");
+            for step in level.steps() {
+                if let FingerAction::Down(Finger { press, .. }) = step.kind {
+                    let [x, y] = press.centre_mm;
+                    assert!(x < size_mm[0] && y < size_mm[1], "({x}, {y})");
+                }
+            }
+        }
     }
 }

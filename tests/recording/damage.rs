@@ -149,6 +149,7 @@ pub fn damaged_table() -> Result<()> {
     straight(&folder.join("s.mcap"), 60, true)?;
     let whole = fs::read(folder.join("s.mcap"))?;
     let all = saved(folder, &whole)?;
+    let mut has_own_pad = false;
     for (code, start, end) in records(&whole)? {
         if code != ATTACHMENT {
             continue;
@@ -161,6 +162,33 @@ pub fn damaged_table() -> Result<()> {
         let output = gelpad(folder, &["recover", "damaged.mcap", "-o", "saved.mcap"]);
         ensure!(output.status.code() == Some(3), "{:?}", output.status);
         ensure!(said(&output).contains("warning: "), "{}", said(&output));
+        if said(&output).contains("the pad cannot be read") {
+            refuses_another_pad(folder)?;
+            has_own_pad = true;
+        }
     }
+    ensure!(has_own_pad, "no damage to the pad was tried");
+    Ok(())
+}
+
+/// With a pad of other readings no frame can be saved: that is an error, and what was saved before stays.
+fn refuses_another_pad(folder: &Path) -> Result<()> {
+    let before = fs::read(folder.join("saved.mcap"))?;
+    let arguments = [
+        "recover",
+        "damaged.mcap",
+        "-o",
+        "saved.mcap",
+        "--pad",
+        "openeit-lattice",
+    ];
+    let output = gelpad(folder, &arguments);
+    let text = said(&output);
+    ensure!(output.status.code() == Some(1), "{:?}", output.status);
+    ensure!(text.contains("only 0 frames can be read"), "{text}");
+    ensure!(
+        fs::read(folder.join("saved.mcap"))? == before,
+        "the file was replaced"
+    );
     Ok(())
 }

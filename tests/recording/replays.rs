@@ -248,6 +248,17 @@ pub fn expectations() -> Result<()> {
         ],
         0,
     )?;
+    // With another profile the recording itself is compared by its events, too.
+    let other_profile = [
+        "replay",
+        "s.mcap",
+        "--profile",
+        "supertux",
+        "--expect",
+        "s.mcap",
+    ];
+    let output = gelpad_ends(path, &other_profile, 1)?;
+    ensure!(said(&output).contains("the events differ at line 1"));
     Ok(())
 }
 

@@ -13,7 +13,7 @@ use super::AppError;
 use super::pads::{PadText, start_workers};
 use crate::eit::identify::{IdentifiedPad, identify};
 use crate::pad::Pad;
-use crate::source::{Source, SourceReading};
+use crate::source::{SkipLog, Source, SourceReading};
 use crate::stats::{quantile, rms};
 
 /// Decimals of lengths (mm) and factors in texts.
@@ -64,12 +64,17 @@ pub(crate) fn identify_pad(
 
 fn read_frames(source: &mut dyn Source, wanted: usize) -> Result<Vec<Vec<f32>>, AppError> {
     let mut frames = Vec::with_capacity(wanted);
+    let mut log = SkipLog::default();
     while frames.len() < wanted {
         match source.read()? {
-            SourceReading::Frame(frame) => frames.push(frame.volts),
-            SourceReading::Skipped { reason, .. } | SourceReading::Disconnected { reason } => {
-                tracing::warn!("{reason}");
+            SourceReading::Frame(frame) => {
+                log.frame();
+                frames.push(frame.volts);
             }
+            SourceReading::Skipped { reason, .. } => log
+                .skip(reason)
+                .map_err(|error| AppError::Unsuitable(error.to_string()))?,
+            SourceReading::Disconnected { reason } => tracing::warn!("{reason}"),
             SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
             SourceReading::End => break,
         }

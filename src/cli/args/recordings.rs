@@ -76,6 +76,9 @@ pub(in crate::cli) struct RecoverArgs {
     /// File for the saved part, compressed
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Pad of a recording whose own pad cannot be read: a shipped name or ./PATH [default: edinburgh-lattice]
+    #[arg(long, value_name = "PAD")]
+    pub pad: Option<String>,
 }
 
 #[derive(Args, Debug)]

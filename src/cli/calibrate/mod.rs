@@ -18,12 +18,15 @@ use crate::app::pads::load_pad;
 use crate::app::places::calibration_places;
 use crate::app::services::SourceChoice;
 use crate::calibrate::{
-    FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction, learning_curve,
+    FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction,
+    learning_curve, presses_csv,
 };
 use crate::files;
 use crate::pad::Pad;
+use crate::platform::signals::Signals;
 use crate::touch::Detector;
-use record::Presser;
+use crate::types::PointMm;
+use record::{Presser, Recorded};
 
 /// Twice as many presses are recommended if they reduce the error by at least this fraction.
 const WORTHWHILE_GAIN: f64 = 0.1;
@@ -56,7 +59,26 @@ fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending>
         SourceChoice::Serial(_) => Presser::Person,
         _ => Presser::Script,
     };
-    let list = record::record(&pad, detector, source_of_presses.as_mut(), presser, &places)?;
+    // Minutes of work: what was pressed is kept, also after Ctrl-C.
+    let signals = Signals::listen()?;
+    let Recorded {
+        presses: list,
+        interrupted_by,
+    } = record::record(
+        &pad,
+        detector,
+        source_of_presses.as_mut(),
+        presser,
+        &places,
+        &|| signals.received(),
+    )?;
+    if let Some(path) = args.presses.as_ref().filter(|_| !list.is_empty()) {
+        files::write(path, presses_csv(&list).as_bytes())?;
+        say(&format!("{} presses: {}", list.len(), path.display()));
+    }
+    if let Some(signal) = interrupted_by {
+        return Ok(Ending::Signal(signal));
+    }
     if list.len() < FEWEST_PRESSES {
         bail!(
             "{} presses were recorded, but at least {FEWEST_PRESSES} are needed",
@@ -65,10 +87,6 @@ fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending>
     }
     let complete = list.len() == places.len();
     let presses = Presses::new("the recording", list)?;
-    if let Some(path) = &args.presses {
-        files::write(path, presses.to_csv().as_bytes())?;
-        say(&format!("presses: {}", path.display()));
-    }
     let ending = learn(args, &presses, Some(pad))?;
     Ok(if complete { ending } else { Ending::LostData })
 }
@@ -127,6 +145,15 @@ fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::R
 }
 
 fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyhow::Result<Ending> {
+    let [width, height] = pad.outline.size_mm();
+    let is_off = |[x, y]: PointMm| !((0.0..=width).contains(&x) && (0.0..=height).contains(&y));
+    let mut places = presses.list().iter().map(|press| press.place_mm);
+    if let Some((index, [x, y])) = (1..).zip(&mut places).find(|(_, place)| is_off(*place)) {
+        bail!(
+            "press {index} lies at ({x}, {y}) mm, off the pad {} of {width} x {height} mm: correct its place or remove its row",
+            args.pad
+        );
+    }
     if presses.channels() != pad.channels() {
         bail!(
             "the presses have {} channels, but the pad {} has {}: choose their pad with --pad",
@@ -138,7 +165,7 @@ fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyho
     let size_mm = pad.outline.size_mm();
     let spinner = Spinner::new();
     spinner.show("learning");
-    let fitted = fit_correction(presses, size_mm)?;
+    let fitted = fit_correction(presses, size_mm)?.checked()?;
     let curve = learning_curve(presses, &mut |some| {
         spinner.show(&format!("{} presses", some.len()));
         Ok(fit_correction(some, size_mm)?.lone.mean_mm)

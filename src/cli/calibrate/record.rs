@@ -1,13 +1,12 @@
 //! Records presses: shows a place, waits for the press, shows the next.
 
-use std::io::Write as _;
-
 use anyhow::bail;
 
 use crate::calibrate::{Press, PressRecorder, RecordedPress, Touching};
 use crate::cli::map::Map;
+use crate::cli::message::say;
 use crate::pad::Pad;
-use crate::source::{Source, SourceReading};
+use crate::source::{SkipLog, Source, SourceReading};
 use crate::touch::Detector;
 use crate::types::{Frame, PointMm};
 
@@ -23,7 +22,14 @@ pub(super) enum Presser {
     Script,
 }
 
-/// Records presses at places until all are pressed or the source ends.
+/// What was recorded.
+pub(super) struct Recorded {
+    pub presses: Vec<Press>,
+    /// The signal that ended the recording, such as Ctrl-C.
+    pub interrupted_by: Option<i32>,
+}
+
+/// Records presses at places until all are pressed, the source ends or a signal comes.
 ///
 /// # Errors
 /// A source that fails; a script that ends with fewer presses than places, since it is then unknown which one is missing.
@@ -33,36 +39,47 @@ pub(super) fn record(
     source: &mut dyn Source,
     presser: Presser,
     places: &[PointMm],
-) -> anyhow::Result<Vec<Press>> {
+    interrupted: &dyn Fn() -> Option<i32>,
+) -> anyhow::Result<Recorded> {
     let mut recorder = DetectedPresses::new(detector);
     let mut presses: Vec<Press> = Vec::new();
-    let mut index = 0;
+    let (mut index, mut refused) = (0, 0);
+    let mut log = SkipLog::default();
     say("do not touch the pad for a moment, then press each place once, as you usually do");
     show(pad, places, index);
     while index < places.len() {
+        if let Some(signal) = interrupted() {
+            return Ok(Recorded {
+                presses,
+                interrupted_by: Some(signal),
+            });
+        }
         let before = index;
         match source.read()? {
-            SourceReading::Frame(frame) => match recorder.take_frame(&frame, places[index]) {
-                RecordedPress::Pending => {}
-                RecordedPress::Refused(why) => {
-                    say(why);
-                    index += usize::from(presser == Presser::Script);
+            SourceReading::Frame(frame) => {
+                log.frame();
+                match recorder.take_frame(&frame, places[index]) {
+                    RecordedPress::Pending => {}
+                    RecordedPress::Refused(why) => {
+                        refused += 1;
+                        say(why);
+                        index += usize::from(presser == Presser::Script);
+                    }
+                    RecordedPress::Complete(press) => {
+                        presses.push(press);
+                        // The terminal's bell: the person looks at the pad.
+                        say("\u{7}taken");
+                        index += 1;
+                    }
                 }
-                RecordedPress::Complete(press) => {
-                    presses.push(press);
-                    // The terminal's bell: the person looks at the pad.
-                    say("\u{7}taken");
-                    index += 1;
-                }
-            },
-            SourceReading::Skipped { reason, .. } => {
-                tracing::warn!("skipped data that is not a frame: {reason}")
             }
+            SourceReading::Skipped { reason, .. } => log.skip(reason)?,
             SourceReading::Disconnected { reason } => tracing::warn!("{reason}"),
             // Boards are read frame by frame here.
             SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
             SourceReading::End if presser == Presser::Script => bail!(
-                "{index} presses were detected for {} places, and it is unknown which are missing\n  help: press harder or longer, or give the number of presses in the file with --points",
+                "{} presses were accepted and {refused} refused for {} places, and it is unknown which are missing\n  help: press harder or longer, or give the number of presses in the file with --points",
+                presses.len(),
                 places.len()
             ),
             SourceReading::End => break,
@@ -78,7 +95,10 @@ pub(super) fn record(
             places.len()
         ));
     }
-    Ok(presses)
+    Ok(Recorded {
+        presses,
+        interrupted_by: None,
+    })
 }
 
 /// Presses as a detector without a correction sees them.
@@ -120,11 +140,6 @@ fn show(pad: &Pad, places: &[PointMm], index: usize) {
     ));
 }
 
-fn say(text: &str) {
-    // A closed stderr must not stop the program.
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -156,8 +171,10 @@ mod tests {
             &mut robot,
             Presser::Script,
             &places,
+            &|| None,
         )
         .expect("recorded");
+        let presses = presses.presses;
         assert!(presses.len() >= 36, "{} presses", presses.len());
         let presses = Presses::new("recorded", presses).expect("spread");
         let fitted = fit_correction(&presses, pad.outline.size_mm()).expect("learned");

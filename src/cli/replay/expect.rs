@@ -11,6 +11,8 @@ use crate::cli::exit::Ending;
 use crate::files;
 use crate::tape::RecordedItem;
 
+use super::overrides::ReplayOverrides;
+
 /// Equal lines shown before the first difference.
 const CONTEXT_LINES: usize = 3;
 
@@ -22,8 +24,7 @@ pub(super) fn save_or_compare(args: &ReplayArgs, lines: &[String]) -> anyhow::Re
     let Some(path) = &args.expect else {
         return Ok(());
     };
-    if *path == args.file {
-        // Compared bit for bit while it was played (`verify`).
+    if is_verified(args) {
         return Ok(());
     }
     let expected = expected_lines(path, args)?;
@@ -46,6 +47,13 @@ pub(super) fn save_or_compare(args: &ReplayArgs, lines: &[String]) -> anyhow::Re
         expected.len(),
         lines.len()
     );
+}
+
+/// Whether `--expect` names the recording that is replayed and nothing of it is replaced: it was compared bit for bit while it was
+/// played (`verify`). With replaced parts, the events are compared like those of any other recording.
+fn is_verified(args: &ReplayArgs) -> bool {
+    args.expect.as_deref() == Some(args.file.as_path())
+        && ReplayOverrides::from_args(args).is_empty()
 }
 
 /// The first line that differs by more than the tolerance.

@@ -30,6 +30,9 @@ pub enum SetupError {
         /// Its index in the frame.
         channel: usize,
     },
+    /// Every channel is excluded.
+    #[error("no reading can be used: is the pad connected, and is the board powered?")]
+    NoChannel,
     /// The linear system is singular.
     #[error("the reconstruction has no solution: lambda must be above zero")]
     Singular,

@@ -15,8 +15,8 @@ use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, Scatterer};
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, POWERS, ResponseTable, SIGNS};
-use super::terms::Terms;
+use super::table::{HALF_RISE, ResponseTable};
+use super::terms::{POWERS, SIGNS, Terms};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 

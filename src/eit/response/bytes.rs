@@ -13,8 +13,8 @@ use super::LANES;
 use super::places::Places;
 use super::quantized;
 use super::symmetry::Orbits;
-use super::table::{ResponseTable, SIGNS, TERMS};
-use super::terms::Terms;
+use super::table::ResponseTable;
+use super::terms::{SIGNS, TERMS, Terms};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 

@@ -7,7 +7,8 @@
 use std::sync::Arc;
 
 use super::scatter::LinearResponses;
-use super::table::{POWERS, ResponseTable, SIGNS};
+use super::table::ResponseTable;
+use super::terms::{POWERS, SIGNS};
 use crate::eit::SetupError;
 use crate::pad::Pad;
 

@@ -9,7 +9,8 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
 use super::places::{Places, RADII, RADIUS_STEP};
-use super::table::{POWERS, Response, ResponseTable, TouchModel};
+use super::table::{Response, ResponseTable, TouchModel};
+use super::terms::POWERS;
 use crate::pad::TouchSign;
 
 impl ResponseTable {

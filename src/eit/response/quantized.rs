@@ -8,7 +8,7 @@
 //! the lowest byte of all of them, then the next, up to the highest.
 
 use super::places::Places;
-use super::table::{POWERS, TERMS};
+use super::terms::{POWERS, TERMS};
 
 /// The step of a response at strength 1, as a power of two: 15e-6 of a reading. The error of a response, below 5e-6 (root mean
 /// square), is a twentieth of the noise at 80 dB.

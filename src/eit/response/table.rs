@@ -4,8 +4,8 @@
 //! basis of it instead of one value per channel. Several touches superpose: from two radii apart, their interaction is
 //! smaller than the model error.
 
-use super::places::{Places, RADII};
-use super::terms::Terms;
+use super::places::Places;
+use super::terms::{SIGNS, Terms};
 use crate::eit::cholesky::add_scaled;
 use crate::pad::TouchSign;
 use crate::types::PointMm;
@@ -14,12 +14,6 @@ use crate::types::PointMm;
 pub(super) const HALF_RISE: f64 = 1.5;
 /// Largest strength that the table covers: a rise of 6.
 pub const MOST_STRENGTH: f64 = 0.8;
-/// Terms of the polynomial in strength at each radius.
-pub(super) const POWERS: usize = 3;
-/// Vectors stored per place and sign.
-pub(super) const TERMS: usize = RADII * POWERS;
-/// Signs of a table: a rise, then a fall.
-pub(super) const SIGNS: usize = 2;
 
 /// A touch as the table describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,7 +128,11 @@ impl ResponseTable {
 }
 
 #[cfg(test)]
-use super::symmetry::Orbits;
+use super::{
+    places::RADII,
+    symmetry::Orbits,
+    terms::{POWERS, TERMS},
+};
 
 #[cfg(test)]
 impl ResponseTable {

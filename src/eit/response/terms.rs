@@ -10,8 +10,15 @@ use std::sync::OnceLock;
 use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
+use super::places::RADII;
 use super::symmetry::Orbits;
-use super::table::TERMS;
+
+/// Terms of the polynomial in strength at each radius.
+pub(super) const POWERS: usize = 3;
+/// Vectors stored per place and sign.
+pub(super) const TERMS: usize = RADII * POWERS;
+/// Signs of a table: a rise, then a fall.
+pub(super) const SIGNS: usize = 2;
 
 /// Terms of all places: radii x powers of the strength x rank each.
 #[derive(Clone, Debug)]
@@ -45,7 +52,7 @@ impl Terms {
         assert_eq!(rank % LANES, 0);
         let stride = TERMS * rank;
         let signs = solved.len() / (orbits.solved() * stride).max(1);
-        assert!((1..=2).contains(&signs) && solved.len() == signs * orbits.solved() * stride);
+        assert!((1..=SIGNS).contains(&signs) && solved.len() == signs * orbits.solved() * stride);
         let turned = vec![OnceLock::new(); signs * orbits.len()];
         Self {
             turns: orbits.turned_bases(basis),

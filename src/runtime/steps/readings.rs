@@ -8,6 +8,9 @@ use crate::engine::Input;
 use crate::runtime::now;
 use crate::types::{Frame, Nanos, Part};
 
+/// Readings that a message names; of the others it gives the number.
+const NAMED_CHANNELS: usize = 8;
+
 impl EngineThread {
     pub(super) fn take_frame(&mut self, frame: Frame, at: Instant) {
         self.longest_silence = SILENCE;
@@ -78,9 +81,42 @@ impl EngineThread {
         if self.view.frames == REFERENCE_FRAMES as u64 {
             let muted = self.engine.muted_channels();
             if !muted.is_empty() {
-                tracing::warn!("channels dead or loose at the start are excluded: {muted:?}");
+                tracing::warn!("{}", dead_at_start(&muted));
             }
         }
         self.log_electrodes();
+    }
+}
+
+/// Channels (counted from 0) that were excluded at the start, in words.
+fn dead_at_start(muted: &[usize]) -> String {
+    let first: Vec<String> = muted
+        .iter()
+        .take(NAMED_CHANNELS)
+        .map(|channel| (channel + 1).to_string())
+        .collect();
+    let more = match muted.len().saturating_sub(NAMED_CHANNELS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!(
+        "readings that are dead or loose at the start are left out: number {}{more} of each frame",
+        first.join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_dead_readings_are_named_and_the_others_counted() {
+        let of = |count: usize| dead_at_start(&(3..3 + count).collect::<Vec<_>>());
+        assert!(of(2).ends_with("number 4, 5 of each frame"), "{}", of(2));
+        assert!(
+            of(208).ends_with("11 and 200 more of each frame"),
+            "{}",
+            of(208)
+        );
     }
 }

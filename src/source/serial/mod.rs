@@ -25,7 +25,7 @@ use super::clock::now;
 use super::wire::FormatChoice;
 use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::pad::Pad;
-use crate::types::Nanos;
+use crate::types::{NANOS_PER_MS, Nanos};
 use intake::FrameIntake;
 use port::Identity;
 
@@ -33,6 +33,13 @@ use port::Identity;
 pub const DEFAULT_BAUD: u32 = 115_200;
 /// How often a port that has disappeared is searched.
 const RETRY: Duration = Duration::from_millis(250);
+/// If the first reading comes this long after the port was opened, ns, what has arrived meanwhile is too old to play: a press
+/// of then would come as a short one now.
+const STALE_NS: Nanos = 500 * NANOS_PER_MS;
+/// A reading that had to wait this long shows that nothing old is left, ns.
+const WAITED_NS: Nanos = NANOS_PER_MS;
+/// Longest time for which old frames are dropped, ns: a fast board may never let a reading wait.
+const MOST_DROPPING_NS: Nanos = 300 * NANOS_PER_MS;
 /// Longest sleep of one reading while the port is away.
 const NAP: Duration = Duration::from_millis(50);
 
@@ -48,6 +55,8 @@ pub struct SerialSource {
     started: Instant,
     /// When the port was last opened; none before the first reading, which may be long after.
     opened_ns: Option<Nanos>,
+    /// While frames from before the first reading arrive: when they count at the latest.
+    stale_until_ns: Option<Nanos>,
     next_try: Instant,
     buffer: Vec<u8>,
 }
@@ -77,6 +86,7 @@ impl SerialSource {
             readings: VecDeque::new(),
             started: now,
             opened_ns: None,
+            stale_until_ns: None,
             next_try: now,
             buffer: vec![0; 4096],
         })
@@ -88,6 +98,7 @@ impl SerialSource {
 
     /// Reads what has arrived and sends what the board needs.
     fn exchange(&mut self, mut device: Box<dyn SerialPort>) -> Result<(), SourceError> {
+        let asked_ns = self.now_ns();
         let received = match device.read(&mut self.buffer) {
             Ok(0) => return self.report_gone(),
             Ok(count) => count,
@@ -97,10 +108,23 @@ impl SerialSource {
             },
         };
         let now_ns = self.now_ns();
+        if self.opened_ns.is_none() && asked_ns > STALE_NS {
+            self.stale_until_ns = Some(asked_ns + MOST_DROPPING_NS);
+        }
         let opened_ns = *self.opened_ns.get_or_insert(now_ns);
+        let has_waited = now_ns - asked_ns >= WAITED_NS;
+        self.stale_until_ns = self
+            .stale_until_ns
+            .filter(|until_ns| !has_waited && now_ns < *until_ns);
         let bytes = &self.buffer[..received];
         self.intake
             .feed(now_ns, opened_ns, bytes, &mut self.readings)?;
+        if self.stale_until_ns.is_some() {
+            self.intake.drop_unsure();
+            self.readings.retain(|reading| {
+                !matches!(reading, SourceReading::Frame(_) | SourceReading::Part(_))
+            });
+        }
         if let Some(command) = self.intake.poll_command(now_ns, opened_ns)
             && let Err(error) = device.write_all(&command)
             && error.kind() != ErrorKind::TimedOut

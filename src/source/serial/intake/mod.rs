@@ -26,6 +26,9 @@ use parts::PartIntake;
 /// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
 
+/// Every so many garbled frames before the first whole one are reported: a second of a usual board.
+const GARBLED_START: u64 = 100;
+
 /// Converts what a board sends into frames of a pad.
 pub(super) struct FrameIntake {
     pad: Pad,
@@ -46,6 +49,8 @@ pub(super) struct FrameIntake {
     leading: usize,
     /// Whether a frame has arrived since the port was opened: what is garbled before was cut by the opening.
     begun: bool,
+    /// Garbled frames before the first frame.
+    garbled_at_start: u64,
     decoded: Vec<Decoded>,
 }
 
@@ -65,6 +70,7 @@ impl FrameIntake {
             last_ns: 0,
             leading: 0,
             begun: false,
+            garbled_at_start: 0,
             decoded: Vec::new(),
         }
     }
@@ -75,6 +81,25 @@ impl FrameIntake {
             self.parts.switch_on();
             self.dialect.hand_up_readings();
         }
+    }
+
+    /// Reports garbled frames before the first whole one: a few were cut by the opening of the port, many mean that the board
+    /// speaks otherwise.
+    fn report_garbled_start(&mut self, reason: &str) {
+        self.garbled_at_start += 1;
+        if self.garbled_at_start.is_multiple_of(GARBLED_START) {
+            tracing::warn!(
+                "no frame yet, but {} garbled ones; the last: {reason}",
+                self.garbled_at_start
+            );
+        } else {
+            tracing::debug!("before the first frame: {reason}");
+        }
+    }
+
+    /// Drops the frames that wait for others of the same number of values.
+    pub(super) fn drop_unsure(&mut self) {
+        self.unsure.clear();
     }
 
     /// Takes bytes that arrived at `now_ns`, a time that continues while the board is away; `opened_ns` is
@@ -116,9 +141,7 @@ impl FrameIntake {
                     }
                     readings.push_back(SourceReading::Skipped { reason, frames });
                 }
-                Decoded::Garbled { reason, .. } => {
-                    tracing::debug!("before the first frame: {reason}")
-                }
+                Decoded::Garbled { reason, .. } => self.report_garbled_start(&reason),
                 Decoded::Note(text) => tracing::info!(target: "gelpad::told", "{text}"),
             }
         }
