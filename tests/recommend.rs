@@ -51,6 +51,12 @@ fn case(kind: Kind, seed: u64) -> Case {
     let (learned, _) = person.session(LEARNED);
     let (judged, minutes) = person.session(JUDGED);
     let recommended = recommend(&learned, &profile(), &find_shipped, PAD_MM).expect("recommended");
+    let value = |score: &TrialScore| score.right as i64 - 2 * score.wrong as i64;
+    let (before, after) = (&recommended.before, &recommended.after);
+    assert!(
+        value(after) >= value(before),
+        "{kind:?} {seed}: {after:?} is worse than {before:?}"
+    );
     Case {
         kind,
         judged,

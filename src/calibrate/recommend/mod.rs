@@ -58,9 +58,18 @@ pub fn recommend(
     let judge = TrialScorer::new(profile, find, pad_mm);
     let plain = RecommendedSettings::from_profile(&judge.profile(None)?);
     let before = judge.score(trials, None)?;
-    let mut overlay = search::best(&judge, trials, plain)?;
-    overlay.learn_ranges(trials);
-    let after = judge.score(trials, Some(&overlay))?;
+    let searched = search::best(&judge, trials, plain.clone())?;
+    let mut ranged = searched.clone();
+    ranged.learn_ranges(trials);
+    // The search weighs delays and other paces, and the ranges are learned after it: none of them may cost presses.
+    let mut after = judge.score(trials, Some(&plain))?;
+    let mut overlay = plain;
+    for better in [searched, ranged] {
+        let score = judge.score(trials, Some(&better))?;
+        if score.value() >= after.value() {
+            (overlay, after) = (better, score);
+        }
+    }
     Ok(Recommendation {
         overlay,
         before,

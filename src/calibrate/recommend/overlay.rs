@@ -57,6 +57,11 @@ impl TrialScore {
     pub fn share(&self) -> f64 {
         self.right as f64 / self.requested.max(1) as f64
     }
+
+    /// What the presses are worth, in right ones.
+    pub(super) fn value(&self) -> f64 {
+        self.right as f64 - WRONG_COST * self.wrong as f64
+    }
 }
 
 impl std::ops::AddAssign for TrialScore {
@@ -66,6 +71,9 @@ impl std::ops::AddAssign for TrialScore {
         self.wrong += other.wrong;
     }
 }
+
+/// Cost of an unintended press, in right ones.
+const WRONG_COST: f64 = 2.0;
 
 /// Settings applied over a profile.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,8 +11,6 @@ use super::trial::PressTrial;
 
 /// Factors on the times of each press, since no two presses are the same.
 const PACES: [f64; 5] = [0.8, 0.9, 1.0, 1.1, 1.25];
-/// Cost of an unintended press, in missed presses.
-const WRONG_COST: f64 = 2.0;
 /// Most rounds over all settings.
 const MOST_ROUNDS: usize = 4;
 
@@ -77,9 +75,7 @@ pub(super) fn best(
         let mut value = -cost(overlay);
         for pace in PACES {
             let score = judge.score_at_pace(&trials, Some(overlay), pace)?;
-            let wrong = WRONG_COST * score.wrong as f64;
-            value +=
-                (score.right as f64 - wrong) / score.requested.max(1) as f64 / PACES.len() as f64;
+            value += score.value() / score.requested.max(1) as f64 / PACES.len() as f64;
         }
         Ok(value)
     })

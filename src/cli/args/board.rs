@@ -36,7 +36,7 @@ pub(in crate::cli) struct ListenArgs {
 Examples:
   gelpad device --port ./board --format openeit --pad openeit-lattice
   gelpad play --pad openeit-lattice --source serial:./board --output trace      (in another terminal)
-  gelpad device --port ./board --format gelpad --rate 500 --lose-bytes 1 --flip-bits 0.1
+  gelpad device --port ./board --format gelpad --rate 500 --lose-bytes 0.01 --flip-bits 0.001
   gelpad device --port ./board --format openeit --pad openeit-lattice --baud 115200 --rate 0
   gelpad device --port ./board --format lines:rotated --pause 5,800 --hang-up 20,1500 --lose-electrode 5@10
 

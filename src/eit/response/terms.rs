@@ -159,8 +159,8 @@ mod tests {
             let origin = orbits.origin(place);
             for sign in 0..2 {
                 let first = sign * size + origin.solved * TERMS * channels;
-                for reading in 0..channels {
-                    let from = first + orders[origin.symmetry][reading];
+                for (reading, order) in orders[origin.symmetry].iter().enumerate() {
+                    let from = first + order;
                     assert_eq!(
                         terms.at(sign, place)[reading],
                         (from % 8191) as f32,
