@@ -115,7 +115,7 @@ pub(super) fn draw_slider(
         let mut wanted = value;
         let slider = egui::Slider::new(&mut wanted, 0.0..=setting.max)
             .suffix(unit)
-            .max_decimals(1)
+            .custom_formatter(|value, _| short_number(value))
             .step_by(step);
         let response = ui.add(slider);
         response.widget_info(|| egui::WidgetInfo::slider(true, wanted, setting.label));
@@ -190,4 +190,11 @@ fn moved_mm(playing: &Playing) -> Option<f64> {
     let (first, last) = (stroke.moments.front()?, stroke.moments.back()?);
     let [dx, dy] = [0, 1].map(|i| last.place_mm[i] - first.place_mm[i]);
     Some(dx.hypot(dy))
+}
+/// A number with one decimal, where it has one: `34`, `0.5`.
+fn short_number(value: f64) -> String {
+    match value.fract() == 0.0 {
+        true => format!("{value:.0}"),
+        false => format!("{value:.1}"),
+    }
 }

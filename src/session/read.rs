@@ -45,7 +45,9 @@ pub enum ReadError {
         missing: &'static str,
     },
     /// The file ends within a record.
-    #[error("the recording ends within a record: {bytes} bytes of it are present\n  help: `gelpad recover FILE -o SAVED` saves what can be read")]
+    #[error(
+        "the recording ends within a record: {bytes} bytes of it are present\n  help: `gelpad recover FILE -o SAVED` saves what can be read"
+    )]
     Cut {
         /// Bytes of the record that are present.
         bytes: u64,

@@ -124,9 +124,14 @@ impl Orbits {
 
     /// What each symmetry does to coordinates in a basis (rows of readings): columns of a matrix, rank x rank.
     pub(super) fn turned_bases(&self, basis: &[f32]) -> Vec<Vec<f32>> {
+        let channels = self.symmetries[0].readings.len();
+        let rank = basis.len() / channels;
+        let by_channel: Vec<f64> = (0..channels * rank)
+            .map(|index| f64::from(basis[index % rank * channels + index / rank]))
+            .collect();
         let symmetries = self.symmetries.iter();
         symmetries
-            .map(|symmetry| symmetry.turned_basis(basis))
+            .map(|symmetry| symmetry.turned_basis(basis, &by_channel))
             .collect()
     }
 
@@ -165,20 +170,21 @@ impl Symmetry {
         Some(Self { turn, readings })
     }
 
-    /// What the symmetry does to coordinates in a basis: columns of a matrix, rank x rank.
-    fn turned_basis(&self, basis: &[f32]) -> Vec<f32> {
-        let channels = self.readings.len();
-        let rows = || basis.chunks_exact(channels);
-        let mut columns = Vec::with_capacity(rows().len() * rows().len());
-        for from in rows() {
-            columns.extend(rows().map(|to| {
-                let sum: f64 = to
-                    .iter()
-                    .zip(&self.readings)
-                    .map(|(value, reading)| f64::from(*value) * f64::from(from[*reading]))
-                    .sum();
-                sum as f32
-            }));
+    /// What the symmetry does to coordinates in a basis: columns of a matrix, rank x rank. `by_channel` is the basis by channels:
+    /// channels x rank. The order of the sums is fixed; several are formed at a time.
+    fn turned_basis(&self, basis: &[f32], by_channel: &[f64]) -> Vec<f32> {
+        let rank = by_channel.len() / self.readings.len();
+        let mut columns = Vec::with_capacity(rank * rank);
+        let mut sums = vec![0.0; rank];
+        for from in basis.chunks_exact(self.readings.len()) {
+            sums.fill(0.0);
+            for (reading, values) in self.readings.iter().zip(by_channel.chunks_exact(rank)) {
+                let factor = f64::from(from[*reading]);
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += value * factor;
+                }
+            }
+            columns.extend(sums.iter().map(|sum| *sum as f32));
         }
         columns
     }

@@ -188,6 +188,7 @@ impl Comfort {
             ui.spacing_mut().slider_width = (ui.available_width() - 160.0).clamp(60.0, 150.0);
             let slider = egui::Slider::new(&mut percent, least..=most)
                 .step_by(5.0)
+                .fixed_decimals(0)
                 .suffix(" %")
                 .text("Text size")
                 .update_while_editing(false);
