@@ -31,7 +31,7 @@ pub struct PortDiagnosis {
     pub advice: Option<&'static str>,
     /// The recognised format.
     pub format: Option<FormatChoice>,
-    /// The shipped pad that has so many readings.
+    /// The shipped pad with this number of readings.
     pub pad: Option<&'static str>,
 }
 
@@ -201,12 +201,12 @@ impl Report {
     }
 }
 
-/// Whether the default pad can be played from so many readings.
+/// Whether the default pad can be played from this number of readings.
 fn default_pad_takes(readings: usize) -> bool {
     load_pad(DEFAULT_PAD).is_ok_and(|loaded| plausible_counts(&loaded.pad).contains(&readings))
 }
 
-/// The shipped pad that has so many readings.
+/// The shipped pad with this number of readings.
 fn fitting_pad(readings: usize) -> Option<&'static str> {
     let has_so_many =
         |name: &&str| load_pad(name).is_ok_and(|loaded| loaded.pad.channels() == readings);
@@ -216,7 +216,7 @@ fn fitting_pad(readings: usize) -> Option<&'static str> {
         .or(default_pad_takes(readings).then_some(DEFAULT_PAD))
 }
 
-/// The command that plays this board: it names a pad that has so many readings.
+/// The command that plays this board: it names a pad with this number of readings.
 pub(crate) fn play_advice(kind: Option<WireFormat>, readings: usize, port: &str) -> String {
     let format = kind.map_or(String::new(), |kind| format!(" --format {}", kind.name()));
     let command = format!("gelpad play --source serial:{port}");

@@ -124,7 +124,7 @@ pub(super) fn channel_weights(
     let spread = spread(places);
     let mut explained = vec![0.0_f64; changes.ncols()];
     for values in [changes, &rooted] {
-        let total = variances(values);
+        let total = sums_of_squares(values);
         for length in MAP_LENGTHS {
             for noise in MAP_NOISES {
                 let hyper = Hyperparameters {
@@ -171,12 +171,12 @@ pub(super) fn stretch(outer_product: &Mat<f64>) -> Result<Mat<f64>, CalibrateErr
 
 /// Root mean squared distance of places from their centre, over sqrt 2: the deviation along one axis.
 pub(super) fn spread(places: &Mat<f64>) -> f64 {
-    let squares: f64 = variances(places).iter().sum();
+    let squares: f64 = sums_of_squares(places).iter().sum();
     libm::sqrt(squares / (2.0 * places.nrows() as f64)).max(f64::MIN_POSITIVE)
 }
 
 /// Sum of squared deviations of each column.
-fn variances(values: &Mat<f64>) -> Vec<f64> {
+fn sums_of_squares(values: &Mat<f64>) -> Vec<f64> {
     (0..values.ncols())
         .map(|c| {
             let mean = values.col(c).iter().sum::<f64>() / values.nrows() as f64;

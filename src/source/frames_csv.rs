@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::types::{Frame, Nanos, ms_from_nanos, nanos_from_ms};
 
-/// After so many frames their rate shows whether the times are seconds.
+/// After this many frames their rate shows whether the times are seconds.
 const UNIT_FRAMES: usize = 20;
 /// No board measures faster: times in seconds look a thousand times shorter, for 1 to 5,000 frames per second.
 const SHORTEST_STEP_MS: f64 = 0.2;

@@ -33,6 +33,12 @@ pub use touch::{Contact, Phase, Touch, TouchId};
 /// A point on the pad, mm: origin at the bottom-left, x to the right, y up.
 pub type PointMm = [f64; 2];
 
+/// Distance of two places, mm.
+#[must_use]
+pub fn distance_mm(a: PointMm, b: PointMm) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
+}
+
 /// Nanoseconds in the time of the source: time stamps of the device, not of a clock.
 pub type Nanos = u64;
 

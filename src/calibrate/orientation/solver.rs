@@ -16,10 +16,12 @@ const ROUND_SHARE: f64 = 0.65;
 /// A finger misses a shown place by at most this many mm, or this share of the pad's shorter side, whichever is less.
 const MISS_MM: f64 = 10.0;
 const MISS_SHARE: f64 = 0.1;
-/// Steps of the search across the radius of that circle.
+/// Steps of the search across the radius of the circle of misses.
 const STEPS: i32 = 2;
-/// Radius of a fingertip, mm; less on a small pad.
+/// Radius of a fingertip, mm, ...
 const FINGER_MM: f64 = 7.0;
+/// ... kept within these shares of the pad's shorter side: less on a small pad, more on a large one.
+const FINGER_SHARES: [f64; 2] = [0.05, 0.15];
 /// Least mean squared cosine of a numbering that fits. Below it, the readings have another order or something else pressed
 /// the pad. On the simulated pad the right numbering reaches 0.7 at 40 dB.
 const LEAST_FIT: f64 = 0.25;
@@ -105,7 +107,9 @@ impl OrientationSolver {
         let shorter_mm = size[0].min(size[1]);
         let (miss_mm, finger_mm) = (
             MISS_MM.min(MISS_SHARE * shorter_mm),
-            FINGER_MM.max(0.05 * shorter_mm).min(0.15 * shorter_mm),
+            FINGER_MM
+                .max(FINGER_SHARES[0] * shorter_mm)
+                .min(FINGER_SHARES[1] * shorter_mm),
         );
         let electrodes = pad.electrodes.len();
         Ok(Self {

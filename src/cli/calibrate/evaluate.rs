@@ -14,7 +14,7 @@ use crate::calibrate::{PlaceErrors, Presses, Regression, SuperposedMaps, TouchRo
 use crate::cli::exit::Ending;
 use crate::cli::message::say;
 use crate::cli::progress::Spinner;
-use crate::types::PointMm;
+use crate::types::{PointMm, distance_mm};
 
 /// The printed line.
 #[derive(Serialize)]
@@ -167,10 +167,6 @@ fn orders(count: usize) -> Vec<Vec<usize>> {
             })
         })
         .collect()
-}
-
-fn distance_mm(a: PointMm, b: PointMm) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
 impl Errors {

@@ -31,7 +31,7 @@ const LEAST_GAIN: f64 = 0.03;
 const WELL_BELOW: f64 = 0.3;
 /// Rounds after which the electrodes have moved so little that the derivatives by their places stay the same.
 const ELECTRODE_ROUNDS: usize = 2;
-/// A step that raises the misfit is halved up to so many times.
+/// A step that raises the misfit is halved at most this often.
 const MOST_HALVINGS: usize = 3;
 /// A found pad whose readings differ from those measured by more than this share, root mean square, explains nothing.
 const MOST_MISFIT: f64 = 0.05;

@@ -87,7 +87,7 @@ impl EditView {
         if let (Some(drag), Some(at)) = (self.drag.clone(), response.interact_pointer_pos())
             && response.dragged()
         {
-            if self.grid_blocks(&drag.region) {
+            if self.ask_if_in_grid(&drag.region) {
                 self.drag = None;
                 return;
             }

@@ -14,7 +14,7 @@ impl EditView {
     }
 
     /// Whether a region cannot be moved because it is a cell of a grid; then the player is asked.
-    pub(super) fn grid_blocks(&mut self, region: &str) -> bool {
+    pub(super) fn ask_if_in_grid(&mut self, region: &str) -> bool {
         self.grid_question = self.grid_of(region);
         self.grid_question.is_some()
     }

@@ -70,7 +70,7 @@ impl EditView {
                     info.label = Some(format!("{key} of {name}, percent of the pad"));
                     info
                 });
-                if response.changed() && !self.grid_blocks(name) {
+                if response.changed() && !self.ask_if_in_grid(name) {
                     self.change(game, |document| {
                         document.set_region(name, &[(key, percent / 100.0)])
                     });

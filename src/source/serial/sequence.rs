@@ -18,7 +18,7 @@ const RESTART_RUN: u32 = 25;
 /// What the number of a frame says about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// It is new; so many before it are missing.
+    /// It is new; this many before it are missing.
     New {
         /// Number of frames that are missing.
         missing: u32,

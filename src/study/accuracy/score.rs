@@ -4,7 +4,7 @@
 //! least sum of distances. Touches left over are missed, contacts left over are false; neither enters an error of place.
 
 use crate::study::Press;
-use crate::types::{Contact, PointMm};
+use crate::types::{Contact, PointMm, distance_mm};
 
 /// Largest distance of a contact from its touch, mm (scaled with the pad).
 pub(super) const REACH_MM: f64 = 10.0;
@@ -108,10 +108,6 @@ impl Search<'_> {
         self.descend(pairs, sum_mm);
         self.chosen.pop();
     }
-}
-
-fn distance_mm(a: PointMm, b: PointMm) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::study::figure::{Chart, Series, short};
 use crate::study::report::{Report, Table};
 use crate::study::{CommandLine, StudyError};
 
-/// Delays are given for a board of so many frames a second.
+/// Delays are given for a board of this many frames a second.
 const FRAMES_PER_S: f64 = 10.0;
 /// Rows of the tables of readings and drives.
 const ROWS: usize = 12;

@@ -145,7 +145,7 @@ impl Bricks {
         let mut sum = Vector3::zeros();
         for corner in 0..CORNERS {
             let value = values[self.node(corner_of(cell, corner))?];
-            let weights = [0, 1, 2].map(|axis| far_weight(corner, axis, share[axis]));
+            let weights = [0, 1, 2].map(|axis| corner_weight(corner, axis, share[axis]));
             sum += weights.iter().product::<f64>() * Vector3::from(value);
         }
         Some(sum.into())
@@ -183,7 +183,7 @@ fn corner_of(cell: [usize; 3], corner: usize) -> [usize; 3] {
 }
 
 /// Value along one axis of a corner's shape function: 1 at the corner, 0 at the opposite side.
-fn far_weight(corner: usize, axis: usize, share: f64) -> f64 {
+fn corner_weight(corner: usize, axis: usize, share: f64) -> f64 {
     if corner >> axis & 1 == 0 {
         1.0 - share
     } else {
@@ -208,7 +208,7 @@ pub(super) const GAUSS_SHARES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_13
 pub fn gauss_points(corners_mm: &Corners) -> [GaussPoint; 8] {
     std::array::from_fn(|point| {
         let local = Corners::from_fn(|axis, corner| {
-            let weight = |axis| far_weight(corner, axis, GAUSS_SHARES[point >> axis & 1]);
+            let weight = |axis| corner_weight(corner, axis, GAUSS_SHARES[point >> axis & 1]);
             let slope = if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
             slope * weight((axis + 1) % 3) * weight((axis + 2) % 3)
         });

@@ -18,7 +18,7 @@ const UNEXPLAINED_OUTSIDE: f64 = 9.0;
 const SUSPICIOUS_OUTSIDE: f64 = 3.0;
 /// ... leave this many times noise and model error, more than a palm does.
 const UNEXPLAINED_REST: f64 = 60.0;
-/// For so many frames after the reference was taken, the noise of a board that rounds coarsely is little known, ...
+/// For this many frames after the reference was taken, the noise of a board that rounds coarsely is little known, ...
 const YOUNG_FRAMES: u64 = 128;
 /// ... and a new touch must explain this many times as much as later.
 const YOUNG_GAINS: f64 = 2.0;

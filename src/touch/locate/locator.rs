@@ -118,7 +118,7 @@ impl Locator {
         self.down_gains = times;
     }
 
-    /// At most so many touches begin in the next frames, which share readings; `None` for frames of their own.
+    /// Most touches that may begin in the next frames, which share readings; `None` for frames of their own.
     pub fn allow_new_touches(&mut self, most: Option<usize>) {
         self.most_new = most;
     }

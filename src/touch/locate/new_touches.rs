@@ -10,7 +10,7 @@ use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
 use crate::eit::response::TouchModel;
-use crate::types::PointMm;
+use crate::types::{PointMm, distance_mm};
 
 /// Least distance between two touches, a finger's width. What looks closer is one wide or oval finger.
 const LEAST_APART_MM: f64 = 12.5;
@@ -454,8 +454,4 @@ fn edited(touches: &[TouchModel], more: &[TouchModel], without: Option<usize>) -
         .map(|(_, touch)| *touch)
         .chain(more.iter().copied())
         .collect()
-}
-
-fn distance_mm(a: PointMm, b: PointMm) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
 }

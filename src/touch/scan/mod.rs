@@ -24,7 +24,7 @@ use fit::{FitMemory, Fitted};
 use landing::Landing;
 use onset::OnsetModel;
 
-/// While a touch moves, places are found once in so many parts.
+/// While a touch moves, places are found once in this many parts.
 const MOVING_PARTS: usize = 2;
 /// So many frames may end amid a change before they count as they are: an electrode may have gone.
 const UNCLEAR_FRAMES: u32 = 3;

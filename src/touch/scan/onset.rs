@@ -9,11 +9,11 @@ use crate::eit::ResponseTable;
 use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
 use crate::pad::TouchSign;
 use crate::touch::{Detector, Locator};
-use crate::types::PointMm;
+use crate::types::{PointMm, distance_mm};
 
 /// Places along the pad's longer side at which a finger is looked for: 10 mm apart on a pad of 100 mm.
 const ALONG: f64 = 10.0;
-/// A finger explains so many squared deviations: every part asks again at many places, sixteen times as often as frames do.
+/// Least squared deviations that a finger explains: every part asks again at many places, sixteen times as often as frames do.
 const LEAST_GAIN: f64 = 60.0;
 /// Steps of the first fit of a finger, ...
 const FIRST_STEPS: usize = 7;
@@ -29,7 +29,7 @@ const PLACE_MM: f64 = 1.2;
 const ELSEWHERE_MM: f64 = 16.0;
 /// ... fits that end nearer than this to each other are the same.
 const SAME_MM: f64 = 5.0;
-/// A finger is surely where it is fitted, and not elsewhere, if that explains so many squared deviations more: odds of 400 to 1.
+/// A finger is surely where it is fitted, and not elsewhere, if that explains at least this many squared deviations more: odds of 400 to 1.
 const SURE: f64 = 12.0;
 /// New fingers are at least this far from those that are down, mm: nearer changes are theirs.
 const APART_MM: f64 = 14.0;
@@ -193,8 +193,4 @@ impl OnsetModel {
         changes.resize(self.table.channels(), 0.0);
         self.table.expand(&memory.response.value, changes);
     }
-}
-
-fn distance_mm(a: PointMm, b: PointMm) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
 }

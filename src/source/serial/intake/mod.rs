@@ -26,7 +26,7 @@ use parts::PartIntake;
 /// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
 
-/// Every so many garbled frames before the first whole one are reported: a second of a usual board.
+/// Garbled frames before the first whole one are reported each time that this many more have come: a second of a usual board.
 const GARBLED_START: u64 = 100;
 
 /// Converts what a board sends into frames of a pad.

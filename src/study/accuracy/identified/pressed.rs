@@ -13,7 +13,7 @@ use crate::types::Contact;
 pub(super) const PRESSES: usize = 30;
 /// Frames that a press is averaged over.
 const PRESS_FRAMES: usize = 10;
-/// Presses that the sensing misses are repeated elsewhere, as a person would; so many in all.
+/// Presses that the sensing misses are repeated elsewhere, as a person would; at most this many in all.
 const MOST_PRESSES: usize = 4 * PRESSES;
 
 /// A correction, and the readings at rest that changes are relative to.

@@ -24,7 +24,7 @@ const SHORT_PRESS_FRAMES: usize = 5;
 const PAUSE_FRAMES: usize = 20;
 /// ... and where it is looked at what is left after half a second.
 const LONG_PAUSE_FRAMES: usize = 55;
-/// [`Hand::Any`] presses so many times as often as others.
+/// [`Hand::Any`] presses this many times as often as others.
 const ANY_TIMES: usize = 5;
 
 /// What presses the pad.

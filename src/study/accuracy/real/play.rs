@@ -17,11 +17,11 @@ const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
 const REST_FRAMES: usize = 400;
 /// Frames for which a finger lies on the pad from the start.
 const LYING_FRAMES: usize = 100;
-/// Presses while drumming: two minutes ...
+/// Presses while drumming, of two minutes.
 const DRUMMED: usize = 1200;
-/// ... of presses and rests of so many frames each.
+/// Frames of each press, and of each rest, of a drumming hand.
 const DRUM_FRAMES: usize = 5;
-/// A touch that is still down so many frames after the last finger lifted is stuck.
+/// A touch that is still down this many frames after the last finger lifted is stuck.
 const STUCK_FRAMES: usize = 50;
 
 /// One press, solved: a single stage while it lasts, or one for each of its frames.
