@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::AppError;
-use super::texts::{is_path, read_limited};
+use super::texts::{as_pad_argument, is_path, read_limited};
 use crate::calibrate::{Presses, TouchRows};
 use crate::files::{self, FileError};
 use crate::pad::Pad;
@@ -29,6 +29,24 @@ struct CalibrationFile {
     /// Expected error of a lone touch, mm.
     expected_mm: f64,
     correction: CorrectionData,
+}
+
+/// Splits what `--pad` and `--calibration` name into a pad and a calibration of it: a pad that was learned from presses (`FILE.toml`) is
+/// given as either, and takes the place of the pad.
+pub(crate) fn pad_and_calibration(
+    pad: Option<String>,
+    calibration: Option<PathBuf>,
+) -> (Option<String>, Option<PathBuf>) {
+    match calibration {
+        Some(file) if is_pad_file(&file) => (Some(as_pad_argument(&file)), None),
+        calibration => (pad, calibration),
+    }
+}
+
+/// Whether a file is a pad's text, by its name.
+pub(crate) fn is_pad_file(file: &Path) -> bool {
+    file.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// Reads presses.

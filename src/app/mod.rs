@@ -9,6 +9,7 @@ pub mod focus_gate;
 pub(crate) mod folders;
 mod gamepads;
 pub(crate) mod identify;
+pub(crate) mod learned_pad;
 mod listeners;
 mod load_timeline;
 mod local_services;

@@ -30,6 +30,21 @@ pub(crate) fn load_pad(argument: &str) -> Result<PadText, AppError> {
     })
 }
 
+/// Reads a pad whose drawing is to be solved.
+///
+/// # Errors
+/// See [`load_pad`]; a pad that was learned from presses, which its drawing does not describe.
+pub(crate) fn load_drawn_pad(argument: &str) -> Result<PadText, AppError> {
+    let pad = load_pad(argument)?;
+    match &pad.pad.learned {
+        None => Ok(pad),
+        Some(_) => Err(AppError::Unsuitable(format!(
+            "the pad {} was learned from presses: its drawing does not say how it responds\n  help: remove the table `learned` from a copy of its text to use the drawing",
+            pad.pad.name
+        ))),
+    }
+}
+
 /// The reconstruction method: as requested, else the profile's, else the pad's, else NOSER.
 pub(crate) fn choose_method(requested: Option<Method>, profile: &Profile, pad: &Pad) -> Method {
     requested

@@ -219,8 +219,8 @@ fn begin_at_once(
     })
 }
 
-/// How the pad of a board is identified, and the pad to start with. A pad that was found by a command, one with a calibration, which was
-/// learned with it, and one to be played as drawn stay as they are.
+/// How the pad of a board is identified, and the pad to start with. A pad that was found or learned by a command, one with a calibration,
+/// which was learned with it, and one to be played as drawn stay as they are.
 fn start_of_identification(
     request: &PlayRequest,
     pad: PadText,
@@ -228,7 +228,8 @@ fn start_of_identification(
     let SourceChoice::Serial(port) = &request.source else {
         return (None, pad);
     };
-    if request.as_drawn || request.calibration.is_some() || !pad.pad.deviations.is_none() {
+    let is_known = !pad.pad.deviations.is_none() || pad.pad.learned.is_some();
+    if request.as_drawn || request.calibration.is_some() || is_known {
         return (None, pad);
     }
     let serial = serial_number(port);

@@ -22,6 +22,14 @@ pub(crate) fn is_path(argument: &str) -> bool {
     argument.contains(['/', '\\']) || has_drive || argument.ends_with(".toml")
 }
 
+/// A path as `--pad` takes it: names without a slash that do not end in `.toml` are those of shipped pads.
+pub(crate) fn as_pad_argument(path: &Path) -> String {
+    match path.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => format!("./{}", path.display()),
+        _ => path.display().to_string(),
+    }
+}
+
 /// Reads a pad, profile or script.
 pub(crate) fn read_text(path: &Path) -> Result<String, AppError> {
     read_limited(path, MAX_TEXT_BYTES)

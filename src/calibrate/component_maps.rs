@@ -234,7 +234,10 @@ fn moments(values: &Mat<f64>) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// For each component the length and noise with the highest likelihood of the left-out values.
-fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Vec<Hyperparameters>, CalibrateError> {
+pub(super) fn choose(
+    values: &Mat<f64>,
+    places: &Mat<f64>,
+) -> Result<Vec<Hyperparameters>, CalibrateError> {
     let distances2 = process::squared_distances(places, places);
     let unit = spread(places);
     let mut best: Vec<Option<(f64, Hyperparameters)>> = vec![None; values.ncols()];
@@ -260,7 +263,7 @@ fn choose(values: &Mat<f64>, places: &Mat<f64>) -> Result<Vec<Hyperparameters>, 
         .collect()
 }
 
-fn distinct(chosen: &[Hyperparameters]) -> Vec<Hyperparameters> {
+pub(super) fn distinct(chosen: &[Hyperparameters]) -> Vec<Hyperparameters> {
     let mut distinct: Vec<Hyperparameters> = Vec::new();
     for hyper in chosen {
         if !distinct.contains(hyper) {

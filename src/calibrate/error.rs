@@ -26,9 +26,14 @@ pub enum CalibrateError {
         /// Mean error of the model's places, mm.
         without_mm: f64,
     },
+    /// The presses lack the untouched readings.
+    #[error(
+        "these presses hold differences, but not what the untouched pad reads: play sees relative changes. Add a row without a place (`,,v0,v1,...`) with the untouched readings, in the same unit"
+    )]
+    NotRelative,
     /// The presses lack the places that the pad's model found.
     #[error(
-        "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`"
+        "these presses contain only voltages, not the places that the pad's model found: record them with `gelpad calibrate --source ...`, or learn a pad from them: `-o FILE.toml`, with `--size` if there is no drawing"
     )]
     NotModelled,
 }

@@ -1,7 +1,7 @@
 //! Presses at known places: what a calibration learns from, and their CSV form.
 //!
-//! A row is `x_mm,y_mm,d0,d1,...`: the place, and each channel's reading when pressed minus when untouched, in any unit. Files
-//! recorded by gelpad have three more columns after the place, `force,model_x_mm,model_y_mm`: the force and place that the
+//! A row is `x_mm,y_mm,d0,d1,...`: the place, and each channel's reading when pressed minus when untouched, in any unit. One row may
+//! have no place: it holds the untouched readings in the same unit, which play needs. Files recorded by gelpad have three more columns after the place, `force,model_x_mm,model_y_mm`: the force and place that the
 //! model found. Their differences are relative changes (v - v0) / v0.
 
 use faer::{Mat, MatRef};
@@ -40,6 +40,8 @@ pub struct Press {
 pub struct Presses {
     list: Vec<Press>,
     channels: usize,
+    /// What the untouched pad reads, in the unit of the changes.
+    untouched: Option<Vec<f64>>,
 }
 
 impl Presses {
@@ -73,7 +75,11 @@ impl Presses {
                 problem: "has a change that is not a number".to_owned(),
             });
         }
-        let presses = Self { list, channels };
+        let presses = Self {
+            list,
+            channels,
+            untouched: None,
+        };
         let flat = |problem| {
             Err(PressesError::Flat {
                 name: name.to_owned(),
@@ -100,14 +106,52 @@ impl Presses {
     /// # Errors
     /// The first row that is wrong; see [`Self::new`].
     pub fn from_csv(name: &str, text: &str) -> Result<Self, PressesError> {
-        let (_, list) = csv_rows::read(name, text, Columns::from_header, Columns::press)?;
-        Self::new(name, list)
+        let (_, rows) = csv_rows::read(name, text, Columns::from_header, Columns::row)?;
+        let (mut list, mut untouched) = (Vec::new(), Vec::new());
+        for row in rows {
+            match row {
+                PressRow::Press(press) => list.push(press),
+                PressRow::Untouched(readings) => untouched.push(readings),
+            }
+        }
+        let presses = Self::new(name, list)?;
+        if untouched.len() > 1 {
+            return Err(PressesError::Flat {
+                name: name.to_owned(),
+                problem: "several rows without a place: only one may hold the untouched readings",
+            });
+        }
+        Ok(Self {
+            untouched: untouched.pop(),
+            ..presses
+        })
+    }
+
+    /// Some of the presses.
+    ///
+    /// # Errors
+    /// See [`Self::new`].
+    pub fn some(&self, which: &[usize]) -> Result<Self, PressesError> {
+        let list = which.iter().map(|press| self.list[*press].clone());
+        Ok(Self {
+            untouched: self.untouched.clone(),
+            ..Self::new("the presses", list.collect())?
+        })
     }
 
     /// The text that [`Self::from_csv`] reads.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        presses_csv(&self.list)
+        let mut text = presses_csv(&self.list);
+        if let Some(readings) = &self.untouched {
+            let empty = if self.is_modelled() { 5 } else { 2 };
+            text.push_str(&",".repeat(empty - 1));
+            for reading in readings {
+                text.push_str(&format!(",{reading}"));
+            }
+            text.push('\n');
+        }
+        text
     }
 
     /// Number of presses.
@@ -146,6 +190,19 @@ impl Presses {
         Mat::from_fn(which.len(), 2, |row, axis| {
             self.list[which[row]].place_mm[axis]
         })
+    }
+
+    /// Relative changes (v - v0) / v0 of some presses: presses by channels. `None` if the untouched readings v0 are not known.
+    #[must_use]
+    pub fn relative_changes(&self, which: &[usize]) -> Option<Mat<f64>> {
+        let changes = self.changes(which);
+        match &self.untouched {
+            Some(untouched) => Some(Mat::from_fn(which.len(), self.channels, |row, channel| {
+                changes[(row, channel)] / untouched[channel]
+            })),
+            None if self.is_modelled() => Some(changes),
+            None => None,
+        }
     }
 
     /// Changes of some presses: presses by channels.
@@ -201,6 +258,13 @@ fn lie_on_a_line(places: MatRef<'_, f64>) -> bool {
     determinant <= LINE_SHARE * LINE_SHARE * trace * trace
 }
 
+/// A row of a file.
+enum PressRow {
+    Press(Press),
+    /// Without a place: the untouched readings.
+    Untouched(Vec<f64>),
+}
+
 /// The columns of a file.
 struct Columns {
     is_modelled: bool,
@@ -218,6 +282,19 @@ impl Columns {
 
     fn first_channel(&self) -> usize {
         if self.is_modelled { 5 } else { 2 }
+    }
+
+    fn row(&self, row: &CsvRow) -> Result<PressRow, String> {
+        if !(0..self.first_channel()).all(|column| row.is_empty(column)) {
+            return self.press(row).map(PressRow::Press);
+        }
+        let readings = row.numbers_from(self.first_channel())?;
+        match readings.iter().position(|reading| *reading == 0.0) {
+            None => Ok(PressRow::Untouched(readings)),
+            Some(channel) => Err(format!(
+                "channel {channel} of the untouched pad reads 0: leave it out of all rows"
+            )),
+        }
     }
 
     fn press(&self, row: &CsvRow) -> Result<Press, String> {

@@ -8,7 +8,7 @@ use anyhow::{Context as _, ensure};
 use super::args::AccuracyArgs;
 use super::exit::Ending;
 use super::progress::{case_bar, case_progress, solve_pad};
-use crate::app::pads::load_pad;
+use crate::app::pads::load_drawn_pad;
 use crate::study::accuracy::identified::IdentifyExtent;
 use crate::study::accuracy::real::{Condition, Extent, TABLE_HEADER, conditions, own_conditions};
 use crate::study::accuracy::scan::ScanExtent;
@@ -16,7 +16,7 @@ use crate::study::accuracy::{Accuracy, AccuracySettings};
 use crate::study::job;
 
 pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
-    let pad = load_pad(&args.pad)?.pad;
+    let pad = load_drawn_pad(&args.pad)?.pad;
     let method = args.method.or(pad.method).unwrap_or_default();
     let conditions = args.real.then(|| chosen_conditions(args)).transpose()?;
     // Reports a folder that cannot be created before a minute of solving, not after.

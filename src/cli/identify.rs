@@ -8,9 +8,10 @@ use anyhow::bail;
 use super::args::IdentifyArgs;
 use super::exit::Ending;
 use crate::app::identify::{FoundPad, describe, identify_pad};
-use crate::app::pads::load_pad;
+use crate::app::pads::load_drawn_pad;
 use crate::app::services::{NoiseLevel, SourceChoice};
 use crate::app::source::{open_pad_source, untouched_pad};
+use crate::app::texts::as_pad_argument;
 use crate::files;
 use crate::study::figure::ConductanceMap;
 use crate::types::printable;
@@ -22,7 +23,7 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
     if args.source == SourceChoice::Gamepad {
         bail!("a gamepad cannot be identified as a pad: give serial:PORT or replay:FILE");
     }
-    let drawing = load_pad(&args.pad)?;
+    let drawing = load_drawn_pad(&args.pad)?;
     let level = NoiseLevel {
         snr_db: args.snr,
         seed: args.seed,
@@ -47,14 +48,6 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         files::write(path, &map(&found, path)?)?;
     }
     Ok(Ending::Done)
-}
-
-/// Names without a slash that do not end in `.toml` are those of shipped pads.
-fn as_pad_argument(path: &Path) -> String {
-    match path.parent() {
-        Some(parent) if parent.as_os_str().is_empty() => format!("./{}", path.display()),
-        _ => path.display().to_string(),
-    }
 }
 
 /// Refuses to overwrite the drawing, or a file that is there.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::args::{StudyArgs, StudyCommand};
 use super::exit::Ending;
 use super::progress::{case_bar, case_progress};
-use crate::app::pads::{PadText, load_pad};
+use crate::app::pads::{PadText, load_drawn_pad};
 use crate::study::job::{self, Folder, Shard, Study};
 use crate::study::phantoms::{self, Phantoms};
 use crate::study::protocol::{self, ProtocolStudy};
@@ -105,7 +105,7 @@ fn settings(command: &StudyCommand, common: &StudyArgs) -> anyhow::Result<Settin
 
 fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
     // Parsed here as well to report mistakes with their places.
-    let PadText { toml, .. } = load_pad(&common.pad)?;
+    let PadText { toml, .. } = load_drawn_pad(&common.pad)?;
     Ok((common.pad.clone(), toml))
 }
 

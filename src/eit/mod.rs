@@ -31,5 +31,5 @@ pub use press::{PRESS_UNKNOWNS, Press, conductivity_factor};
 pub(crate) use quantization::quantization_step;
 pub use reconstruct::{Imager, LAMBDA, Linearised, Reconstruction, SetupError};
 pub use reference::{REFERENCE_FRAMES, Reference};
-pub use response::{ResponseBuilder, ResponseTable};
+pub use response::{ResponseBuilder, ResponseTable, TYPICAL_PRESS_MM2};
 pub use shared_noise::{SharedNoise, SharedNoiseEstimator};

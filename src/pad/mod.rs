@@ -9,6 +9,7 @@
 mod conductor;
 mod deviations;
 mod electrodes;
+mod learned;
 mod numbering;
 mod outline;
 mod protocol;
@@ -18,10 +19,13 @@ mod spec;
 pub use conductor::{Conductor, Lattice};
 pub use deviations::{Deviations, ElectrodeDeviation, cell_sites_mm};
 pub use electrodes::Electrode;
+pub use learned::LearnedMaps;
 pub use numbering::{Direction, Numbering, Renumbered};
 pub use outline::Outline;
 pub use protocol::{Channel, Pair, Protocol, ProtocolError};
 pub use shipped::{DEFAULT_PAD, SHIPPED_PADS, ShippedPad, shipped_pad};
+
+use std::sync::Arc;
 
 use crate::types::{Method, SourceErrors};
 
@@ -71,6 +75,8 @@ pub struct Pad {
     pub background_s_per_m: f64,
     /// How the pad differs from its drawing. The electrodes include theirs.
     pub deviations: Deviations,
+    /// What presses taught about the pad, for one that its drawing does not describe.
+    pub learned: Option<Arc<LearnedMaps>>,
     /// Electrodes on the outline, as the board numbers them.
     pub electrodes: Vec<Electrode>,
     /// How the board numbers the electrodes.

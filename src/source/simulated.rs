@@ -8,8 +8,10 @@ use std::collections::BTreeMap;
 use super::{
     Finger, FingerAction, Noise, Script, ScriptStep, Source, SourceError, SourcePace, SourceReading,
 };
-use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize, Press};
-use crate::pad::{Pad, TouchSign};
+use crate::eit::{
+    ContactModel, ForwardError, ForwardModel, Mesh, MeshSize, Press, TYPICAL_PRESS_MM2,
+};
+use crate::pad::{LearnedMaps, Pad, TouchSign};
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Part};
 
 /// Time between two frames of every simulated source, ns: 100 frames/s.
@@ -38,11 +40,14 @@ impl SimulatedPad {
         })
     }
 
-    /// The voltages under some presses, V/A.
+    /// The voltages under some presses, V/A. On a pad that was learned from presses, those of its drawing change as its maps say.
     ///
     /// # Errors
     /// The forward model cannot be solved for this conductivity.
     pub fn volts(&self, presses: &[Press]) -> Result<Vec<f64>, ForwardError> {
+        if let Some(maps) = &self.pad.learned {
+            return self.volts_by_maps(maps, presses);
+        }
         let mut conductivity = self.model.mesh().mean_over_triangles(|point| {
             let factor: f64 = presses.iter().map(|press| press.factor(point)).product();
             match self.pad.touch_sign {
@@ -56,6 +61,25 @@ impl SimulatedPad {
         }
         let fields = self.model.solve(&conductivity)?;
         Ok(fields.voltages(&self.pad.protocol))
+    }
+
+    fn volts_by_maps(
+        &self,
+        maps: &LearnedMaps,
+        presses: &[Press],
+    ) -> Result<Vec<f64>, ForwardError> {
+        let background = self.model.mesh().background_s_per_m(&self.pad);
+        let untouched = self.model.solve(&background)?.voltages(&self.pad.protocol);
+        let mut factors = vec![1.0; untouched.len()];
+        for press in presses {
+            let share = press.volume_mm2() / TYPICAL_PRESS_MM2;
+            let changes = maps.changes_at(press.centre_mm, self.pad.outline.size_mm());
+            for (factor, change) in factors.iter_mut().zip(changes) {
+                *factor += share * change;
+            }
+        }
+        let pairs = untouched.iter().zip(factors);
+        Ok(pairs.map(|(volt, factor)| volt * factor).collect())
     }
 }
 

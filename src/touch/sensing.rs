@@ -9,7 +9,7 @@ use super::locate::LocatorModel;
 use crate::eit::{
     LAMBDA, Linearised, Reconstruction, ResponseTable, SetupError, SharedNoise, median,
 };
-use crate::pad::{Outline, Pad, TouchSign};
+use crate::pad::{LearnedMaps, Outline, Pad, TouchSign};
 use crate::types::Method;
 
 /// Relative standard deviation of every channel until frames show the noise.
@@ -59,6 +59,8 @@ pub struct SensingBuilder {
     table: Option<Arc<ResponseTable>>,
     /// Drive of each channel.
     drives: Vec<u16>,
+    /// Maps of a pad that was learned from presses.
+    learned: Option<Arc<LearnedMaps>>,
 }
 
 impl SensingBuilder {
@@ -74,6 +76,7 @@ impl SensingBuilder {
             outline: pad.outline,
             table: None,
             drives: pad.protocol.drives(),
+            learned: pad.learned.clone(),
         })
     }
 
@@ -140,6 +143,7 @@ impl SensingBuilder {
                 self.touch_sign,
                 noise,
                 &self.drives,
+                self.learned.as_deref(),
             ))
         });
         Ok(Sensing {

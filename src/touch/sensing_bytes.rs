@@ -110,6 +110,7 @@ impl Sensing {
                     Arc::clone(table),
                     &pad.outline,
                     pad.touch_sign,
+                    pad.learned.as_deref(),
                 );
                 Some(Arc::new(locating.ok_or(invalid)?))
             }

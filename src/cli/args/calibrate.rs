@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::board::BoardArgs;
-use super::values::{points, snr, source};
+use super::values::{points, size_mm, snr, source};
 use crate::app::services::SourceChoice;
 use crate::types::Method;
 
@@ -18,12 +18,15 @@ Examples:
     learns a calibration from recorded presses
   gelpad calibrate --presses train.csv --evaluate test.csv
     locates the presses of test.csv from their voltages; needs no pad, prints one JSON object
+  gelpad calibrate --presses mine.csv --size 80x80 -o skin.toml
+    learns a pad that plays without a drawing: gelpad play --pad ./skin.toml
   gelpad calibrate --source serial:/dev/ttyACM0 --recommend anna
     asks for short, long and double presses, then writes settings for this user
 
 Presses are CSV: x_mm,y_mm,d0,d1,... with the differences pressed - unpressed in any unit. For --evaluate, rows may hold
 the places of two or three touches: x_mm,y_mm,x2_mm,y2_mm,x3_mm,y3_mm,d0,d1,... (empty where there are fewer). Presses recorded by gelpad
-have force,model_x_mm,model_y_mm before d0; only these give a calibration.")]
+have force,model_x_mm,model_y_mm before d0; only these give a calibration. To learn a pad (-o FILE.toml) from other presses, a row without a
+place (,,v0,v1,...) holds the untouched readings.")]
 pub(in crate::cli) struct CalibrateArgs {
     /// A shipped pad, or a file (contains `/` or ends in `.toml`)
     #[arg(long, default_value = crate::pad::DEFAULT_PAD)]
@@ -31,9 +34,12 @@ pub(in crate::cli) struct CalibrateArgs {
     /// Presses to learn from; with --source, the file for the recorded presses
     #[arg(long, value_name = "FILE", required_unless_present = "source")]
     pub presses: Option<PathBuf>,
-    /// File of the calibration [default: PAD.calibration.json beside the pad's file, or here]
+    /// File of the calibration, or of a pad to learn: FILE.toml [default: PAD.calibration.json beside the pad's file, or here]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Size of a rectangular pad without a drawing, mm: WIDTHxHEIGHT
+    #[arg(long, value_name = "WxH", value_parser = size_mm, requires = "output", conflicts_with_all = ["source", "pad"])]
+    pub size: Option<[f64; 2]>,
     /// Locate these presses instead of saving, and print the errors
     #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "output"])]
     pub evaluate: Option<PathBuf>,

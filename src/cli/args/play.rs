@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::board::BoardArgs;
 use super::values::{OutputArg, snr, source};
+use crate::app::calibration::pad_and_calibration;
 use crate::app::services::{NoiseLevel, OutputChoice, PlayRequest, SourceChoice};
 use crate::runtime::ExistingFile;
 use crate::source::Disturbance;
@@ -50,7 +51,7 @@ pub(in crate::cli) struct PlayArgs {
     /// Reconstruction: tikhonov, noser, smooth or l1 [default: the profile's or the pad's, else noser]
     #[arg(long)]
     pub method: Option<Method>,
-    /// A calibration from `gelpad calibrate`: corrects place and force of touches
+    /// What `gelpad calibrate` made: a calibration, which corrects place and force of touches, or a learned pad (FILE.toml)
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
     /// Play a board's pad as drawn: do not identify it from its readings at rest
@@ -91,9 +92,10 @@ impl PlayArgs {
     pub(in crate::cli) fn to_request(&self, trace_on_stdout: bool) -> PlayRequest {
         let is_simulated = matches!(self.source, SourceChoice::Level | SourceChoice::Script(_));
         let default = PlayRequest::default();
+        let (pad, calibration) = pad_and_calibration(self.pad.clone(), self.calibration.clone());
         PlayRequest {
-            recorded_pad: self.pad.is_none(),
-            pad: self.pad.clone().unwrap_or(default.pad),
+            recorded_pad: pad.is_none(),
+            pad: pad.unwrap_or(default.pad),
             recorded_profile: self.profile.is_none(),
             profile: self.profile.clone().unwrap_or(default.profile),
             user: self.user.clone(),
@@ -114,7 +116,7 @@ impl PlayArgs {
             trace_on_stdout,
             as_drawn: self.as_drawn,
             method: self.method,
-            calibration: self.calibration.clone(),
+            calibration,
             record: self.record.clone(),
             slim: self.slim,
             existing: match self.force {

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::values::{OutputArg, PrintArg, seconds};
 use crate::types::Method;
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Examples:
   gelpad replay session.mcap                                    prints the events as they were played
@@ -31,7 +31,7 @@ pub(in crate::cli) struct ReplayArgs {
     /// Reconstruction: tikhonov, noser, smooth or l1 [default: as recorded; for CSV the profile's or the pad's, else noser]
     #[arg(long)]
     pub method: Option<Method>,
-    /// A calibration from `gelpad calibrate` [default: the recording's own]
+    /// A calibration or learned pad (FILE.toml) from `gelpad calibrate` [default: the recording's own]
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
     /// touches: a JSON line per frame; events: a text line per event [default: events, unless sent, compared or saved]

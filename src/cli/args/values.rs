@@ -88,6 +88,15 @@ pub(super) fn snr(text: &str) -> Result<f64, String> {
     )
 }
 
+/// The width and height of a pad.
+pub(super) fn size_mm(text: &str) -> Result<[f64; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| *side > 0.0);
+        Some([side(width)?, side(height)?])
+    });
+    sides.ok_or_else(|| "expected width and height in mm, such as 80x60".to_owned())
+}
+
 pub(super) fn points(text: &str) -> Result<usize, String> {
     let range =
         crate::calibrate::FEWEST_PRESSES..=crate::touch::correction::MOST_CORRECTION_PRESSES;

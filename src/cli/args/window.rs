@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values::source;
+use crate::app::calibration::pad_and_calibration;
 use crate::app::services::{SourceChoice, WindowArguments};
 
 #[derive(Args, Clone, Debug, Default, PartialEq, Eq)]
@@ -24,23 +25,24 @@ pub(in crate::cli) struct WindowArgs {
     /// Where frames come from: `simulated` (your mouse), `simulated:SCRIPT`, `serial:PORT`, `replay:FILE` or `gamepad`
     #[arg(long, value_parser = source)]
     pub source: Option<SourceChoice>,
-    /// A calibration from `gelpad calibrate` or from the window
+    /// A calibration or learned pad (FILE.toml) from `gelpad calibrate`, or a calibration from the window
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
 }
 
 impl From<WindowArgs> for WindowArguments {
     fn from(args: WindowArgs) -> Self {
+        let (pad, calibration) = pad_and_calibration(args.pad, args.calibration);
         Self {
             profile: args.profile,
-            pad: args.pad,
+            pad,
             user: args.user,
             source: args.source.map(|source| match source {
                 // In the window the mouse presses the simulated pad.
                 SourceChoice::Level => SourceChoice::Simulated,
                 source => source,
             }),
-            calibration: args.calibration,
+            calibration,
         }
     }
 }

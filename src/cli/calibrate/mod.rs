@@ -1,6 +1,7 @@
 //! `gelpad calibrate`: records presses at shown places, learns a calibration, prints the expected error.
 
 mod evaluate;
+mod learned;
 mod recommend;
 mod record;
 mod source;
@@ -13,7 +14,8 @@ use super::args::CalibrateArgs;
 use super::exit::Ending;
 use super::message::say;
 use super::progress::{Spinner, solve_pad};
-use crate::app::calibration::{default_path, load_presses, save};
+use crate::app::calibration::{default_path, is_pad_file, load_presses, save};
+use crate::app::learned_pad::check_presses;
 use crate::app::pads::load_pad;
 use crate::app::places::calibration_places;
 use crate::app::services::SourceChoice;
@@ -25,8 +27,7 @@ use crate::files;
 use crate::pad::Pad;
 use crate::platform::signals::Signals;
 use crate::touch::Detector;
-use crate::types::PointMm;
-use record::{Presser, Recorded};
+use record::Presser;
 
 /// Twice as many presses are recommended if they reduce the error by at least this fraction.
 const WORTHWHILE_GAIN: f64 = 0.1;
@@ -59,24 +60,23 @@ fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending>
         SourceChoice::Serial(_) => Presser::Person,
         _ => Presser::Script,
     };
-    // Minutes of work: what was pressed is kept, also after Ctrl-C.
+    // Minutes of work: what was pressed is kept, also after Ctrl-C or an error.
     let signals = Signals::listen()?;
-    let Recorded {
-        presses: list,
-        interrupted_by,
-    } = record::record(
+    let mut list = Vec::new();
+    let recorded = record::record(
         &pad,
         detector,
         source_of_presses.as_mut(),
         presser,
         &places,
+        &mut list,
         &|| signals.received(),
-    )?;
+    );
     if let Some(path) = args.presses.as_ref().filter(|_| !list.is_empty()) {
         files::write(path, presses_csv(&list).as_bytes())?;
         say(&format!("{} presses: {}", list.len(), path.display()));
     }
-    if let Some(signal) = interrupted_by {
+    if let Some(signal) = recorded? {
         return Ok(Ending::Signal(signal));
     }
     if list.len() < FEWEST_PRESSES {
@@ -88,6 +88,9 @@ fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending>
     let complete = list.len() == places.len();
     let presses = Presses::new("the recording", list)?;
     let ending = learn(args, &presses, Some(pad))?;
+    if let Some(signal) = signals.received() {
+        return Ok(Ending::Signal(signal));
+    }
     Ok(if complete { ending } else { Ending::LostData })
 }
 
@@ -119,6 +122,9 @@ fn check_files(args: &CalibrateArgs) -> anyhow::Result<()> {
 
 /// Prints the expected error of a calibration, and saves it if the presses contain the model's places.
 fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::Result<Ending> {
+    if let Some(output) = args.output.as_ref().filter(|file| is_pad_file(file)) {
+        return learned::learn_pad(args, presses, output);
+    }
     if presses.is_modelled() {
         let pad = match pad {
             Some(pad) => pad,
@@ -126,7 +132,7 @@ fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::R
         };
         return learn_correction(args, &pad, presses);
     }
-    if args.output.is_some() {
+    if args.output.is_some() || args.size.is_some() {
         bail!(crate::calibrate::CalibrateError::NotModelled);
     }
     let spinner = Spinner::new();
@@ -139,29 +145,13 @@ fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::R
     drop(spinner);
     say(&curve_text(&curve));
     say(
-        "nothing is saved: these presses lack the places of the pad's model (see `gelpad calibrate --help`)",
+        "nothing is saved: to learn a pad that plays from these presses, add --size WIDTHxHEIGHT -o FILE.toml",
     );
     Ok(Ending::Done)
 }
 
 fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyhow::Result<Ending> {
-    let [width, height] = pad.outline.size_mm();
-    let is_off = |[x, y]: PointMm| !((0.0..=width).contains(&x) && (0.0..=height).contains(&y));
-    let mut places = presses.list().iter().map(|press| press.place_mm);
-    if let Some((index, [x, y])) = (1..).zip(&mut places).find(|(_, place)| is_off(*place)) {
-        bail!(
-            "press {index} lies at ({x}, {y}) mm, off the pad {} of {width} x {height} mm: correct its place or remove its row",
-            args.pad
-        );
-    }
-    if presses.channels() != pad.channels() {
-        bail!(
-            "the presses have {} channels, but the pad {} has {}: choose their pad with --pad",
-            presses.channels(),
-            pad.name,
-            pad.channels()
-        );
-    }
+    check_presses(presses, pad, &args.pad)?;
     let size_mm = pad.outline.size_mm();
     let spinner = Spinner::new();
     spinner.show("learning");

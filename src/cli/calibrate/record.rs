@@ -22,14 +22,8 @@ pub(super) enum Presser {
     Script,
 }
 
-/// What was recorded.
-pub(super) struct Recorded {
-    pub presses: Vec<Press>,
-    /// The signal that ended the recording, such as Ctrl-C.
-    pub interrupted_by: Option<i32>,
-}
-
-/// Records presses at places until all are pressed, the source ends or a signal comes.
+/// Records presses at places until all are pressed, the source ends or a signal comes, which is returned. The presses made before an
+/// error are in `presses`, too.
 ///
 /// # Errors
 /// A source that fails; a script that ends with fewer presses than places, since it is then unknown which one is missing.
@@ -39,20 +33,17 @@ pub(super) fn record(
     source: &mut dyn Source,
     presser: Presser,
     places: &[PointMm],
+    presses: &mut Vec<Press>,
     interrupted: &dyn Fn() -> Option<i32>,
-) -> anyhow::Result<Recorded> {
+) -> anyhow::Result<Option<i32>> {
     let mut recorder = DetectedPresses::new(detector);
-    let mut presses: Vec<Press> = Vec::new();
     let (mut index, mut refused) = (0, 0);
     let mut log = SkipLog::default();
     say("do not touch the pad for a moment, then press each place once, as you usually do");
     show(pad, places, index);
     while index < places.len() {
         if let Some(signal) = interrupted() {
-            return Ok(Recorded {
-                presses,
-                interrupted_by: Some(signal),
-            });
+            return Ok(Some(signal));
         }
         let before = index;
         match source.read()? {
@@ -95,10 +86,7 @@ pub(super) fn record(
             places.len()
         ));
     }
-    Ok(Recorded {
-        presses,
-        interrupted_by: None,
-    })
+    Ok(None)
 }
 
 /// Presses as a detector without a correction sees them.

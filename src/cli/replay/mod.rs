@@ -19,6 +19,7 @@ use super::args::ReplayArgs;
 use super::exit::Ending;
 use super::progress::solve_pad;
 use crate::app::ReadAhead;
+use crate::app::calibration::pad_and_calibration;
 use crate::app::pads::{choose_method, load_pad};
 use crate::app::recording::{is_recording, open_recording};
 use crate::engine::{Engine, Input};
@@ -34,6 +35,12 @@ use sink::Sink;
 use verify::Verify;
 
 pub(super) fn replay(args: &ReplayArgs) -> anyhow::Result<Ending> {
+    let (pad, calibration) = pad_and_calibration(args.pad.clone(), args.calibration.clone());
+    let args = &ReplayArgs {
+        pad,
+        calibration,
+        ..args.clone()
+    };
     for output in args.update.iter().chain(&args.junit) {
         files::refuse_input(&args.file, output)?;
     }

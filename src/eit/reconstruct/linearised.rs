@@ -4,8 +4,8 @@ use faer::Mat;
 
 use crate::eit::forward::{ContactModel, ForwardError, ForwardModel};
 use crate::eit::jacobian::{PixelJacobian, pixel_jacobian};
-use crate::eit::{Mesh, MeshSize};
-use crate::pad::Pad;
+use crate::eit::{Mesh, MeshSize, TYPICAL_PRESS_MM2};
+use crate::pad::{LearnedMaps, Pad};
 use crate::types::PixelGrid;
 
 /// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
@@ -52,11 +52,14 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// Solves the pad's forward model once and linearises it.
+    /// Solves the pad's forward model once and linearises it. A pad that was learned from presses has its maps instead.
     ///
     /// # Errors
     /// See [`SetupError`].
     pub fn from_pad(pad: &Pad) -> Result<Self, SetupError> {
+        if let Some(maps) = &pad.learned {
+            return Ok(Self::from_maps(pad, maps));
+        }
         let mesh = Mesh::from_pad(pad, MeshSize::reconstruction(pad));
         let model = ForwardModel::new(mesh, &ContactModel::from_pad(pad))?;
         let fields = model.solve(&model.mesh().background_s_per_m(pad))?;
@@ -82,6 +85,29 @@ impl Linearised {
             coverage,
             jacobian,
         })
+    }
+
+    /// Each pixel's share of a typical press there.
+    fn from_maps(pad: &Pad, maps: &LearnedMaps) -> Self {
+        let grid = pixel_grid(pad);
+        let pixels = 0..grid.columns * grid.rows;
+        let is_active = |pixel: &usize| pad.outline.contains(grid.centre_mm(*pixel));
+        let active: Vec<usize> = pixels.clone().filter(is_active).collect();
+        let share = grid.pixel_mm * grid.pixel_mm / TYPICAL_PRESS_MM2;
+        let changes: Vec<Vec<f64>> = active
+            .iter()
+            .map(|pixel| maps.changes_at(grid.centre_mm(*pixel), pad.outline.size_mm()))
+            .collect();
+        Self {
+            jacobian: Mat::from_fn(pad.channels(), active.len(), |channel, column| {
+                share * changes[column][channel]
+            }),
+            coverage: pixels
+                .map(|pixel| f64::from(u8::from(is_active(&pixel))))
+                .collect(),
+            active,
+            grid,
+        }
     }
 }
 

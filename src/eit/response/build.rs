@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use super::LANES;
 use super::derived::DerivedResponses;
+use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, Scatterer};
@@ -54,6 +55,8 @@ enum Responses {
     Exact(Box<Scatterer>),
     /// Those of the drawing's table, changed to first order.
     Derived(Box<DerivedResponses>),
+    /// Learned from presses.
+    Learned(Box<LearnedResponses>),
 }
 
 /// What a table depends on beside its pad, for its key: after a change of one of these, no table solved before is read.
@@ -78,7 +81,10 @@ impl ResponseBuilder {
     /// # Errors
     /// A pad that cannot be solved.
     pub fn new(pad: &Pad) -> Result<Self, SetupError> {
-        let responses = Responses::Exact(Box::new(Scatterer::new(pad)?));
+        let responses = match &pad.learned {
+            Some(maps) => Responses::Learned(Box::new(LearnedResponses::new(pad, maps))),
+            None => Responses::Exact(Box::new(Scatterer::new(pad)?)),
+        };
         Ok(Self::with_responses(pad, responses))
     }
 
@@ -119,10 +125,14 @@ impl ResponseBuilder {
             pad.background_s_per_m,
             pad.contact_impedance_ohm_m2,
         );
-        if pad.deviations.is_none() {
+        let key = if pad.deviations.is_none() {
             key
         } else {
             format!("{key} {:?}", pad.deviations)
+        };
+        match &pad.learned {
+            None => key,
+            Some(maps) => format!("{key} {maps:?}"),
         }
     }
 
@@ -151,6 +161,10 @@ impl ResponseBuilder {
                     Responses::Exact(scatterer) => scatterer,
                     Responses::Derived(derived) => {
                         scaled.extend(derived.samples(place, radius, &STRENGTHS));
+                        continue;
+                    }
+                    Responses::Learned(learned) => {
+                        scaled.extend(learned.samples(centre_mm));
                         continue;
                     }
                 };

@@ -7,6 +7,7 @@ mod build;
 mod bytes;
 mod derived;
 mod interpolate;
+mod learned;
 mod places;
 mod quantized;
 mod scatter;
@@ -19,5 +20,6 @@ const LANES: usize = 8;
 
 pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
+pub use learned::TYPICAL_PRESS_MM2;
 pub use scatter::Scatterer;
 pub use table::{MOST_STRENGTH, Response, ResponseTable, TouchModel, strength_from_rise};

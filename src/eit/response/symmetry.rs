@@ -60,9 +60,10 @@ impl Orbits {
     /// The orbits of a grid of places on a pad.
     pub(super) fn new(pad: &Pad, places: &Places) -> Self {
         let conductor = Conductor::sampled(pad);
+        let is_as_drawn = pad.deviations.is_none() && pad.learned.is_none();
         let symmetries: Vec<Symmetry> = TURNS
             .iter()
-            .filter(|turn| **turn == TURNS[0] || pad.deviations.is_none())
+            .filter(|turn| **turn == TURNS[0] || is_as_drawn)
             .filter_map(|turn| Symmetry::new(*turn, pad, &conductor))
             .filter(|symmetry| {
                 (0..places.len()).all(|index| symmetry.image(index, pad, places).is_some())

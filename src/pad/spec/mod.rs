@@ -6,7 +6,10 @@
 mod electrodes;
 mod found;
 mod geometry;
+mod learned;
 mod protocol;
+
+use std::sync::Arc;
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -14,6 +17,7 @@ use toml::Spanned;
 use super::{Deviations, Pad, TouchSign};
 use crate::types::{Diagnostic, Method, SourceErrors};
 use found::FoundSpec;
+use learned::LearnedSpec;
 
 /// The supported version of the format.
 const SCHEMA: i64 = 1;
@@ -35,6 +39,8 @@ struct PadSpec {
     protocol: Spanned<ProtocolSpec>,
     /// How the pad differs from all this.
     found: Option<FoundSpec>,
+    /// Maps from presses that replace the drawing.
+    learned: Option<LearnedSpec>,
 }
 
 #[derive(Default, Deserialize)]
@@ -155,6 +161,7 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
         thickness_mm: positive(&spec.layer.thickness_mm, "the layer's thickness")?,
         background_s_per_m: positive(&spec.layer.background_s_per_m, "the conductivity")?,
         deviations: Deviations::default(),
+        learned: None,
         electrodes,
         numbering,
         contact_impedance_ohm_m2: positive(
@@ -168,10 +175,16 @@ fn build(spec: &PadSpec) -> Result<Pad, Diagnostic> {
         },
         method: spec.method,
     };
-    match &spec.found {
-        Some(found) => found::applied(found, &drawing),
-        None => Ok(drawing),
-    }
+    let pad = match &spec.found {
+        Some(found) => found::applied(found, &drawing)?,
+        None => drawing,
+    };
+    let learned = spec.learned.as_ref();
+    let learned = learned.map(|learned| learned::checked(learned, &pad));
+    Ok(Pad {
+        learned: learned.transpose()?.map(Arc::new),
+        ..pad
+    })
 }
 
 fn positive(value: &Spanned<f64>, what: &str) -> Result<f64, Diagnostic> {

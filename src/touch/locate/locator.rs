@@ -14,9 +14,6 @@ use crate::types::{Contact, Nanos};
 pub(super) const DOWN_GAIN: f64 = 45.0;
 /// A touch stays while it explains this many squared deviations.
 const STAY_GAIN: f64 = 9.0;
-/// Model error as a share of the frame's amplitude, because pads differ from their models. A new touch explains at least
-/// the energy of this error.
-const MODEL_ERROR: f64 = 0.04;
 /// Rise of conductivity x area of the lightest new touch, mm2.
 pub(super) const LEAST_MM2: f64 = 4.0;
 /// A touch ends below this share of [`LEAST_MM2`].
@@ -311,7 +308,7 @@ impl Locator {
 
     /// Energy of the model error in this frame.
     pub(super) fn model_error(&self) -> f64 {
-        model_error(energy(&self.frame.coordinates))
+        self.model.error_energy(energy(&self.frame.coordinates))
     }
 
     /// Number of dimensions that touches can explain.
@@ -334,11 +331,6 @@ impl Locator {
 fn stay_ratio(touch: &TouchModel, response: &Response, noise: f64) -> f64 {
     let gain = energy(&response.value) / (STAY_GAIN * noise);
     gain.min(volume_mm2(touch) / (STAY_SHARE * LEAST_MM2))
-}
-
-/// Energy of the model error of touches that change the readings by an energy.
-pub(super) fn model_error(energy: f64) -> f64 {
-    MODEL_ERROR * MODEL_ERROR * energy
 }
 
 /// Rise of conductivity x area: the mean rise of a paraboloid is half of the rise at its centre.

@@ -9,6 +9,7 @@ use faer::{Mat, Side};
 
 use crate::eit::response::Response;
 use crate::eit::{ResponseTable, SharedNoise, median};
+use crate::pad::LearnedMaps;
 use crate::touch::ChannelNoise;
 use crate::types::ByteReader;
 
@@ -60,14 +61,27 @@ impl Whitened {
 
 impl Metric {
     /// Weights for channels of the given relative deviations; a channel whose deviation is not finite or not above zero is
-    /// excluded.
+    /// excluded. What learned maps leave unexplained of a press counts as noise, too.
     ///
     /// # Panics
     /// If there is not one deviation per channel.
     #[must_use]
-    pub(super) fn new(table: &ResponseTable, noise: &ChannelNoise, drives: &[u16]) -> Self {
-        let deviations = noise.deviations.as_slice();
-        assert_eq!(deviations.len(), table.channels());
+    pub(super) fn new(
+        table: &ResponseTable,
+        noise: &ChannelNoise,
+        drives: &[u16],
+        learned: Option<&LearnedMaps>,
+    ) -> Self {
+        assert_eq!(noise.deviations.len(), table.channels());
+        let deviations: Vec<f64> = match learned {
+            None => noise.deviations.clone(),
+            Some(maps) => {
+                let pairs = noise.deviations.iter().zip(&maps.deviations);
+                pairs
+                    .map(|(noise, left)| libm::hypot(*noise, *left))
+                    .collect()
+            }
+        };
         let (rank, channels) = (table.rank(), table.channels());
         let counts = |deviation: f64| deviation.is_finite() && deviation > 0.0;
         let inverse: Vec<f64> = deviations
@@ -96,8 +110,9 @@ impl Metric {
             shared: Vec::new(),
             responses: Whitener::Even(median as f32),
         };
-        if noise.shared != SharedNoise::default() {
-            let shared = shared_rows(&inverse, noise.shared, drives);
+        let directions = shared_directions(noise.shared, drives, learned);
+        if !directions.is_empty() {
+            let shared = shared_rows(&inverse, &directions);
             metric.set_uneven_weights(table, &inverse, median, &shared);
             metric.shared = shared.iter().map(|value| *value as f32).collect();
         } else if is_even {
@@ -298,14 +313,19 @@ impl Metric {
     }
 }
 
-/// P by rows, such that the precision of channels with noise of their own and shared gains is D^-1 - P' P (Woodbury:
-/// P = L^-1 B' D^-1 with L L' = S^-1 + B' D^-1 B, where B holds the shared directions and S their variances).
-fn shared_rows(inverse: &[f64], noise: SharedNoise, drives: &[u16]) -> Vec<f64> {
-    let channels = inverse.len();
+/// A direction of changes that channels share, and its variance.
+type SharedDirection = (Vec<f64>, f64);
+
+/// The directions of shared gains, and of what learned maps leave unexplained.
+fn shared_directions(
+    noise: SharedNoise,
+    drives: &[u16],
+    learned: Option<&LearnedMaps>,
+) -> Vec<SharedDirection> {
     let count = drives.iter().max().map_or(0, |last| usize::from(*last) + 1);
-    let mut directions: Vec<(Vec<f64>, f64)> = Vec::new();
+    let mut directions = Vec::new();
     if noise.gain > 0.0 {
-        directions.push((vec![1.0; channels], noise.gain));
+        directions.push((vec![1.0; drives.len()], noise.gain));
     }
     if noise.drive > 0.0 {
         for drive in 0..count {
@@ -315,6 +335,15 @@ fn shared_rows(inverse: &[f64], noise: SharedNoise, drives: &[u16]) -> Vec<f64> 
             directions.push((marks.collect(), noise.drive));
         }
     }
+    let left = learned.into_iter().flat_map(|maps| &maps.shared);
+    directions.extend(left.map(|direction| (direction.clone(), 1.0)));
+    directions
+}
+
+/// P by rows, such that the precision of channels with noise of their own and in shared directions is D^-1 - P' P (Woodbury:
+/// P = L^-1 B' D^-1 with L L' = S^-1 + B' D^-1 B, where B holds the shared directions and S their variances).
+fn shared_rows(inverse: &[f64], directions: &[SharedDirection]) -> Vec<f64> {
+    let channels = inverse.len();
     let size = directions.len();
     let weighted = |direction: usize, channel: usize| {
         directions[direction].0[channel] * inverse[channel] * inverse[channel]
@@ -394,7 +423,7 @@ mod tests {
                 let all = deviations.into_iter().enumerate();
                 all.map(|(c, d)| if c == excluded { f64::INFINITY } else { d }).collect()
             };
-            let metric = Metric::new(&table, &deviations.clone().into(), &[0; 12]);
+            let metric = Metric::new(&table, &deviations.clone().into(), &[0; 12], None);
             prop_assert_eq!(metric.counted(), if is_even { 12 } else { 11 });
             let mut whitened = Whitened::default();
             metric.whiten(&changes, &mut whitened);

@@ -7,9 +7,13 @@ use super::fit::{Bounds, Problem};
 use super::metric::{Metric, Whitened};
 use super::templates::Templates;
 use crate::eit::ResponseTable;
-use crate::pad::{Outline, TouchSign};
+use crate::pad::{LearnedMaps, Outline, TouchSign};
 use crate::touch::ChannelNoise;
 use crate::types::ByteReader;
+
+/// Model error as a share of the frame's amplitude, because pads differ from their models. A new touch explains at least
+/// the energy of this error.
+const MODEL_ERROR: f64 = 0.04;
 
 /// What a pad's touches are located with: its response table and the weights of its channels.
 #[derive(Clone, Debug)]
@@ -19,11 +23,13 @@ pub struct LocatorModel {
     pub(super) metric: Metric,
     pub(super) templates: Templates,
     pub(super) deformations: Deformations,
+    /// Model error as a share of the frame's amplitude.
+    error_share: f64,
 }
 
 impl LocatorModel {
     /// A model for channels of the given noise; a deviation that is not finite excludes its channel. `drives` is the drive of
-    /// each channel, `sign` that of the touches that are expected.
+    /// each channel, `sign` that of the touches that are expected, `learned` the maps of a pad that was learned from presses.
     ///
     /// # Panics
     /// If there is not one deviation per channel.
@@ -34,9 +40,10 @@ impl LocatorModel {
         sign: TouchSign,
         noise: &ChannelNoise,
         drives: &[u16],
+        learned: Option<&LearnedMaps>,
     ) -> Self {
-        let metric = Metric::new(&table, noise, drives);
-        Self::with_metric(table, outline, sign, metric)
+        let metric = Metric::new(&table, noise, drives, learned);
+        Self::with_metric(table, outline, sign, metric, learned)
     }
 
     /// Appends the weights of the channels; the rest follows from table and outline.
@@ -51,15 +58,21 @@ impl LocatorModel {
         table: Arc<ResponseTable>,
         outline: &Outline,
         sign: TouchSign,
+        learned: Option<&LearnedMaps>,
     ) -> Option<Self> {
         let metric = Metric::from_bytes(bytes, &table)?;
-        Some(Self::with_metric(table, outline, sign, metric))
+        Some(Self::with_metric(table, outline, sign, metric, learned))
     }
 
     /// The response table.
     #[must_use]
     pub fn table(&self) -> &Arc<ResponseTable> {
         &self.table
+    }
+
+    /// Energy of the model error of touches that change the readings by an energy.
+    pub(super) fn error_energy(&self, energy: f64) -> f64 {
+        self.error_share * self.error_share * energy
     }
 
     /// A frame to fit touches to.
@@ -77,6 +90,7 @@ impl LocatorModel {
         outline: &Outline,
         sign: TouchSign,
         metric: Metric,
+        learned: Option<&LearnedMaps>,
     ) -> Self {
         let [least, most] = table.radii_mm();
         let bounds = Bounds {
@@ -93,6 +107,7 @@ impl LocatorModel {
             table,
             bounds,
             metric,
+            error_share: learned.map_or(MODEL_ERROR, LearnedMaps::error_share),
         }
     }
 }

@@ -5,7 +5,7 @@
 //! directions; while the fit is poor, each touch is removed and located again; touches that the others make redundant are
 //! removed.
 
-use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, model_error, volume_mm2};
+use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
 use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
@@ -296,7 +296,8 @@ impl Locator {
         let ends_mm = [touches[i].centre_mm, touches[j].centre_mm];
         let pair = energy(&self.best.residual);
         let odd = self.odd_cost(&target, ends_mm);
-        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + model_error(energy(&target)))
+        let error = self.model.error_energy(energy(&target));
+        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + error)
     }
 
     /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
