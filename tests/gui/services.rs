@@ -32,8 +32,19 @@ pub struct TestServices {
     pub tape: Mutex<Option<RecordingTimeline>>,
     /// Games start and read this board.
     pub board: Mutex<Option<TestBoard>>,
-    /// Recommended settings make every press wrong.
-    pub worsens: Mutex<bool>,
+    /// What the recommended settings make of the presses.
+    pub found: Mutex<Found>,
+}
+
+/// What recommended settings make of presses.
+#[derive(Clone, Copy)]
+pub enum Found {
+    /// The same as before.
+    Same,
+    /// All wrong.
+    Worse,
+    /// A few more are wrong, but no unintended ones come.
+    FewerUnintended,
 }
 
 /// A board of a game that starts.
@@ -108,7 +119,7 @@ impl TestServices {
             calibrated: Mutex::new(0),
             tape: Mutex::new(None),
             board: Mutex::new(None),
-            worsens: Mutex::new(false),
+            found: Mutex::new(Found::Same),
         }
     }
 
@@ -204,12 +215,17 @@ impl AppServices for TestServices {
         };
         let plain = judge.profile(None).map_err(|faulty| faulty.to_string())?;
         let overlay = RecommendedSettings::from_profile(&plain);
-        let mut after = of(Some(&overlay))?;
-        if *self.worsens.lock().expect("no panic") {
-            after.right = 0;
+        let (mut before, mut after) = (of(None)?, of(Some(&overlay))?);
+        match *self.found.lock().expect("no panic") {
+            Found::Same => {}
+            Found::Worse => after.right = 0,
+            Found::FewerUnintended => {
+                before.wrong += 6;
+                after.right -= 4;
+            }
         }
         Ok(Recommendation {
-            before: of(None)?,
+            before,
             after,
             overlay,
         })
