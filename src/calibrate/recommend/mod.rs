@@ -48,7 +48,7 @@ impl Recommendation {
 }
 
 /// Recommends settings for a profile on a pad of the given size. The best ones may still be worse than the profile as it is
-/// ([`Recommendation::is_worse`]): they set what the profile may set otherwise for single gestures.
+/// ([`Recommendation::is_worse`]): they tie `tapping_term_ms` and `hold_ms` to `long_ms`, which a profile may set apart.
 ///
 /// # Errors
 /// Too few presses; a profile that cannot be read; a region that it does not have.
