@@ -4,8 +4,9 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
 use gelpad::gui::theme::{MIN_TARGET, palette};
+use gelpad::profile::Source;
 
-use crate::edit::stage;
+use crate::edit::{stage, wait_until};
 use crate::{Stage, WIDE};
 
 /// The text of the edited profile.
@@ -75,6 +76,67 @@ fn choosing_a_key_replaces_the_one_of_a_held_binding() {
     assert_eq!(after.matches("[[binding]]").count(), before, "{after}");
     assert!(after.contains("output = \"key:k\""), "{after}");
     assert!(stage.shows("hold → key:k"), "{:?}", stage.window);
+}
+
+/// The editor with a profile of this text open, and `jump` selected.
+fn stage_with(text: &str) -> Stage {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    let path = stage.services.copy_profile("super-mario");
+    std::fs::write(&path, text).expect("written");
+    stage.app().playing.request.profile = path.display().to_string();
+    wait_until(&mut stage, |stage| stage.app().edit.text().is_some());
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    stage
+}
+
+fn choose_k(stage: &mut Stage) -> String {
+    stage.button("Choose …");
+    stage.steps(10);
+    stage.button("key k");
+    assert!(!stage.shows("✖"), "{:?}", stage.window);
+    text(stage)
+}
+
+#[test]
+fn choosing_a_key_finds_the_binding_of_a_list_of_one_region() {
+    let before = "name = \"mine\"\n[[region]]\nname = \"jump\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
+        [[binding]]\nregion = [\"jump\"]\ngesture = \"hold\"\noutput = \"key:a\"\n";
+    let mut stage = stage_with(before);
+    assert_eq!(choose_k(&mut stage), before.replace("key:a", "key:k"));
+}
+
+#[test]
+fn choosing_a_key_overrides_the_gesture_of_the_base() {
+    let base = "name = \"base\"\n[[region]]\nname = \"jump\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
+        [[binding]]\nregion = \"jump\"\ngesture = \"hold\"\nhold_ms = 700\noutput = \"key:a\"\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let base_path = folder.path().join("base.toml");
+    std::fs::write(&base_path, base).expect("written");
+    let own = format!("name = \"mine\"\nextends = \"{}\"\n", base_path.display());
+    let mut stage = stage_with(&own);
+    let written = choose_k(&mut stage);
+    assert!(
+        written.ends_with("region = \"jump\"\ngesture = \"hold\"\noutput = \"key:k\"\n"),
+        "{written}"
+    );
+    let own = Source {
+        name: "mine".to_owned(),
+        toml: written,
+    };
+    let find = |_: &str| {
+        Ok(Source {
+            name: "base".to_owned(),
+            toml: base.to_owned(),
+        })
+    };
+    let played = gelpad::profile::read(own, None, &find)
+        .expect("sound")
+        .profile;
+    assert_eq!(played.bindings.len(), 1, "{:?}", played.bindings);
+    assert!(format!("{:?}", played.bindings[0].gesture).contains("700"));
+    // The next choice changes the same one.
+    assert_eq!(choose_k(&mut stage).matches("[[binding]]").count(), 1);
 }
 
 #[test]
