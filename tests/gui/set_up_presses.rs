@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
 use gelpad::gui::setup::Step;
 use gelpad::gui::still::touch;
@@ -89,6 +91,26 @@ fn escape_and_another_view_stop_the_presses() {
     stage.button("◀ Back");
     stage.button("Next ▶");
     assert!(!stage.shows("0 of 24"), "another step");
+}
+
+#[test]
+fn escape_lifts_pinned_fingers_and_leaves_the_field_before_it_stops_the_presses() {
+    let mut stage = at(Step::Recommend);
+    stage.button("Start");
+    assert!(stage.app().playing.fingers.toggle_pin([20.0, 20.0]));
+    stage.steps(2);
+    stage.key(egui::Key::Escape);
+    assert!(!stage.app().playing.fingers.any_down());
+    assert!(stage.shows("0 of 24"), "{:?}", stage.window);
+    stage
+        .window
+        .get_by_role_and_label(Role::TextInput, "Your name")
+        .focus();
+    stage.steps(2);
+    stage.key(egui::Key::Escape);
+    assert!(stage.shows("0 of 24"), "{:?}", stage.window);
+    stage.key(egui::Key::Escape);
+    assert!(!stage.shows("0 of 24"), "{:?}", stage.window);
 }
 
 #[test]

@@ -146,14 +146,19 @@ impl RecommendStep {
             ui,
             "Make the presses shown here in your own way and at your own pace. gelpad then recommends timing, force and accessibility settings that suit you.",
         );
-        ui.horizontal(|ui| {
+        let row = ui.horizontal(|ui| {
             let label = ui.label("Your name");
             let field = egui::TextEdit::singleline(&mut self.name).hint_text(NO_NAME);
             let field = ui.add(field.desired_width(140.0)).labelled_by(label.id);
             theme::keep_focus_on_enter(ui, &field);
+            field.lost_focus()
         });
         let mut wish = None;
-        if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+        // Escape also leaves the field, and closes lists and questions.
+        let is_taken = row.inner
+            || egui::Popup::is_any_open(ui.ctx())
+            || ui.memory(|memory| memory.top_modal_layer().is_some());
+        if !is_taken && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.stop_presses();
         }
         let count = self.session.as_ref().and_then(|session| {
