@@ -351,7 +351,7 @@ fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
 }
 
 /// A profile whose holds take longer than any that is recommended.
-const LONG_HOLD: &str = "name = \"p\"\nhold_ms = 3000\n\n[[region]]\nname = \"a\"\nx = 0.6\ny = 0.3\nw = 0.3\nh = 0.4\n\n\
+const LONG_HOLD: &str = "schema = 1\nname = \"p\"\nhold_ms = 3000\n\n[[region]]\nname = \"a\"\nshape = \"rect\"\nx = 0.6\ny = 0.3\nw = 0.3\nh = 0.4\n\n\
     [[binding]]\nregion = \"a\"\noutput = \"key:a\"\n\n[[binding]]\nregion = \"a\"\ngesture = \"hold\"\noutput = \"key:b\"\n";
 
 #[test]

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
 use gelpad::gui::theme::{MIN_TARGET, palette};
-use gelpad::profile::Source;
+use gelpad::profile::{Source, find_shipped};
 
 use crate::edit::{stage, wait_until};
 use crate::{Stage, WIDE};
@@ -78,14 +78,14 @@ fn choosing_a_key_replaces_the_one_of_a_held_binding() {
     assert!(stage.shows("hold → key:k"), "{:?}", stage.window);
 }
 
-/// The editor with a profile of this text open, and `jump` selected.
-fn stage_with(text: &str) -> Stage {
+/// The editor with a profile of this text open, and a region selected.
+fn stage_with(text: &str, region: &str) -> Stage {
     let mut stage = Stage::with_view(Tab::Edit, WIDE);
     let path = stage.services.copy_profile("super-mario");
     std::fs::write(&path, text).expect("written");
     stage.app().playing.request.profile = path.display().to_string();
     wait_until(&mut stage, |stage| stage.app().edit.text().is_some());
-    stage.app().edit.select_region("jump");
+    stage.app().edit.select_region(region);
     stage.steps(2);
     stage
 }
@@ -100,41 +100,30 @@ fn choose_k(stage: &mut Stage) -> String {
 
 #[test]
 fn choosing_a_key_finds_the_binding_of_a_list_of_one_region() {
-    let before = "name = \"mine\"\n[[region]]\nname = \"jump\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
+    let before = "schema = 1\nname = \"mine\"\n[[region]]\nname = \"jump\"\nshape = \"rect\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
         [[binding]]\nregion = [\"jump\"]\ngesture = \"hold\"\noutput = \"key:a\"\n";
-    let mut stage = stage_with(before);
+    let mut stage = stage_with(before, "jump");
     assert_eq!(choose_k(&mut stage), before.replace("key:a", "key:k"));
 }
 
 #[test]
 fn choosing_a_key_overrides_the_gesture_of_the_base() {
-    let base = "name = \"base\"\n[[region]]\nname = \"jump\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
-        [[binding]]\nregion = \"jump\"\ngesture = \"hold\"\nhold_ms = 700\noutput = \"key:a\"\n";
-    let folder = tempfile::tempdir().expect("a folder");
-    let base_path = folder.path().join("base.toml");
-    std::fs::write(&base_path, base).expect("written");
-    let own = format!("name = \"mine\"\nextends = \"{}\"\n", base_path.display());
-    let mut stage = stage_with(&own);
+    let own = "schema = 1\nname = \"mine\"\nextends = \"falling-blocks\"\n";
+    let mut stage = stage_with(own, "strokes");
     let written = choose_k(&mut stage);
-    assert!(
-        written.ends_with("region = \"jump\"\ngesture = \"hold\"\noutput = \"key:k\"\n"),
-        "{written}"
-    );
-    let own = Source {
-        name: "mine".to_owned(),
-        toml: written,
+    let added = "[[binding]]\nregion = \"strokes\"\ngesture = \"swipe\"\ndirection = \"down\"\noutput = \"key:k\"\n";
+    assert_eq!(written.replace(added, "").trim_end(), own.trim_end());
+    let read = |name: &str, toml: &str| {
+        let source = Source {
+            name: name.to_owned(),
+            toml: toml.to_owned(),
+        };
+        let read = gelpad::profile::read(source, None, &find_shipped);
+        read.expect("sound").profile.bindings
     };
-    let find = |_: &str| {
-        Ok(Source {
-            name: "base".to_owned(),
-            toml: base.to_owned(),
-        })
-    };
-    let played = gelpad::profile::read(own, None, &find)
-        .expect("sound")
-        .profile;
-    assert_eq!(played.bindings.len(), 1, "{:?}", played.bindings);
-    assert!(format!("{:?}", played.bindings[0].gesture).contains("700"));
+    let base = find_shipped("falling-blocks").expect("shipped");
+    let (before, after) = (read("base", &base.toml), read("mine", &written));
+    assert_eq!(after.len(), before.len(), "overridden, not added");
     // The next choice changes the same one.
     assert_eq!(choose_k(&mut stage).matches("[[binding]]").count(), 1);
 }

@@ -120,10 +120,12 @@ fn save(found: &Recommendation, path: &Path, usage: &str) -> anyhow::Result<()> 
     let (before, after) = (found.before, found.after);
     say(&toml);
     say(&format!(
-        "{} of {} presses come out as meant with these settings, {} without\nsaved: {}\nuse it: {usage}",
+        "{} of {} presses come out as meant with these settings ({} unintended), {} without ({} unintended)\nsaved: {}\nuse it: {usage}",
         after.right,
         after.requested,
+        after.wrong,
         before.right,
+        before.wrong,
         path.display(),
     ));
     Ok(())
