@@ -350,6 +350,50 @@ fn settings_are_recommended_to_a_slow_hand_and_play_takes_them() {
     assert!(stderr(&again).contains("users/anna.toml exists"));
 }
 
+/// A profile whose holds take longer than any that is recommended.
+const LONG_HOLD: &str = "schema = 1\nname = \"p\"\nhold_ms = 3000\n\n[[region]]\nname = \"a\"\nshape = \"rect\"\nx = 0.6\ny = 0.3\nw = 0.3\nh = 0.4\n\n\
+    [[binding]]\nregion = \"a\"\noutput = \"key:a\"\n\n[[binding]]\nregion = \"a\"\ngesture = \"hold\"\noutput = \"key:b\"\n";
+
+#[test]
+fn settings_that_would_be_worse_are_not_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("p.toml"), LONG_HOLD).expect("written");
+    let (mut script, mut t_ms) = (String::new(), 1000);
+    for index in 0..12 {
+        // The third length of five is two presses; the lengths change with every second request.
+        for _ in 0..(if index / 2 % 5 == 2 { 2 } else { 1 }) {
+            let up_ms = t_ms + 2000;
+            script.push_str(&format!("t:{t_ms} down 1 75 50\nt:{up_ms} up 1\n"));
+            t_ms = up_ms + 600;
+        }
+        t_ms += 2500;
+    }
+    script.push_str(&format!("t:{t_ms} end\n"));
+    std::fs::write(folder.path().join("presses.txt"), script).expect("written");
+    let output = gelpad(
+        folder.path(),
+        &[
+            "calibrate",
+            "--source",
+            "simulated:presses.txt",
+            "--recommend",
+            "anna",
+            "--profile",
+            "./p.toml",
+            "--points",
+            "12",
+        ],
+    );
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("12 of 12 presses come out as meant with the profile as it is"),
+        "{said}"
+    );
+    assert!(said.contains("nothing is saved"), "{said}");
+    assert!(!folder.path().join("users").exists());
+}
+
 #[test]
 fn too_few_presses_and_a_missing_script_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");

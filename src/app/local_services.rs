@@ -11,7 +11,7 @@ use super::play::{FirstUse, Game, PreparedGame};
 use super::profiles::{bases_of, check_text};
 use super::recording::ActiveRecording;
 use super::reload::ProfileReload;
-use super::services::{AppServices, OutputChoice, PlayRequest, Started, Watch};
+use super::services::{AppServices, OutputChoice, PlayRequest, StartError, Started, Watch};
 use super::table_solver::TableSolver;
 use super::texts::{pad_text, profile_text, user_text};
 use super::timeline::RecordingTimeline;
@@ -31,8 +31,11 @@ pub struct LocalServices {
 }
 
 impl AppServices for LocalServices {
-    fn start(&self, request: &PlayRequest) -> Result<Started, String> {
-        start(request, &self.tables).map_err(|error| error.one_line())
+    fn start(&self, request: &PlayRequest) -> Result<Started, StartError> {
+        start(request, &self.tables).map_err(|error| StartError {
+            reason: error.one_line(),
+            is_output: matches!(error, AppError::Output(_)),
+        })
     }
 
     fn profiles(&self) -> Vec<String> {

@@ -15,11 +15,13 @@ use crate::touch::{Correction, CorrectionData};
 /// Restores a recording.
 pub(crate) struct Restorer<'a> {
     progress: Progress<'a>,
-    /// The pad of a recording whose own cannot be read.
-    pad: &'a str,
+    /// The pad that was named for a recording whose own cannot be read.
+    named_pad: Option<&'a str>,
     check: Option<ReplayCheck>,
     /// What was solved again or replaced, for people.
     pub(crate) replaced: Vec<String>,
+    /// Whether a pad was named but not used.
+    pub(crate) is_pad_ignored: bool,
 }
 
 impl<'a> Restorer<'a> {
@@ -27,25 +29,29 @@ impl<'a> Restorer<'a> {
     pub(crate) fn new(progress: Progress<'a>, pad: Option<&'a str>) -> Self {
         Self {
             progress,
-            pad: pad.unwrap_or(DEFAULT_PAD),
+            named_pad: pad,
             check: None,
             replaced: Vec::new(),
+            is_pad_ignored: false,
         }
     }
 
     fn complete(&mut self, parts: SetupParts) -> Result<Setup, AppError> {
         let pad = match parts.pad.as_deref().map(|toml| Pad::from_toml("pad", toml)) {
-            Some(Ok(pad)) => PadText {
-                pad,
-                toml: parts.pad.clone().unwrap_or_default(),
-            },
+            Some(Ok(pad)) => {
+                self.is_pad_ignored = self.named_pad.is_some();
+                PadText {
+                    pad,
+                    toml: parts.pad.clone().unwrap_or_default(),
+                }
+            }
             _ => {
+                let pad = self.named_pad.unwrap_or(DEFAULT_PAD);
                 let note = format!(
-                    "the pad cannot be read: {} is assumed (`gelpad recover --pad` names another)",
-                    self.pad
+                    "the pad cannot be read: {pad} is assumed (`gelpad recover --pad` names another)"
                 );
                 self.replaced.push(note);
-                load_pad(self.pad)?
+                load_pad(pad)?
             }
         };
         let profile = match &parts.profile {

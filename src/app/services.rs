@@ -51,13 +51,33 @@ pub struct Started {
     pub table: Option<Arc<TableInProgress>>,
 }
 
+/// Why a game does not start.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StartError {
+    /// The reason and what to do, for the player.
+    pub reason: String,
+    /// Whether it is the output that cannot be opened: another one may help.
+    pub is_output: bool,
+}
+
+impl StartError {
+    /// The output is not the reason.
+    #[must_use]
+    pub fn of_game(reason: impl Into<String>) -> Self {
+        Self {
+            reason: reason.into(),
+            is_output: false,
+        }
+    }
+}
+
 /// Starts games and finds texts.
 pub trait AppServices: Send + Sync {
     /// Starts a game. Takes seconds for a new pad: call it on a thread.
     ///
     /// # Errors
     /// The reason and what to do, for the player.
-    fn start(&self, request: &PlayRequest) -> Result<Started, String>;
+    fn start(&self, request: &PlayRequest) -> Result<Started, StartError>;
 
     /// Profiles: paths of the player's own files, then shipped names.
     fn profiles(&self) -> Vec<String>;

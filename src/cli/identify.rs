@@ -32,6 +32,7 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         SourceChoice::Level => untouched_pad(&drawing.pad, level)?,
         choice => open_pad_source(choice, args.board.line(), level, &drawing.pad)?,
     };
+    source.require_frames();
     let found = identify_pad(&drawing, source.as_mut(), args.frames as usize)?;
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", printable(&describe(&found)))?;

@@ -17,12 +17,16 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
     let progress = |done, rows| bar.update(done, rows);
     let mut restorer = Restorer::new(&progress, args.pad.as_deref());
     let least_frames = REFERENCE_FRAMES as u64;
-    let salvage = session::recover(&args.file, &args.output, &mut restorer, least_frames)
-        .with_context(|| args.file.display().to_string())?;
+    let salvaged = session::recover(&args.file, &args.output, &mut restorer, least_frames);
     bar.finish();
+    // Also where nothing is saved: another pad may be the way on.
     for replaced in &restorer.replaced {
         say(&format!("warning: {replaced}"));
     }
+    if restorer.is_pad_ignored {
+        say("note: --pad is ignored, since the recording's own pad can be read");
+    }
+    let salvage = salvaged.with_context(|| args.file.display().to_string())?;
     let suffix = if salvage.was_whole {
         ""
     } else {

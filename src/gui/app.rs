@@ -25,7 +25,7 @@ use super::signals::SignalsView;
 use super::tab::Tab;
 use super::theme;
 use super::waker::Waker;
-use crate::app::services::{AppServices, OutputChoice, PlayRequest, Started};
+use crate::app::services::{AppServices, OutputChoice, PlayRequest, StartError, Started};
 use crate::pad::DEFAULT_PAD;
 use crate::runtime::PlayCommand;
 
@@ -45,7 +45,7 @@ pub struct App {
     /// The game.
     pub playing: Playing,
     /// Why the last start failed.
-    pub failed: Option<String>,
+    pub failed: Option<StartError>,
     /// The small pad-only window.
     pub pad_window: PadWindow,
     /// The practice view.
@@ -64,7 +64,7 @@ pub struct App {
     pub closing: Closing,
     services: Arc<dyn AppServices>,
     names: Names,
-    starting: Option<(PlayRequest, Receiver<Result<Started, String>>)>,
+    starting: Option<(PlayRequest, Receiver<Result<Started, StartError>>)>,
     waker: Option<Waker>,
     picture: Picture,
     focus_ring: FocusRing,
@@ -139,7 +139,11 @@ impl App {
             });
         match spawned {
             Ok(_) => self.starting = Some((request, receiver)),
-            Err(error) => self.failed = Some(format!("The game cannot start: {error}")),
+            Err(error) => {
+                self.failed = Some(StartError::of_game(format!(
+                    "the game cannot start: {error}"
+                )));
+            }
         }
     }
 
@@ -234,7 +238,8 @@ impl App {
             }
             Err(TryRecvError::Empty) => return,
             Err(TryRecvError::Disconnected) => {
-                self.failed = Some("The game cannot start because of a bug in gelpad".to_owned());
+                let why = "the game cannot start because of a bug in gelpad";
+                self.failed = Some(StartError::of_game(why));
             }
         }
         self.starting = None;
@@ -307,7 +312,7 @@ impl App {
 
     fn problem_context(&self) -> UiContext<'_> {
         UiContext {
-            failed: self.failed.as_deref(),
+            failed: self.failed.as_ref().map(|failed| failed.reason.as_str()),
             starting: self.starting.is_some(),
             was_sent: self.comfort.preferences.last_game.was_sent,
             last_output: self.comfort.preferences.last_game.output,
@@ -337,7 +342,7 @@ impl App {
             }
             Tab::Edit => self.edit.ui(ui, &mut self.playing, self.services.as_ref()),
             Tab::SetUp => {
-                let failed = self.failed.as_deref();
+                let failed = self.failed.as_ref();
                 let (services, names) = (&self.services, &mut self.names);
                 self.set_up
                     .ui(ui, &mut self.playing, services, names, failed)

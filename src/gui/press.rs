@@ -81,6 +81,17 @@ pub fn handle_input(ui: &Ui, response: &Response, place: &PadTransform, playing:
     }
 }
 
+/// Lifts all fingers on Escape, if any is pinned, wherever the focus is; nothing else then acts on the key.
+pub fn lift_pinned_on_escape(ui: &Ui, playing: &mut Playing) {
+    if playing.fingers.pinned_mm().next().is_some()
+        && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
+    {
+        playing.fingers.lift_all();
+        playing.send_fingers();
+        ui.ctx().request_repaint();
+    }
+}
+
 /// Notches of a turn of the wheel.
 pub(super) fn notches(unit: MouseWheelUnit, delta: f32) -> f64 {
     match unit {

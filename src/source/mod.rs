@@ -157,6 +157,18 @@ pub enum SourceError {
         /// Its path.
         port: String,
     },
+    /// A board sends something else than frames, see [`Source::require_frames`].
+    #[error(
+        "{bytes} bytes arrived in {seconds} s, but no frame{last}\n  help: check the baud rate (--baud) and the format (--format); `gelpad listen` shows what the board sends"
+    )]
+    NoFrame {
+        /// Bytes that arrived since the port was opened.
+        bytes: u64,
+        /// Since the first of them, s.
+        seconds: u64,
+        /// The last garbled frame, for people; empty if nothing looked like one.
+        last: String,
+    },
     /// A board's frames do not fit the pad.
     #[error(transparent)]
     Arrangement(ArrangementError),
@@ -186,6 +198,9 @@ pub trait Source: Send {
 
     /// From now on frames may be handed on part by part, where the source reads them so.
     fn read_in_parts(&mut self) {}
+
+    /// From now on a board that sends something for long, but no frame, is an error: nothing will come of waiting.
+    fn require_frames(&mut self) {}
 
     /// The next reading. Returns within a tenth of a second, with [`SourceReading::Idle`] if there is nothing.
     ///

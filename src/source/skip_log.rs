@@ -4,7 +4,8 @@
 const FIRST: u64 = 5;
 /// A board sends a hundred frames a second.
 const EVERY: u64 = 100;
-/// So much in a row without a frame means that the board measures something else, or at another baud rate.
+/// So much in a row without a frame means that the board measures something else. Another baud rate, where nothing looks like a
+/// frame, is an error of the source ([`super::Source::require_frames`]).
 const MOST_IN_A_ROW: u64 = 500;
 
 /// A source sends nothing but data that is not a frame of the pad.

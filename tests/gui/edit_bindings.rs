@@ -4,8 +4,9 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
 use gelpad::gui::theme::{MIN_TARGET, palette};
+use gelpad::profile::{Source, find_shipped};
 
-use crate::edit::stage;
+use crate::edit::{stage, wait_until};
 use crate::{Stage, WIDE};
 
 /// The text of the edited profile.
@@ -75,6 +76,56 @@ fn choosing_a_key_replaces_the_one_of_a_held_binding() {
     assert_eq!(after.matches("[[binding]]").count(), before, "{after}");
     assert!(after.contains("output = \"key:k\""), "{after}");
     assert!(stage.shows("hold → key:k"), "{:?}", stage.window);
+}
+
+/// The editor with a profile of this text open, and a region selected.
+fn stage_with(text: &str, region: &str) -> Stage {
+    let mut stage = Stage::with_view(Tab::Edit, WIDE);
+    let path = stage.services.copy_profile("super-mario");
+    std::fs::write(&path, text).expect("written");
+    stage.app().playing.request.profile = path.display().to_string();
+    wait_until(&mut stage, |stage| stage.app().edit.text().is_some());
+    stage.app().edit.select_region(region);
+    stage.steps(2);
+    stage
+}
+
+fn choose_k(stage: &mut Stage) -> String {
+    stage.button("Choose …");
+    stage.steps(10);
+    stage.button("key k");
+    assert!(!stage.shows("✖"), "{:?}", stage.window);
+    text(stage)
+}
+
+#[test]
+fn choosing_a_key_finds_the_binding_of_a_list_of_one_region() {
+    let before = "schema = 1\nname = \"mine\"\n[[region]]\nname = \"jump\"\nshape = \"rect\"\nx = 0.1\ny = 0.1\nw = 0.3\nh = 0.3\n\
+        [[binding]]\nregion = [\"jump\"]\ngesture = \"hold\"\noutput = \"key:a\"\n";
+    let mut stage = stage_with(before, "jump");
+    assert_eq!(choose_k(&mut stage), before.replace("key:a", "key:k"));
+}
+
+#[test]
+fn choosing_a_key_overrides_the_gesture_of_the_base() {
+    let own = "schema = 1\nname = \"mine\"\nextends = \"falling-blocks\"\n";
+    let mut stage = stage_with(own, "strokes");
+    let written = choose_k(&mut stage);
+    let added = "[[binding]]\nregion = \"strokes\"\ngesture = \"swipe\"\ndirection = \"down\"\noutput = \"key:k\"\n";
+    assert_eq!(written.replace(added, "").trim_end(), own.trim_end());
+    let read = |name: &str, toml: &str| {
+        let source = Source {
+            name: name.to_owned(),
+            toml: toml.to_owned(),
+        };
+        let read = gelpad::profile::read(source, None, &find_shipped);
+        read.expect("sound").profile.bindings
+    };
+    let base = find_shipped("falling-blocks").expect("shipped");
+    let (before, after) = (read("base", &base.toml), read("mine", &written));
+    assert_eq!(after.len(), before.len(), "overridden, not added");
+    // The next choice changes the same one.
+    assert_eq!(choose_k(&mut stage).matches("[[binding]]").count(), 1);
 }
 
 #[test]

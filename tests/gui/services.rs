@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use gelpad::app::services::{AppServices, BoardLine, PlayRequest, SourceChoice, Started, Watch};
+use gelpad::app::services::{
+    AppServices, BoardLine, OutputChoice, PlayRequest, SourceChoice, StartError, Started, Watch,
+};
 use gelpad::app::timeline::RecordingTimeline;
 use gelpad::calibrate::Press;
 use gelpad::calibrate::recommend::{PressTrial, Recommendation, RecommendedSettings, TrialScorer};
@@ -22,6 +24,9 @@ use gelpad::types::{Method, PointMm, SourceErrors};
 /// Why no game starts.
 pub const NO_START: &str = "no port /dev/ttyTEST: plug the board in";
 
+/// Why an output does not open.
+pub const NO_OUTPUT: &str = "no display and no /dev/uinput";
+
 pub struct TestServices {
     pub folder: tempfile::TempDir,
     pub ports: Mutex<Vec<String>>,
@@ -32,8 +37,21 @@ pub struct TestServices {
     pub tape: Mutex<Option<RecordingTimeline>>,
     /// Games start and read this board.
     pub board: Mutex<Option<TestBoard>>,
-    /// Recommended settings make every press wrong.
-    pub worsens: Mutex<bool>,
+    /// The output that cannot be opened.
+    pub broken_output: Mutex<Option<OutputChoice>>,
+    /// What the recommended settings make of the presses.
+    pub found: Mutex<Found>,
+}
+
+/// What recommended settings make of presses.
+#[derive(Clone, Copy)]
+pub enum Found {
+    /// The same as before.
+    Same,
+    /// All wrong.
+    Worse,
+    /// A few more are wrong, but no unintended ones come.
+    FewerUnintended,
 }
 
 /// A board of a game that starts.
@@ -108,7 +126,8 @@ impl TestServices {
             calibrated: Mutex::new(0),
             tape: Mutex::new(None),
             board: Mutex::new(None),
-            worsens: Mutex::new(false),
+            broken_output: Mutex::new(None),
+            found: Mutex::new(Found::Same),
         }
     }
 
@@ -127,15 +146,21 @@ impl TestServices {
 }
 
 impl AppServices for TestServices {
-    fn start(&self, request: &PlayRequest) -> Result<Started, String> {
+    fn start(&self, request: &PlayRequest) -> Result<Started, StartError> {
         self.started.lock().expect("no panic").push(request.clone());
+        if *self.broken_output.lock().expect("no panic") == Some(request.output) {
+            return Err(StartError {
+                reason: NO_OUTPUT.to_owned(),
+                is_output: true,
+            });
+        }
         let board = *self.board.lock().expect("no panic");
         match (&request.source, board) {
             (_, Some(board)) => Ok(start_game(gelpad::gui::still::pad(), Box::new(board))),
             (SourceChoice::Serial(port), None) if Path::new(port).exists() => {
-                play_port(port, request)
+                play_port(port, request).map_err(StartError::of_game)
             }
-            _ => Err(NO_START.to_owned()),
+            _ => Err(StartError::of_game(NO_START)),
         }
     }
 
@@ -204,12 +229,17 @@ impl AppServices for TestServices {
         };
         let plain = judge.profile(None).map_err(|faulty| faulty.to_string())?;
         let overlay = RecommendedSettings::from_profile(&plain);
-        let mut after = of(Some(&overlay))?;
-        if *self.worsens.lock().expect("no panic") {
-            after.right = 0;
+        let (mut before, mut after) = (of(None)?, of(Some(&overlay))?);
+        match *self.found.lock().expect("no panic") {
+            Found::Same => {}
+            Found::Worse => after.right = 0,
+            Found::FewerUnintended => {
+                before.wrong += 6;
+                after.right -= 4;
+            }
         }
         Ok(Recommendation {
-            before: of(None)?,
+            before,
             after,
             overlay,
         })

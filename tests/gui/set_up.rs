@@ -8,7 +8,7 @@ use gelpad::gui::setup::Step;
 use gelpad::gui::still::touch;
 use gelpad::runtime::PlayCommand;
 
-use crate::services::NO_START;
+use crate::services::{NO_OUTPUT, NO_START};
 use crate::{Stage, WIDE};
 
 fn stage() -> Stage {
@@ -263,9 +263,10 @@ fn a_gamepad_is_offered_with_what_it_needs_and_its_command() {
 #[test]
 fn an_output_that_does_not_open_is_named_with_its_help() {
     let mut stage = at(Step::Check);
+    *stage.services.broken_output.lock().expect("no panic") = Some(OutputChoice::Gamepad);
     stage.app().playing.output = "keyboard and mouse of the X11 display".to_owned();
     stage.button("Send to a virtual gamepad");
-    let words = format!("The chosen output, gamepad, gets no keys: {NO_START}");
+    let words = format!("The chosen output, gamepad, gets no keys: {NO_OUTPUT}");
     assert!(stage.shows(&words), "{:?}", stage.window);
     assert!(stage.shows("gamepads as a source"), "the help");
     assert!(stage.shows("→ gamepad"), "the status line");
@@ -274,9 +275,29 @@ fn an_output_that_does_not_open_is_named_with_its_help() {
     stage.button("Try again");
     let last = stage.services.last_request().expect("a start");
     assert_eq!(last.output, OutputChoice::Gamepad);
+    *stage.services.broken_output.lock().expect("no panic") = Some(OutputChoice::Auto);
     stage.button("Send to this desktop");
     let last = stage.services.last_request().expect("a start");
     assert_eq!(last.output, OutputChoice::Auto);
+    // A computer without a desktop may still have a gamepad.
+    assert!(stage.shows(NO_OUTPUT), "{:?}", stage.window);
+    stage.button("Send to a virtual gamepad");
+    let last = stage.services.last_request().expect("a start");
+    assert_eq!(last.output, OutputChoice::Gamepad);
+}
+
+#[test]
+fn a_port_that_is_gone_is_no_fault_of_the_output() {
+    let mut stage = at(Step::Check);
+    stage.button("Send to this desktop");
+    let words = format!("The game does not start: {NO_START}");
+    assert!(stage.shows(&words), "{:?}", stage.window);
+    assert!(!stage.shows("gets no keys"), "{:?}", stage.window);
+    assert!(!stage.has_label("Start the check"));
+    let before = stage.services.started.lock().expect("no panic").len();
+    stage.button("Try again");
+    let after = stage.services.started.lock().expect("no panic").len();
+    assert_eq!(after, before + 1);
 }
 
 #[test]

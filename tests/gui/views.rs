@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
+use gelpad::app::services::StartError;
 use gelpad::gui::Tab;
 use gelpad::gui::still::{self, touch};
 
@@ -101,7 +102,7 @@ fn survive(tab: Tab, size: [f32; 2]) {
     stage.app().playing.view = view;
     stage.update_view(|_| {});
     stage.app().playing.ended = Some("Pad disconnected: waiting for /dev/ttyACM0".to_owned());
-    stage.app().failed = Some("nothing works".to_owned());
+    stage.app().failed = Some(StartError::of_game("nothing works"));
     stage.steps(3);
     let _ = stage.window.get_by_role_and_label(Role::Tab, tab.name());
 }

@@ -168,6 +168,25 @@ pub fn damaged_table() -> Result<()> {
         }
     }
     ensure!(has_own_pad, "no damage to the pad was tried");
+    ignores_a_pad(folder, &whole)?;
+    Ok(())
+}
+
+/// A pad is named for a recording whose own can be read: that is not used, and nothing is lost.
+fn ignores_a_pad(folder: &Path, whole: &[u8]) -> Result<()> {
+    fs::write(folder.join("whole.mcap"), whole)?;
+    let arguments = [
+        "recover",
+        "whole.mcap",
+        "-o",
+        "saved.mcap",
+        "--pad",
+        "openeit-lattice",
+    ];
+    let output = gelpad(folder, &arguments);
+    let text = said(&output);
+    ensure!(output.status.code() == Some(0), "{text}");
+    ensure!(text.contains("--pad is ignored"), "{text}");
     Ok(())
 }
 
@@ -186,6 +205,8 @@ fn refuses_another_pad(folder: &Path) -> Result<()> {
     let text = said(&output);
     ensure!(output.status.code() == Some(1), "{:?}", output.status);
     ensure!(text.contains("only 0 frames can be read"), "{text}");
+    // What helps is said, too.
+    ensure!(text.contains("recover --pad` names another"), "{text}");
     ensure!(
         fs::read(folder.join("saved.mcap"))? == before,
         "the file was replaced"

@@ -33,6 +33,13 @@ pub struct Recommendation {
 }
 
 impl Recommendation {
+    /// Whether the presses come out worse with the settings than with the profile as it is: it is better kept. An unintended
+    /// press counts as much as two right ones. Settings with which as many come out right suit the person's pace and force.
+    #[must_use]
+    pub fn is_worse(&self) -> bool {
+        self.after.value() < self.before.value()
+    }
+
     /// The text of `users/NAME.toml`.
     #[must_use]
     pub fn toml(&self) -> String {
@@ -40,7 +47,8 @@ impl Recommendation {
     }
 }
 
-/// Recommends settings for a profile on a pad of the given size.
+/// Recommends settings for a profile on a pad of the given size. The best ones may still be worse than the profile as it is
+/// ([`Recommendation::is_worse`]): they tie `tapping_term_ms` and `hold_ms` to `long_ms`, which a profile may set apart.
 ///
 /// # Errors
 /// Too few presses; a profile that cannot be read; a region that it does not have.
@@ -59,15 +67,23 @@ pub fn recommend(
     let plain = RecommendedSettings::from_profile(&judge.profile(None)?);
     let before = judge.score(trials, None)?;
     let searched = search::best(&judge, trials, plain.clone())?;
-    let mut ranged = searched.clone();
-    ranged.learn_ranges(trials);
-    // The search weighs delays and other paces, and the ranges are learned after it: none of them may cost presses.
+    let with_ranges = |settings: &RecommendedSettings| {
+        let mut ranged = settings.clone();
+        ranged.learn_ranges(trials);
+        ranged
+    };
+    // The search weighs delays and other paces, and the ranges are learned after it: both may cost presses as they were made.
+    let candidates = [
+        with_ranges(&plain),
+        searched.clone(),
+        with_ranges(&searched),
+    ];
     let mut after = judge.score(trials, Some(&plain))?;
     let mut overlay = plain;
-    for better in [searched, ranged] {
-        let score = judge.score(trials, Some(&better))?;
+    for candidate in candidates {
+        let score = judge.score(trials, Some(&candidate))?;
         if score.value() >= after.value() {
-            (overlay, after) = (better, score);
+            (overlay, after) = (candidate, score);
         }
     }
     Ok(Recommendation {
@@ -75,4 +91,32 @@ pub fn recommend(
         before,
         after,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::find_shipped;
+
+    fn score(right: usize, wrong: usize) -> TrialScore {
+        TrialScore {
+            requested: 24,
+            right,
+            wrong,
+        }
+    }
+
+    #[test]
+    fn fewer_unintended_presses_are_better_than_a_few_right_ones() {
+        let plain = find_shipped("super-mario").expect("shipped");
+        let plain = crate::profile::Profile::from_toml(&plain.name, &plain.toml).expect("sound");
+        let found = |before, after| Recommendation {
+            overlay: RecommendedSettings::from_profile(&plain),
+            before,
+            after,
+        };
+        assert!(!found(score(20, 6), score(19, 0)).is_worse());
+        assert!(found(score(20, 0), score(21, 1)).is_worse());
+        assert!(!found(score(20, 0), score(20, 0)).is_worse());
+    }
 }

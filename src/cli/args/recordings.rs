@@ -76,7 +76,7 @@ pub(in crate::cli) struct RecoverArgs {
     /// File for the saved part, compressed
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Pad of a recording whose own pad cannot be read: a shipped name or ./PATH [default: edinburgh-lattice]
+    /// Pad of a recording whose own pad cannot be read, ignored otherwise: a shipped name or ./PATH [default: edinburgh-lattice]
     #[arg(long, value_name = "PAD")]
     pub pad: Option<String>,
 }

@@ -1,7 +1,7 @@
 //! `gelpad calibrate --recommend NAME`: asks for presses, then writes the settings under which most presses give the
 //! intended output.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
@@ -21,8 +21,9 @@ use crate::cli::message::say;
 use crate::cli::progress::{Spinner, solve_pad};
 use crate::files;
 use crate::pad::Pad;
+use crate::platform::signals::Signals;
 use crate::profile::{Profile, Source, find_shipped};
-use crate::source::{self, SourceReading};
+use crate::source::{self, SkipLog, SourceReading};
 use crate::touch::Detector;
 use crate::types::Touch;
 
@@ -53,36 +54,81 @@ pub(super) fn run(
     let sensing = solve_pad(&pad, method)?.build_initial()?;
     let detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
     let mut source = open(args, &pad, choice, &[])?;
-    let trials = ask(
-        &pad,
+    // Minutes of work: the presses are used, also after Ctrl-C.
+    let signals = Signals::listen()?;
+    let session = PressSession::new(PressSession::default_requests(
         &checked.profile,
+        args.points,
+    ));
+    let asked = ask(
+        session,
+        (&pad, &checked.profile),
         detector,
         source.as_mut(),
-        args.points,
+        &|| signals.received(),
     )?;
-    let recommended = search(&trials, &text, &pad)?;
+    let trials = &asked.trials;
+    if let Some(signal) = asked.interrupted_by {
+        if trials.len() < FEWEST_TRIALS {
+            say(&format!(
+                "nothing is saved: {} presses were made, but at least {FEWEST_TRIALS} are needed",
+                trials.len()
+            ));
+            return Ok(Ending::Signal(signal));
+        }
+        say(&format!(
+            "stopped after {} presses, which are used; Ctrl-C again ends without them",
+            trials.len()
+        ));
+    }
+    let recommended = search(trials, &text, &pad)?;
+    if recommended.is_worse() {
+        say(&kept_text(&recommended));
+    } else {
+        save(
+            &recommended,
+            &path,
+            &format!("gelpad play {} --user {name}", args.profile),
+        )?;
+    }
+    Ok(match asked.interrupted_by {
+        Some(signal) => Ending::Signal(signal),
+        None if trials.len() == args.points => Ending::Done,
+        None => Ending::LostData,
+    })
+}
+
+/// Why nothing is saved, although settings were found.
+fn kept_text(found: &Recommendation) -> String {
+    let (before, after) = (&found.before, &found.after);
+    format!(
+        "{} of {} presses come out as meant with the profile as it is ({} unintended), {} with the best settings found ({} unintended)\nthey would be worse: nothing is saved, keep what you have",
+        before.right, before.requested, before.wrong, after.right, after.wrong
+    )
+}
+
+/// Writes the settings, and prints them with what they bring.
+fn save(found: &Recommendation, path: &Path, usage: &str) -> anyhow::Result<()> {
     if let Some(folder) = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
     {
         std::fs::create_dir_all(folder)?;
     }
-    let toml = recommended.toml();
-    files::write(&path, toml.as_bytes())?;
-    let (before, after) = (recommended.before, recommended.after);
+    let toml = found.toml();
+    files::write(path, toml.as_bytes())?;
+    let (before, after) = (found.before, found.after);
     say(&toml);
     say(&format!(
-        "{} of {} presses come out as meant with these settings, {} without\nsaved: {}\nuse it: gelpad play {} --user {name}",
+        "{} of {} presses come out as meant with these settings ({} unintended), {} without ({} unintended)\nsaved: {}\nuse it: {usage}",
         after.right,
         after.requested,
+        after.wrong,
         before.right,
+        before.wrong,
         path.display(),
-        args.profile,
     ));
-    Ok(match trials.len() == args.points {
-        true => Ending::Done,
-        false => Ending::LostData,
-    })
+    Ok(())
 }
 
 /// Searches the settings under which most presses give the intended output.
@@ -96,15 +142,21 @@ fn search(trials: &[PressTrial], profile: &Source, pad: &Pad) -> anyhow::Result<
     }
 }
 
-/// Asks for presses until all are recorded or the source ends.
+/// The presses that were made.
+struct Asked {
+    trials: Vec<PressTrial>,
+    /// The signal that ended the requests, such as Ctrl-C.
+    interrupted_by: Option<i32>,
+}
+
+/// Asks for presses until all are recorded, the source ends or a signal comes.
 fn ask(
-    pad: &Pad,
-    profile: &Profile,
+    mut session: PressSession,
+    (pad, profile): (&Pad, &Profile),
     mut detector: Detector,
     source: &mut dyn source::Source,
-    count: usize,
-) -> anyhow::Result<Vec<PressTrial>> {
-    let mut session = PressSession::new(PressSession::default_requests(profile, count));
+    interrupted: &dyn Fn() -> Option<i32>,
+) -> anyhow::Result<Asked> {
     if session.request_count() < FEWEST_TRIALS {
         bail!(
             "at least {FEWEST_TRIALS} presses are needed, in regions with a plain press binding: give --points {FEWEST_TRIALS} or more, or another --profile"
@@ -115,27 +167,33 @@ fn ask(
     );
     show(pad, profile, &session);
     let mut changed: Vec<Touch> = Vec::new();
+    let mut log = SkipLog::default();
+    let mut interrupted_by = None;
     while session.current_request().is_some() {
+        interrupted_by = interrupted();
+        if interrupted_by.is_some() {
+            break;
+        }
         match source.read()? {
             SourceReading::Frame(frame) => {
+                log.frame();
                 changed.clear();
                 detector.process_frame(&frame, &mut changed);
                 if session.take_frame(frame.t_ns, &changed) {
                     show(pad, profile, &session);
                 }
             }
-            SourceReading::Skipped { reason, .. } => {
-                tracing::warn!("skipped an unreadable frame: {reason}")
-            }
+            SourceReading::Skipped { reason, .. } => log.skip(reason)?,
+            SourceReading::Disconnected { reason } => tracing::warn!("{reason}"),
             // Boards are read frame by frame here.
-            SourceReading::Part(_)
-            | SourceReading::Control(_)
-            | SourceReading::Disconnected { .. }
-            | SourceReading::Idle => {}
+            SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
             SourceReading::End => break,
         }
     }
-    Ok(session.finish())
+    Ok(Asked {
+        trials: session.finish(),
+        interrupted_by,
+    })
 }
 
 fn show(pad: &Pad, profile: &Profile, session: &PressSession) {
@@ -155,4 +213,80 @@ fn show(pad: &Pad, profile: &Profile, session: &PressSession) {
         number + 1,
         session.request_count()
     ));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::eit::Reconstruction;
+    use crate::source::{SourceError, SourcePace};
+    use crate::types::{Frame, Method};
+
+    /// Sends the same readings again and again, or nothing that can be read.
+    struct Board {
+        volts: Option<Vec<f32>>,
+        reads: u64,
+    }
+
+    impl source::Source for Board {
+        fn pace(&self) -> SourcePace {
+            SourcePace::ByDevice
+        }
+
+        fn read(&mut self) -> Result<SourceReading, SourceError> {
+            self.reads += 1;
+            Ok(match &self.volts {
+                Some(volts) => SourceReading::Frame(Frame {
+                    t_ns: self.reads * 10_000_000,
+                    volts: volts.clone(),
+                }),
+                None => SourceReading::Skipped {
+                    reason: "no digits".to_owned(),
+                    frames: 1,
+                },
+            })
+        }
+    }
+
+    /// Asks for presses on a board until `interrupted`.
+    fn asked(board: &mut Board, interrupted: &dyn Fn() -> Option<i32>) -> anyhow::Result<Asked> {
+        let pad = load_pad("openeit-lattice").expect("shipped").pad;
+        let text = profile_text("super-mario-classified").expect("shipped");
+        let profile = check_text(text, None).expect("sound").profile;
+        let matrix = Reconstruction::from_pad(&pad, Method::default()).expect("a matrix");
+        if let Some(volts) = &mut board.volts {
+            volts.resize(pad.channels(), 0.5);
+        }
+        let session = PressSession::new(PressSession::default_requests(&profile, 20));
+        let detector = Detector::new(Arc::new(matrix));
+        ask(session, (&pad, &profile), detector, board, interrupted)
+    }
+
+    #[test]
+    fn a_board_that_sends_no_frame_ends_the_requests() {
+        let mut board = Board {
+            volts: None,
+            reads: 0,
+        };
+        let error = asked(&mut board, &|| None).err().expect("no frame");
+        assert!(error.to_string().contains("no digits"), "{error}");
+    }
+
+    #[test]
+    fn a_signal_ends_the_requests_and_keeps_the_presses() {
+        let mut board = Board {
+            volts: Some(Vec::new()),
+            reads: 0,
+        };
+        let calls = Cell::new(0);
+        let after_30 = || {
+            calls.set(calls.get() + 1);
+            (calls.get() > 30).then_some(2)
+        };
+        let asked = asked(&mut board, &after_30).expect("asked");
+        assert_eq!(asked.interrupted_by, Some(2));
+        assert_eq!((board.reads, asked.trials.len()), (30, 0));
+    }
 }

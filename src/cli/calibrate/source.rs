@@ -20,7 +20,7 @@ pub(super) fn open(
         snr_db: args.snr,
         seed: args.seed,
     };
-    Ok(match source {
+    let mut opened: Box<dyn Source> = match source {
         SourceChoice::Level if places.is_empty() => {
             bail!("the simulated pad is not pressed: give a script, such as simulated:presses.txt")
         }
@@ -30,5 +30,7 @@ pub(super) fn open(
         }
         SourceChoice::Gamepad => bail!("a gamepad has no places to calibrate"),
         source => open_pad_source(source, args.board.line(), level, pad)?,
-    })
+    };
+    opened.require_frames();
+    Ok(opened)
 }

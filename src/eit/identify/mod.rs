@@ -80,6 +80,18 @@ pub enum IdentifyError {
         /// Misfits as drawn and as found.
         misfit: [f64; 2],
     },
+    /// Only a pad that is torn nearly everywhere has such readings.
+    #[error(
+        "no pad like {pad} has these readings: its layer would conduct {factor:.0} times more or less from place to place; check that the board measures (one that is stuck sends such readings), that its electrodes are wired in order and that nothing touches the pad"
+    )]
+    Uneven {
+        /// Name of the pad.
+        pad: String,
+        /// How unevenly it would conduct: a usual factor of a cell, above 1.
+        factor: f64,
+        /// Misfits as drawn and as found.
+        misfit: [f64; 2],
+    },
 }
 
 /// Finds the pad that has these readings at rest (any unit), whose relative standard deviations are given; infinite for readings
@@ -111,10 +123,16 @@ pub fn identify(
     let cells = &estimate.values[..search.sites.len()];
     let square: f64 = cells.iter().map(|log| log * log).sum();
     let unevenness = libm::sqrt(square / cells.len().max(1) as f64);
-    let is_like_drawing = misfit[1] <= MOST_MISFIT && unevenness <= MOST_UNEVEN;
-    if !is_like_drawing {
-        return Err(IdentifyError::OtherPad {
-            pad: search.drawing.name,
+    let pad = search.drawing.name.clone();
+    // NaN explains nothing either.
+    let is_explained = misfit[1] <= MOST_MISFIT;
+    if !is_explained {
+        return Err(IdentifyError::OtherPad { pad, misfit });
+    }
+    if unevenness > MOST_UNEVEN {
+        return Err(IdentifyError::Uneven {
+            pad,
+            factor: libm::exp(unevenness),
             misfit,
         });
     }

@@ -6,8 +6,6 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
 
 /// Changes that can be undone.
 const MAX_UNDO: usize = 200;
-/// Gestures that [`Document::bind_gesture`] leaves alone: presses, and those that move something.
-const WITHOUT_OUTPUT: [&str; 5] = ["press", "dpad", "stick", "trigger", "pointer"];
 /// Fractions of the pad are written in thousandths.
 const STEPS_PER_PAD: f64 = 1000.0;
 
@@ -93,51 +91,6 @@ impl Document {
                 *text = document.to_string();
             }
         }
-    }
-
-    /// Binds a press of a region to an output; changes its press binding, or adds one.
-    ///
-    /// # Errors
-    /// `binding` is not a list of tables.
-    pub fn bind(&mut self, region: &str, output: &str) -> Result<(), EditError> {
-        self.record_undo(&format!("bind {region}"));
-        let bindings = self.array_of_tables("binding")?;
-        let is_press = |table: &Table| {
-            let text = |key: &str| table.get(key).and_then(Item::as_str);
-            text("region") == Some(region) && matches!(text("gesture"), None | Some("press"))
-        };
-        let existing = bindings.iter().position(is_press);
-        match existing.and_then(|index| bindings.get_mut(index)) {
-            Some(table) => set_value(table, "output", Value::from(output)),
-            None => {
-                let mut table = Table::new();
-                table.insert("region", value(region));
-                table.insert("output", value(output));
-                bindings.push(table);
-            }
-        }
-        Ok(())
-    }
-
-    /// Gives the first binding of a region that is no press another output; without one, its press is bound.
-    ///
-    /// # Errors
-    /// `binding` is not a list of tables.
-    pub fn bind_gesture(&mut self, region: &str, output: &str) -> Result<(), EditError> {
-        let has_output = |table: &Table| {
-            let text = |key: &str| table.get(key).and_then(Item::as_str);
-            let gesture = text("gesture").unwrap_or("press");
-            text("region") == Some(region) && !WITHOUT_OUTPUT.contains(&gesture)
-        };
-        let bindings = self.array_of_tables("binding")?;
-        let Some(index) = bindings.iter().position(has_output) else {
-            return self.bind(region, output);
-        };
-        self.record_undo(&format!("bind {region}"));
-        if let Some(table) = self.array_of_tables("binding")?.get_mut(index) {
-            set_value(table, "output", Value::from(output));
-        }
-        Ok(())
     }
 
     /// Adds a rectangular region.
@@ -329,28 +282,6 @@ mod tests {
             let profile = Profile::from_toml(shipped.name, &text).expect("still valid");
             assert_eq!(profile.settings.bounce_keys_ns, 80_000_000, "{text}");
         }
-    }
-
-    #[test]
-    fn a_binding_is_changed_or_added() {
-        let mut document = mario();
-        let before = document.text();
-        document.bind("jump", "key:space").expect("bound");
-        assert_eq!(
-            changed(&before, &document.text()),
-            [(
-                "output = \"$a\"".to_owned(),
-                "output = \"key:space\"".to_owned()
-            )]
-        );
-        document
-            .add_region("fire", [0.1, 0.1, 0.2, 0.2])
-            .expect("added");
-        document.bind("fire", "key:x").expect("bound");
-        let profile = Profile::from_toml("p", &document.text()).expect("valid");
-        let fire = profile.regions.iter().position(|r| r.name == "fire");
-        let fire = fire.expect("a region");
-        assert!(profile.bindings.iter().any(|b| b.regions == [fire]));
     }
 
     #[test]

@@ -3,8 +3,95 @@
 use toml_edit::{Array, Item, Table, Value, value};
 
 use super::document::{Document, EditError, set_value};
+use crate::profile::{Binding, Gesture, Profile};
+
+/// What a binding of one region is known by: a binding of a profile overrides the one of its base that is equal in all of these.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BindingKey {
+    region: String,
+    gesture: &'static str,
+    /// That of a swipe.
+    direction: Option<&'static str>,
+    layer: Option<String>,
+}
+
+impl BindingKey {
+    /// The key of a press that works always.
+    #[must_use]
+    pub fn press(region: &str) -> Self {
+        Self {
+            region: region.to_owned(),
+            gesture: PRESS,
+            direction: None,
+            layer: None,
+        }
+    }
+
+    /// The key of a binding of a profile.
+    #[must_use]
+    pub fn of_binding(profile: &Profile, region: &str, binding: &Binding) -> Self {
+        Self {
+            region: region.to_owned(),
+            gesture: binding.gesture.word(),
+            direction: match &binding.gesture {
+                Gesture::Swipe(swipe) => Some(swipe.direction.word()),
+                _ => None,
+            },
+            layer: binding
+                .layer
+                .and_then(|layer| profile.layers.get(layer).cloned()),
+        }
+    }
+
+    /// Whether a table is this binding and does not remove one.
+    fn fits(&self, table: &Table) -> bool {
+        let text = |key: &str| table.get(key).and_then(Item::as_str);
+        let regions = table.get("region").and_then(Item::as_value).map(texts);
+        let is_off = table.get("off").and_then(Item::as_bool) == Some(true);
+        !is_off
+            && regions.is_some_and(|regions| regions == [self.region.as_str()])
+            && text("gesture").unwrap_or(PRESS) == self.gesture
+            && text("direction") == self.direction
+            && text("layer") == self.layer.as_deref()
+    }
+
+    /// A binding of this key.
+    fn table(&self, output: &str) -> Table {
+        let mut table = Table::new();
+        table.insert("region", value(self.region.as_str()));
+        if self.gesture != PRESS {
+            table.insert("gesture", value(self.gesture));
+        }
+        if let Some(direction) = self.direction {
+            table.insert("direction", value(direction));
+        }
+        if let Some(layer) = &self.layer {
+            table.insert("layer", value(layer.as_str()));
+        }
+        table.insert("output", value(output));
+        table
+    }
+}
+
+/// The gesture of a binding that names none.
+const PRESS: &str = "press";
 
 impl Document {
+    /// Gives a binding another output. One that the text lacks is added: it overrides that of the base, or is new.
+    ///
+    /// # Errors
+    /// `binding` is not a list of tables.
+    pub fn bind(&mut self, key: &BindingKey, output: &str) -> Result<(), EditError> {
+        self.record_undo(&format!("bind {}", key.region));
+        let bindings = self.array_of_tables("binding")?;
+        let existing = bindings.iter().position(|table| key.fits(table));
+        match existing.and_then(|index| bindings.get_mut(index)) {
+            Some(table) => set_value(table, "output", Value::from(output)),
+            None => bindings.push(key.table(output)),
+        }
+        Ok(())
+    }
+
     /// Replaces the text. Steps of typing are one change until something else changes.
     ///
     /// # Errors
@@ -172,6 +259,64 @@ mod tests {
         assert!(format!("{last:?}").contains("Turbo"), "{last:?}");
         document.remove_binding(number).expect("removed");
         assert_eq!(document.text().trim_end(), before.trim_end());
+    }
+
+    #[test]
+    fn a_binding_is_changed_or_added() {
+        let mut document = mario();
+        let before = document.text();
+        let press = BindingKey::press("jump");
+        document.bind(&press, "key:space").expect("bound");
+        let changed = before.replacen("output = \"$a\"", "output = \"key:space\"", 1);
+        assert_eq!(document.text(), changed, "only its output");
+        document
+            .add_region("fire", [0.1, 0.1, 0.2, 0.2])
+            .expect("added");
+        let press = BindingKey::press("fire");
+        document.bind(&press, "key:x").expect("bound");
+        let profile = Profile::from_toml("p", &document.text()).expect("valid");
+        let fire = profile.regions.iter().position(|r| r.name == "fire");
+        let fire = fire.expect("a region");
+        assert!(profile.bindings.iter().any(|b| b.regions == [fire]));
+    }
+
+    #[test]
+    fn the_binding_of_the_same_gesture_direction_and_layer_gets_the_output() {
+        let tables = [
+            "region = \"a\"\noutput = \"key:a\"\nlayer = \"l\"\n",
+            "region = \"a\"\ngesture = \"hold\"\noff = true\n",
+            "region = [\"a\", \"b\"]\ngesture = \"hold\"\noutput = \"key:a\"\n",
+            "region = [\"a\"]\ngesture = \"hold\"\noutput = \"key:a\"\n",
+            "region = \"a\"\ngesture = \"swipe\"\ndirection = \"up\"\noutput = \"key:a\"\n",
+            "region = \"a\"\ngesture = \"swipe\"\ndirection = \"left\"\noutput = \"key:a\"\n",
+            "region = [\"a\"]\noutput = \"key:a\"\n",
+        ];
+        let text_of = |tables: &[String]| -> String {
+            let tables = tables.iter().map(|table| format!("[[binding]]\n{table}"));
+            tables.collect()
+        };
+        let tables = tables.map(str::to_owned);
+        let press = BindingKey::press("a");
+        let hold = BindingKey {
+            gesture: "hold",
+            ..press.clone()
+        };
+        let left = BindingKey {
+            gesture: "swipe",
+            direction: Some("left"),
+            ..press.clone()
+        };
+        let of_layer = BindingKey {
+            layer: Some("l".to_owned()),
+            ..press.clone()
+        };
+        for (key, changed) in [(&press, 6), (&hold, 3), (&left, 5), (&of_layer, 0)] {
+            let mut document = Document::parse(&text_of(&tables)).expect("TOML");
+            document.bind(key, "key:k").expect("bound");
+            let mut wanted = tables.clone();
+            wanted[changed] = wanted[changed].replace("key:a", "key:k");
+            assert_eq!(document.text(), text_of(&wanted), "{key:?}");
+        }
     }
 
     #[test]

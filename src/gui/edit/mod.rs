@@ -31,6 +31,7 @@ use egui::{Pos2, Ui};
 
 pub use self::binding::BindStep;
 use self::document::{Document, EditError};
+use self::document_bindings::BindingKey;
 use self::drafts::Drafts;
 use self::file::OpenProfile;
 use self::shape::Grip;
@@ -200,30 +201,31 @@ impl EditView {
             .unwrap_or_default();
     }
 
-    /// Gives the shown binding of a region another output, or adds a binding.
+    /// Gives the shown binding of a region another output, or adds a press.
     fn bind(&mut self, game: GameContext<'_>, region: &str, output: &str) {
-        let shown = self.profile().and_then(|p| shown_binding(p, region));
-        let has_gesture = shown.is_some_and(|binding| !is_press(binding));
-        self.change(game, |document| match has_gesture {
-            true => document.bind_gesture(region, output),
-            false => document.bind(region, output),
+        let of_profile = self.profile().and_then(|profile| {
+            let shown = shown_binding(profile, region)?;
+            Some(BindingKey::of_binding(profile, region, shown))
         });
+        let key = of_profile.unwrap_or_else(|| BindingKey::press(region));
+        self.change(game, |document| document.bind(&key, output));
     }
 }
 
-/// The binding whose output the card of a region shows: its press, else the first that has one output for one region.
+/// The binding whose output the card of a region shows: its press, else the first that has one output for one region; those
+/// that work always before those of a layer.
 fn shown_binding<'a>(profile: &'a Profile, region: &str) -> Option<&'a Binding> {
     let index = profile.regions.iter().position(|r| r.name == region)?;
     let of_region = |binding: &&Binding| binding.regions == [index];
-    let mut bindings = profile.bindings.iter().filter(of_region);
+    let bindings = profile.bindings.iter().filter(of_region);
     let moves = |binding: &&Binding| {
         matches!(
             binding.gesture,
             Gesture::Dpad(_) | Gesture::Stick(_) | Gesture::Trigger(_) | Gesture::Pointer(_)
         )
     };
-    let press = bindings.clone().find(|binding| is_press(binding));
-    press.or_else(|| bindings.find(|binding| !moves(binding)))
+    let with_output = bindings.filter(|binding| !moves(binding));
+    with_output.min_by_key(|binding| (binding.layer.is_some(), !is_press(binding)))
 }
 
 fn is_press(binding: &Binding) -> bool {

@@ -4,7 +4,7 @@ use egui::{Event, Ui};
 
 use super::gamepad_checks::GamepadChecks;
 use super::paragraph;
-use crate::app::services::{OutputChoice, PlayRequest};
+use crate::app::services::{OutputChoice, PlayRequest, StartError};
 use crate::gui::edit::keyboard;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
@@ -50,12 +50,13 @@ impl OutputCheck {
         ui: &mut Ui,
         game: GameContext<'_>,
         gamepad: &mut GamepadChecks,
-        failed: Option<&str>,
+        failed: Option<&StartError>,
     ) -> Option<UiAction> {
         let GameContext { playing, services } = game;
-        if let Some(why) = failed.filter(|_| playing.request.output != OutputChoice::Nothing) {
-            self.is_running = false;
-            return draw_failure(ui, game, gamepad, why);
+        let failed = failed.filter(|_| playing.request.output != OutputChoice::Nothing);
+        self.is_running &= failed.is_none();
+        if let Some(failed) = failed.filter(|failed| failed.is_output) {
+            return draw_failure(ui, game, gamepad, &failed.reason);
         }
         let send_to = |output| {
             UiAction::Play(PlayRequest {
@@ -86,6 +87,11 @@ impl OutputCheck {
         }
         if playing.request.output == OutputChoice::Nothing {
             return None;
+        }
+        if let Some(failed) = failed {
+            draw_bad(ui, &format!("✖ The game does not start: {}", failed.reason));
+            let again = theme::primary(ui, "Try again").clicked();
+            return again.then(|| send_to(playing.request.output));
         }
         paragraph(ui, &format!("Keys go to: {}.", playing.output));
         let label = if self.is_running {
@@ -118,7 +124,12 @@ impl OutputCheck {
     }
 }
 
-/// The chosen output gets no keys: why, and what helps.
+fn draw_bad(ui: &mut Ui, words: &str) {
+    let words = egui::RichText::new(words).color(theme::palette_of(ui).bad);
+    ui.add(egui::Label::new(words).wrap());
+}
+
+/// The chosen output gets no keys: why, what helps, and the other outputs.
 fn draw_failure(
     ui: &mut Ui,
     game: GameContext<'_>,
@@ -127,23 +138,29 @@ fn draw_failure(
 ) -> Option<UiAction> {
     let GameContext { playing, services } = game;
     let chosen = playing.request.output;
-    let text = format!(
-        "✖ The chosen output, {}, gets no keys: {why}",
-        output_words(chosen)
+    let words = output_words(chosen);
+    draw_bad(
+        ui,
+        &format!("✖ The chosen output, {words}, gets no keys: {why}"),
     );
-    let text = egui::RichText::new(text).color(theme::palette_of(ui).bad);
-    ui.add(egui::Label::new(text).wrap());
     if chosen == OutputChoice::Gamepad {
         gamepad.ui(ui, services);
     }
-    let mut wanted = playing.request.clone();
     let row = ui.horizontal_wrapped(|ui| {
-        let mut clicked = theme::primary(ui, "Try again").clicked();
-        if chosen != OutputChoice::Auto && ui.button("Send to this desktop").clicked() {
-            wanted.output = OutputChoice::Auto;
-            clicked = true;
-        }
-        clicked
+        let again = theme::primary(ui, "Try again").clicked();
+        let others = [
+            ("Send to this desktop", OutputChoice::Auto),
+            ("Send to a virtual gamepad", OutputChoice::Gamepad),
+        ];
+        let other = others
+            .into_iter()
+            .filter(|(_, output)| *output != chosen)
+            .find_map(|(label, output)| ui.button(label).clicked().then_some(output));
+        other.or(again.then_some(chosen))
     });
-    row.inner.then_some(UiAction::Play(wanted))
+    let output = row.inner?;
+    Some(UiAction::Play(PlayRequest {
+        output,
+        ..playing.request.clone()
+    }))
 }

@@ -21,7 +21,7 @@ use super::play::{Names, UiAction};
 use super::playing::Playing;
 use super::request::GameContext;
 use super::theme;
-use crate::app::services::{AppServices, SourceChoice};
+use crate::app::services::{AppServices, SourceChoice, StartError};
 use crate::runtime::PlayCommand;
 use crate::types::PointMm;
 
@@ -122,7 +122,7 @@ impl SetUpView {
         playing: &mut Playing,
         services: &Arc<dyn AppServices>,
         names: &mut Names,
-        failed: Option<&str>,
+        failed: Option<&StartError>,
     ) -> Option<UiAction> {
         if self.step != Step::Recommend {
             self.leave();
@@ -201,7 +201,7 @@ impl SetUpView {
         playing: &mut Playing,
         services: &Arc<dyn AppServices>,
         names: &mut Names,
-        failed: Option<&str>,
+        failed: Option<&StartError>,
     ) -> Option<UiAction> {
         match self.step {
             Step::Board => self.draw_board(ui, playing, services, names),
@@ -304,6 +304,10 @@ impl SetUpView {
             Target::None => "Pad".to_owned(),
         };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, label.clone()));
+        // Pinned fingers are lifted before guided presses are stopped.
+        if self.recommend.target_region().is_some() {
+            super::press::lift_pinned_on_escape(ui, playing);
+        }
         super::press::handle_input(ui, &response, &place, playing);
         let profile = &playing.view.profile;
         match target {

@@ -11,7 +11,7 @@ use super::presses::TouchChanges;
 use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::recommend::{
-    FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, Recommendation,
+    FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, Recommendation, TrialScore,
 };
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
@@ -146,14 +146,19 @@ impl RecommendStep {
             ui,
             "Make the presses shown here in your own way and at your own pace. gelpad then recommends timing, force and accessibility settings that suit you.",
         );
-        ui.horizontal(|ui| {
+        let row = ui.horizontal(|ui| {
             let label = ui.label("Your name");
             let field = egui::TextEdit::singleline(&mut self.name).hint_text(NO_NAME);
             let field = ui.add(field.desired_width(140.0)).labelled_by(label.id);
             theme::keep_focus_on_enter(ui, &field);
+            field.lost_focus()
         });
         let mut wish = None;
-        if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+        // Escape also leaves the field, and closes lists and questions.
+        let is_taken = row.inner
+            || egui::Popup::is_any_open(ui.ctx())
+            || ui.memory(|memory| memory.top_modal_layer().is_some());
+        if !is_taken && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.stop_presses();
         }
         let count = self.session.as_ref().and_then(|session| {
@@ -247,19 +252,13 @@ impl RecommendStep {
         services: &dyn AppServices,
     ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
-        let is_worse = is_worse(found);
-        let shares = format!(
-            "correct presses: {:.0} % before, {:.0} % with these settings",
-            found.before.share() * 100.0,
-            found.after.share() * 100.0
-        );
-        match is_worse {
-            true => ui.colored_label(
-                palette.warn,
-                format!("⚠ {shares}. They are worse: keep what you have."),
-            ),
-            false => ui.colored_label(palette.good, format!("✔ {shares}")),
+        let (is_worse, words) = (found.is_worse(), outcome_words(found));
+        let words = match is_worse {
+            true => egui::RichText::new(format!("⚠ {words}. They are worse: keep what you have."))
+                .color(palette.warn),
+            false => egui::RichText::new(format!("✔ {words}")).color(palette.good),
         };
+        ui.add(egui::Label::new(words).wrap());
         let text = found.toml();
         ui.add(
             egui::TextEdit::multiline(&mut text.as_str())
@@ -326,11 +325,22 @@ impl RecommendStep {
     }
 }
 
-/// Whether fewer presses are right than before, in the whole percents that are shown.
-fn is_worse(found: &Recommendation) -> bool {
-    let [before, after] =
-        [&found.before, &found.after].map(|score| (score.share() * 100.0).round());
-    after < before
+/// What the presses come out as, before and with the settings.
+fn outcome_words(found: &Recommendation) -> String {
+    let (before, after) = (&found.before, &found.after);
+    let percent = |score: &TrialScore| score.share() * 100.0;
+    let mut words = format!(
+        "correct presses: {:.0} % before, {:.0} % with these settings",
+        percent(before),
+        percent(after)
+    );
+    if before.wrong > 0 || after.wrong > 0 {
+        words.push_str(&format!(
+            "; unintended: {} before, {} with them",
+            before.wrong, after.wrong
+        ));
+    }
+    words
 }
 
 /// What happens to settings that are there already.

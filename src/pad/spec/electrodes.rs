@@ -14,6 +14,8 @@ const ELECTRODES: std::ops::RangeInclusive<i64> = 4..=64;
 const LEAST_ELECTRODE_MM: f64 = 0.2;
 /// Least share of an electrode that lies on conductor.
 const LEAST_CONTACT: f64 = 0.5;
+/// The first electrode is written at most so many times round the pad: further, it is a mistake in the unit.
+const MOST_TURNS: f64 = 10.0;
 
 /// A distance along the outline, and the span of the text that gives it.
 type Place = (f64, Range<usize>);
@@ -182,11 +184,11 @@ fn even_centres(
     };
     let span = spec.count.span();
     let perimeter_mm = outline.perimeter_mm();
-    // NaN is not within the outline either.
-    let is_within = first.abs() <= perimeter_mm;
+    // NaN is not within them either.
+    let is_within = first.abs() <= MOST_TURNS * perimeter_mm;
     if !is_within {
         let message = format!(
-            "the first electrode lies at most once round the pad, {perimeter_mm:.1} mm along its edge"
+            "the first electrode lies more than {MOST_TURNS} times round the pad, whose edge is {perimeter_mm:.1} mm long"
         );
         let given = spec.first_mm.as_ref().or(spec.first_deg.as_ref());
         let span = given.map_or(span, Spanned::span);
@@ -195,4 +197,36 @@ fn even_centres(
     Ok((0..count)
         .map(|i| (first + i as f64 * step, span.clone()))
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pad::{Pad, shipped_pad};
+
+    #[test]
+    fn the_first_electrode_may_be_written_some_turns_on() {
+        let text = shipped_pad("round-tank").expect("shipped").toml;
+        assert!(text.contains("first_deg = 0.0"));
+        let turned = |degrees: &str| {
+            let text = text.replace("first_deg = 0.0", &format!("first_deg = {degrees}"));
+            Pad::from_toml("round", &text)
+        };
+        let places = |degrees: &str| -> Vec<[f64; 2]> {
+            let pad = turned(degrees).expect("sound");
+            let electrodes = pad.electrodes.iter();
+            electrodes.map(|one| one.centre_mm(&pad.outline)).collect()
+        };
+        let wanted = places("22.5");
+        for degrees in ["382.5", "-337.5", "3262.5"] {
+            for (at, place) in places(degrees).iter().zip(&wanted) {
+                let off = libm::hypot(at[0] - place[0], at[1] - place[1]);
+                assert!(off < 1e-9, "{degrees}: {at:?} instead of {place:?}");
+            }
+        }
+        for degrees in ["3601.0", "-1e9", "nan", "inf"] {
+            let error = turned(degrees).expect_err("far off");
+            let message = &error.diagnostics[0].message;
+            assert!(message.contains("10 times round"), "{degrees}: {message}");
+        }
+    }
 }

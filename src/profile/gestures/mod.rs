@@ -52,6 +52,12 @@ macro_rules! define_gestures {
         }
 
         impl Gesture {
+            /// Its word in a profile.
+            #[must_use]
+            pub fn word(&self) -> &'static str {
+                match self { $(Self::$Type(_) => $word,)+ }
+            }
+
             /// What the touch must do, in a few words.
             #[must_use]
             pub fn describe(&self) -> String {

@@ -30,6 +30,14 @@ pub struct Direction {
     pub eighth: u8,
 }
 
+impl Direction {
+    /// Its word in a profile.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        DIRECTIONS[usize::from(self.eighth) % DIRECTIONS.len()]
+    }
+}
+
 /// A stroke in one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swipe {
@@ -82,7 +90,7 @@ impl GestureDefinition for Swipe {
     }
 
     fn describe(&self) -> String {
-        let direction = DIRECTIONS[usize::from(self.direction.eighth) % 8];
+        let direction = self.direction.word();
         match self.fingers {
             0 | 1 => format!("swipe {direction}"),
             fingers => format!("swipe {direction} with {fingers} fingers"),

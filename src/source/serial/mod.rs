@@ -7,6 +7,7 @@
 //! the board's serial number if the system gives one, and opened again. End of file, `BrokenPipe` and EIO all
 //! mean that the port has disappeared; reading it again would spin.
 
+mod backlog;
 mod intake;
 mod listen;
 mod port;
@@ -25,7 +26,8 @@ use super::clock::now;
 use super::wire::FormatChoice;
 use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::pad::Pad;
-use crate::types::{NANOS_PER_MS, Nanos};
+use crate::types::Nanos;
+use backlog::Backlog;
 use intake::FrameIntake;
 use port::Identity;
 
@@ -33,13 +35,6 @@ use port::Identity;
 pub const DEFAULT_BAUD: u32 = 115_200;
 /// How often a port that has disappeared is searched.
 const RETRY: Duration = Duration::from_millis(250);
-/// If the first reading comes this long after the port was opened, ns, what has arrived meanwhile is too old to play: a press
-/// of then would come as a short one now.
-const STALE_NS: Nanos = 500 * NANOS_PER_MS;
-/// A reading that had to wait this long shows that nothing old is left, ns.
-const WAITED_NS: Nanos = NANOS_PER_MS;
-/// Longest time for which old frames are dropped, ns: a fast board may never let a reading wait.
-const MOST_DROPPING_NS: Nanos = 300 * NANOS_PER_MS;
 /// Longest sleep of one reading while the port is away.
 const NAP: Duration = Duration::from_millis(50);
 
@@ -55,8 +50,8 @@ pub struct SerialSource {
     started: Instant,
     /// When the port was last opened; none before the first reading, which may be long after.
     opened_ns: Option<Nanos>,
-    /// While frames from before the first reading arrive: when they count at the latest.
-    stale_until_ns: Option<Nanos>,
+    /// While frames from before the first reading arrive.
+    backlog: Option<Backlog>,
     next_try: Instant,
     buffer: Vec<u8>,
 }
@@ -86,7 +81,7 @@ impl SerialSource {
             readings: VecDeque::new(),
             started: now,
             opened_ns: None,
-            stale_until_ns: None,
+            backlog: None,
             next_try: now,
             buffer: vec![0; 4096],
         })
@@ -98,7 +93,15 @@ impl SerialSource {
 
     /// Reads what has arrived and sends what the board needs.
     fn exchange(&mut self, mut device: Box<dyn SerialPort>) -> Result<(), SourceError> {
-        let asked_ns = self.now_ns();
+        if self.opened_ns.is_none() {
+            let asked_ns = self.now_ns();
+            self.opened_ns = Some(asked_ns);
+            self.backlog = Backlog::at_first_reading(asked_ns);
+        }
+        if self.backlog.is_some() {
+            // Without it, a read waits longer: the backlog then ends later.
+            let _ = device.set_timeout(backlog::WAIT);
+        }
         let received = match device.read(&mut self.buffer) {
             Ok(0) => return self.report_gone(),
             Ok(count) => count,
@@ -108,22 +111,23 @@ impl SerialSource {
             },
         };
         let now_ns = self.now_ns();
-        if self.opened_ns.is_none() && asked_ns > STALE_NS {
-            self.stale_until_ns = Some(asked_ns + MOST_DROPPING_NS);
+        let opened_ns = self.opened_ns.unwrap_or(now_ns);
+        let has_ended = |backlog: &mut Backlog| backlog.ends_with(received, now_ns);
+        if let Some(ended) = self.backlog.take_if(has_ended) {
+            let _ = device.set_timeout(port::READ_TIMEOUT);
+            if ended.dropped() > 0 {
+                tracing::info!(
+                    "{} frames from before the first reading are not played: they are too old",
+                    ended.dropped()
+                );
+            }
         }
-        let opened_ns = *self.opened_ns.get_or_insert(now_ns);
-        let has_waited = now_ns - asked_ns >= WAITED_NS;
-        self.stale_until_ns = self
-            .stale_until_ns
-            .filter(|until_ns| !has_waited && now_ns < *until_ns);
         let bytes = &self.buffer[..received];
         self.intake
             .feed(now_ns, opened_ns, bytes, &mut self.readings)?;
-        if self.stale_until_ns.is_some() {
-            self.intake.drop_unsure();
-            self.readings.retain(|reading| {
-                !matches!(reading, SourceReading::Frame(_) | SourceReading::Part(_))
-            });
+        if let Some(backlog) = &mut self.backlog {
+            let unsure = self.intake.drop_unsure();
+            backlog.drop_frames(&mut self.readings, unsure, self.intake.channels());
         }
         if let Some(command) = self.intake.poll_command(now_ns, opened_ns)
             && let Err(error) = device.write_all(&command)
@@ -173,6 +177,10 @@ impl Source for SerialSource {
 
     fn read_in_parts(&mut self) {
         self.intake.hand_on_parts();
+    }
+
+    fn require_frames(&mut self) {
+        self.intake.require_frames();
     }
 
     fn read(&mut self) -> Result<SourceReading, SourceError> {

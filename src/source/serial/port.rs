@@ -7,7 +7,7 @@ use serialport::{SerialPort, SerialPortType};
 use crate::platform::ports;
 
 /// Longest wait in one call of `read`.
-const READ_TIMEOUT: Duration = Duration::from_millis(50);
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// What identifies a board when it is plugged in elsewhere, if the system reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]

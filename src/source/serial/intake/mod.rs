@@ -7,6 +7,7 @@
 mod parts;
 #[cfg(test)]
 mod parts_tests;
+mod start;
 #[cfg(test)]
 mod tests;
 
@@ -22,12 +23,10 @@ use crate::source::wire::{Decoded, Dialect, FormatChoice, WireFrame, Wiring};
 use crate::source::{SourceError, SourceReading};
 use crate::types::{Frame, Nanos, Part};
 use parts::PartIntake;
+use start::Start;
 
 /// Number of frames with the same number of values that are needed to be sure.
 const SURE_FRAMES: usize = 3;
-
-/// Garbled frames before the first whole one are reported each time that this many more have come: a second of a usual board.
-const GARBLED_START: u64 = 100;
 
 /// Converts what a board sends into frames of a pad.
 pub(super) struct FrameIntake {
@@ -47,10 +46,10 @@ pub(super) struct FrameIntake {
     last_ns: Nanos,
     /// Columns before the readings, which are ignored.
     leading: usize,
-    /// Whether a frame has arrived since the port was opened: what is garbled before was cut by the opening.
-    begun: bool,
-    /// Garbled frames before the first frame.
-    garbled_at_start: u64,
+    /// What has arrived before the first frame since the port was opened; none afterwards.
+    start: Option<Start>,
+    /// Whether waiting for that frame has an end.
+    requires_frames: bool,
     decoded: Vec<Decoded>,
 }
 
@@ -69,8 +68,8 @@ impl FrameIntake {
             parts: PartIntake::default(),
             last_ns: 0,
             leading: 0,
-            begun: false,
-            garbled_at_start: 0,
+            start: Some(Start::default()),
+            requires_frames: false,
             decoded: Vec::new(),
         }
     }
@@ -83,30 +82,26 @@ impl FrameIntake {
         }
     }
 
-    /// Reports garbled frames before the first whole one: a few were cut by the opening of the port, many mean that the board
-    /// speaks otherwise.
-    fn report_garbled_start(&mut self, reason: &str) {
-        self.garbled_at_start += 1;
-        if self.garbled_at_start.is_multiple_of(GARBLED_START) {
-            tracing::warn!(
-                "no frame yet, but {} garbled ones; the last: {reason}",
-                self.garbled_at_start
-            );
-        } else {
-            tracing::debug!("before the first frame: {reason}");
-        }
+    /// From now on a board that sends something for long, but no frame, is an error.
+    pub(super) fn require_frames(&mut self) {
+        self.requires_frames = true;
     }
 
-    /// Drops the frames that wait for others of the same number of values.
-    pub(super) fn drop_unsure(&mut self) {
-        self.unsure.clear();
+    /// Readings of the pad.
+    pub(super) fn channels(&self) -> usize {
+        self.pad.channels()
+    }
+
+    /// Drops the frames that wait for others of the same number of values; returns how many.
+    pub(super) fn drop_unsure(&mut self) -> usize {
+        self.unsure.drain(..).count()
     }
 
     /// Takes bytes that arrived at `now_ns`, a time that continues while the board is away; `opened_ns` is
     /// when the port was last opened.
     ///
     /// # Errors
-    /// The board measures with another protocol than the pad's.
+    /// The board measures with another protocol than the pad's; it sends no frame, but is required to.
     pub(super) fn feed(
         &mut self,
         now_ns: Nanos,
@@ -133,15 +128,17 @@ impl FrameIntake {
                             .take_readings(part, self.leading, now_ns, context, readings);
                     }
                 }
-                Decoded::Garbled { reason, .. } if self.begun => {
-                    // If the board counts frames, the next number tells how many were lost.
-                    let frames = u64::from(!self.sequence.is_counted());
-                    if frames > 0 {
-                        self.parts.abandon();
+                Decoded::Garbled { reason, .. } => match &mut self.start {
+                    Some(start) => start.garbled(reason),
+                    None => {
+                        // If the board counts frames, the next number tells how many were lost.
+                        let frames = u64::from(!self.sequence.is_counted());
+                        if frames > 0 {
+                            self.parts.abandon();
+                        }
+                        readings.push_back(SourceReading::Skipped { reason, frames });
                     }
-                    readings.push_back(SourceReading::Skipped { reason, frames });
-                }
-                Decoded::Garbled { reason, .. } => self.report_garbled_start(&reason),
+                },
                 Decoded::Note(text) => tracing::info!(target: "gelpad::told", "{text}"),
             }
         }
@@ -149,7 +146,13 @@ impl FrameIntake {
         if !are_stamped {
             self.spread_times(readings.range_mut(before..));
         }
-        Ok(())
+        match &mut self.start {
+            // Frames of another pad are reported one by one.
+            Some(start) if readings.len() == before => {
+                start.take(bytes.len(), now_ns, self.requires_frames)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Spreads the times of parts that arrived together.
@@ -182,7 +185,7 @@ impl FrameIntake {
         self.unsure.clear();
         self.sequence = Sequence::default();
         self.parts.reset();
-        self.begun = false;
+        self.start = Some(Start::default());
     }
 
     fn frame(
@@ -321,7 +324,7 @@ impl FrameIntake {
         volts: Vec<f32>,
         readings: &mut VecDeque<SourceReading>,
     ) {
-        self.begun = true;
+        self.start = None;
         match self.sequence.take_number(frame.sequence) {
             Place::New { missing: 0 } => {}
             Place::New { missing } => {

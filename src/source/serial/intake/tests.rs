@@ -132,3 +132,55 @@ fn a_board_of_another_protocol_is_refused_with_a_clear_error() {
         "{error}"
     );
 }
+
+/// Feeds bytes every 50 ms for 20 s; returns the error, if one comes.
+fn error_within_20_s(intake: &mut FrameIntake, bytes: &[u8]) -> Option<String> {
+    let mut readings = VecDeque::new();
+    (0..400).find_map(|step| {
+        let now_ns = step * 50_000_000;
+        let fed = intake.feed(now_ns, 0, bytes, &mut readings);
+        fed.err().map(|error| error.to_string())
+    })
+}
+
+#[test]
+fn another_baud_rate_ends_waiting_where_frames_are_required() {
+    let pad = pad("edinburgh-lattice");
+    let noise: Vec<u8> = (0..200_u32).map(|i| (i * 97 % 251) as u8).collect();
+    for format in ["auto", "gelpad", "lines", "openeit"] {
+        let format = format.parse().expect("a format");
+        let mut intake = FrameIntake::new(&pad, format);
+        assert_eq!(error_within_20_s(&mut intake, &noise), None, "play waits");
+        let mut intake = FrameIntake::new(&pad, format);
+        intake.require_frames();
+        let error = error_within_20_s(&mut intake, &noise).expect("no frame");
+        assert!(error.contains("--baud"), "{error}");
+        // A board that comes back starts anew.
+        let mut intake = FrameIntake::new(&pad, format);
+        let (mut readings, at) = (VecDeque::new(), |s: Nanos| s * 1_000_000_000);
+        for (s, reopens) in [(0, false), (10, false), (12, true), (22, false)] {
+            intake.require_frames();
+            if reopens {
+                intake.reopened();
+            }
+            let fed = intake.feed(at(s), 0, &noise, &mut readings);
+            assert!(fed.is_ok(), "{fed:?}");
+        }
+        let mut intake = FrameIntake::new(&pad, format);
+        intake.require_frames();
+        assert_eq!(error_within_20_s(&mut intake, &[]), None, "a silent board");
+    }
+}
+
+#[test]
+fn a_board_that_sends_frames_is_waited_for_when_it_is_garbled_later() {
+    let pad = pad("edinburgh-lattice");
+    let volts = rest(&pad);
+    let mut intake = FrameIntake::new(&pad, WireFormat::Gelpad.into());
+    intake.require_frames();
+    let begin: Vec<u8> = (0..5_u32)
+        .flat_map(|n| encode(Values::F32, n, n * 1000, &volts))
+        .collect();
+    assert_eq!(frames(&readings_of(&mut intake, &begin)), 5);
+    assert_eq!(error_within_20_s(&mut intake, &[7; 50]), None);
+}

@@ -291,7 +291,9 @@ fn locate_on_pad(
     // As in play, a pad that is not found is played with its drawing.
     let (found, misfit) = match &identified {
         Ok(identified) => (&identified.pad, identified.misfit),
-        Err(IdentifyError::OtherPad { misfit, .. }) => (drawing, *misfit),
+        Err(IdentifyError::OtherPad { misfit, .. } | IdentifyError::Uneven { misfit, .. }) => {
+            (drawing, *misfit)
+        }
         Err(error) => return Err(StudyError::refused(error.to_string())),
     };
     let derived = ResponseBuilder::from_drawing(found, drawn_table(builder)?)?;
