@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use gelpad::cache;
+use gelpad::calibrate::{ModelPrediction, Press as CalibrationPress, Presses, learn_maps};
 use gelpad::eit::{Press, REFERENCE_FRAMES};
 use gelpad::engine::{Engine, Input};
 use gelpad::pad::{DEFAULT_PAD, Pad, shipped_pad};
@@ -161,11 +162,47 @@ fn part_to_events(criterion: &mut Criterion) {
     print_times("part to events", by_part);
 }
 
-/// One, two and three touches that go down one after the other, stay, and lift: frames like those of static.csv at 60 dB.
 fn frame_to_touches(criterion: &mut Criterion) {
+    touches_on(criterion, &pad(), "frame to touches");
+    touches_on(criterion, &learned_pad(), "frame to touches, learned pad");
+}
+
+/// The shipped pad as 200 simulated presses describe it, without its model.
+fn learned_pad() -> Pad {
     let pad = pad();
-    let builder = cache::sensing_builder(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
     let simulated = SimulatedPad::new(&pad).expect("solvable");
+    let untouched = simulated.volts(&[]).expect("solvable");
+    let list = (0..200).map(|index| {
+        let share = |root: f64| (0.5 + f64::from(index) * root).fract();
+        let place_mm = [0.754_877_666, 0.569_840_29].map(|root| 100.0 * share(root));
+        let press = Press {
+            centre_mm: place_mm,
+            radius_mm: 7.0,
+            rise: 1.0,
+        };
+        let volts = simulated.volts(&[press]).expect("solvable");
+        let pairs = volts.iter().zip(&untouched);
+        CalibrationPress {
+            place_mm,
+            modelled: Some(ModelPrediction {
+                force: 0.5,
+                place_mm,
+            }),
+            changes: pairs.map(|(volt, before)| volt / before - 1.0).collect(),
+        }
+    });
+    let presses = Presses::new("simulated", list.collect()).expect("spread");
+    let maps = learn_maps(&presses, pad.outline.size_mm()).expect("learned");
+    Pad {
+        learned: Some(Arc::new(maps)),
+        ..pad
+    }
+}
+
+/// One, two and three touches that go down one after the other, stay, and lift: frames like those of static.csv at 60 dB.
+fn touches_on(criterion: &mut Criterion, pad: &Pad, title: &str) {
+    let builder = cache::sensing_builder(pad, Method::Tikhonov, |_, _| ()).expect("solvable");
+    let simulated = SimulatedPad::new(pad).expect("solvable");
     let places = [[30.0, 40.0], [70.0, 35.0], [50.0, 75.0]];
     let finger = |index: usize| Press {
         centre_mm: places[index],
@@ -192,7 +229,7 @@ fn frame_to_touches(criterion: &mut Criterion) {
         }
         let sensing = Arc::new(builder.build_initial().expect("a matrix"));
         let fresh = Detector::for_pad(sensing, &pad.protocol);
-        let name = format!("frame to touches, tikhonov, {touches} down");
+        let name = format!("{title}, tikhonov, {touches} down");
         criterion.bench_function(&format!("{name} (x {})", frames.len()), |bencher| {
             bencher.iter_batched(
                 || (fresh.clone(), Vec::with_capacity(4096)),

@@ -270,17 +270,21 @@ fn presses_that_give_no_pad_are_refused_and_nothing_is_written() {
 #[test]
 fn what_needs_a_drawing_says_so() {
     let folder = learned();
+    let learn = [
+        "calibrate",
+        "--presses",
+        "presses.csv",
+        "--pad",
+        "./skin.toml",
+        "-o",
+        "skin.toml",
+    ];
+    let said = refused(folder.path(), &learn);
+    assert!(said.contains("skin.toml exists"), "{said}");
     for command in [
         &["accuracy", "--pad", "./skin.toml", "--quick", "--out", "a"][..],
         &["study", "width", "--pad", "./skin.toml", "--out", "b"],
-        &[
-            "pad",
-            "identify",
-            "--pad",
-            "./skin.toml",
-            "--source",
-            "simulated",
-        ],
+        &["pad", "identify", "./skin.toml"],
     ] {
         let said = refused(folder.path(), command);
         assert!(said.contains("was learned from presses"), "{said}");

@@ -8,7 +8,7 @@
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         trial("skin_of_parallel_channels", "hydrogel-presses", |folder| {
             skin(folder, "parallel", [5.0, 2.1, 1.4])
         }),
+        trial("skins_play", "hydrogel-presses", skins_play),
     ];
     libtest_mimic::run(&arguments, trials).exit_code()
 }
@@ -383,4 +384,29 @@ fn split(all: &[Press], count: usize, seed: u64) -> Result<(Presses, Presses)> {
     }
     let test = presses.split_off(count);
     Ok((Presses::new("train", presses)?, Presses::new("test", test)?))
+}
+
+/// Super Mario on both skins as 500 presses describe them, without a model: `scripts/hydrogel-play.py`.
+fn skins_play(folder: &Path) -> Result<()> {
+    let data = folder.parent().context("a folder of data")?;
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/hydrogel-play.py");
+    let output = Command::new(script)
+        .args(["6", "500"])
+        .env("GELPAD", env!("CARGO_BIN_EXE_gelpad"))
+        .env("GELPAD_DATA", data)
+        .output()?;
+    ensure!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let printed = String::from_utf8(output.stdout)?;
+    print!("{printed}");
+    for run in printed.lines().filter(|line| line.starts_with('{')) {
+        let run: serde_json::Value = serde_json::from_str(run)?;
+        let count = |name: &str| run[name].as_u64().context("a number");
+        ensure!(count("presses")? == 60, "{run}");
+        ensure!(count("right")? >= 56 && count("false")? <= 1, "{run}");
+    }
+    Ok(())
 }

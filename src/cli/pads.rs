@@ -36,6 +36,12 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
                 pad.channels(),
                 matrix.unknowns()
             )?;
+            if let Some(maps) = &pad.learned {
+                say(&format!(
+                    "it responds as {} presses taught, not as drawn",
+                    maps.presses
+                ));
+            }
             if pad.channels() < FEWEST_READINGS {
                 say(&format!(
                     "warning: {} readings are too few to tell places: 8 electrodes give 40, 16 give 208",
@@ -85,6 +91,10 @@ fn facts(pad: &Pad, linearised: &Linearised) -> String {
         TouchSign::Rise => "conducts better, as far as is known: the first touches tell",
         TouchSign::Fall => "conducts worse, as far as is known: the first touches tell",
     };
+    let response = match &pad.learned {
+        None => "as drawn".to_owned(),
+        Some(maps) => format!("as {} presses taught, not as drawn", maps.presses),
+    };
     [
         format!("name         {}", pad.name),
         format!("             {}", pad.about),
@@ -98,6 +108,7 @@ fn facts(pad: &Pad, linearised: &Linearised) -> String {
             pad.electrodes.len(),
             pad.electrodes[0].width_mm
         ),
+        format!("responds     {response}"),
         format!("frame        {} voltages", pad.channels()),
         format!(
             "image        {} pixels of {} mm",

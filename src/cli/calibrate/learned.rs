@@ -6,6 +6,7 @@ use anyhow::bail;
 
 use super::super::args::CalibrateArgs;
 use super::error_text;
+use crate::app::calibration::is_pad_file;
 use crate::app::learned_pad::{check_presses, pad_without_drawing, with_maps};
 use crate::app::pads::{PadText, load_pad};
 use crate::app::texts::as_pad_argument;
@@ -56,6 +57,20 @@ pub(super) fn learn_pad(
         as_pad_argument(output)
     ));
     Ok(Ending::Done)
+}
+
+/// Refuses to overwrite the drawing, the presses, or a file that is there: before anybody presses a pad.
+pub(super) fn check_output(args: &CalibrateArgs) -> anyhow::Result<()> {
+    let Some(output) = args.output.as_ref().filter(|file| is_pad_file(file)) else {
+        return Ok(());
+    };
+    if output.exists() {
+        bail!(
+            "{} exists: it would be overwritten\n  help: name another file, or remove it",
+            output.display()
+        );
+    }
+    Ok(())
 }
 
 /// The pad of the presses: as given, or a plain sheet of the given size.

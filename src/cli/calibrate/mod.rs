@@ -36,6 +36,7 @@ pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
     if let (Some(name), Some(source)) = (&args.recommend, &args.source) {
         return recommend::run(args, name, source);
     }
+    learned::check_output(args)?;
     match (&args.source, &args.presses, &args.evaluate) {
         (Some(source), _, _) => record(args, source),
         (None, Some(presses), Some(test)) => evaluate::evaluate(presses, test),

@@ -153,16 +153,17 @@ mod tests {
         }
         let mut robot =
             RobotSource::new(&shifted, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
-        let presses = record(
+        let mut presses = Vec::new();
+        record(
             &pad,
             Detector::new(Arc::new(matrix)),
             &mut robot,
             Presser::Script,
             &places,
+            &mut presses,
             &|| None,
         )
         .expect("recorded");
-        let presses = presses.presses;
         assert!(presses.len() >= 36, "{} presses", presses.len());
         let presses = Presses::new("recorded", presses).expect("spread");
         let fitted = fit_correction(&presses, pad.outline.size_mm()).expect("learned");

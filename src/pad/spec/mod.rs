@@ -248,16 +248,14 @@ mod tests {
         assert_eq!(pad.channels(), 40);
         let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
         let tables = ["outline", "layer", "lattice", "electrodes", "protocol"];
-        let found = "[found]\nodd_key = 1\n".to_owned();
+        let written = ["found", "learned"];
+        let of_written = written.map(|table| format!("{text}[{table}]\nodd_key = 1\n"));
         let with_odd_keys = tables.map(|table| {
             let head = format!("[{table}]\n");
             text.replacen(&head, &format!("{head}odd_key = 1\n"), 1)
         });
         let of_pad = format!("odd_key = 1\n{text}");
-        for text in with_odd_keys
-            .iter()
-            .chain([&of_pad, &format!("{text}{found}")])
-        {
+        for text in with_odd_keys.iter().chain([&of_pad]).chain(&of_written) {
             let error = Pad::from_toml("p", text)
                 .expect_err("an unknown key")
                 .to_string();
@@ -265,7 +263,7 @@ mod tests {
             let keys: Vec<&str> = keys.split('`').skip(1).step_by(2).collect();
             assert!(keys.len() > 1, "{error}");
             for key in keys {
-                let is_table = tables.contains(&key) || key == "found";
+                let is_table = tables.contains(&key) || written.contains(&key);
                 let named = if is_table {
                     format!("{key}.")
                 } else {

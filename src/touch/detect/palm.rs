@@ -2,7 +2,8 @@
 //!
 //! Fitted as fingers it would be several strong ones, in places that change from frame to frame. So if a frame may show
 //! one, the image decides, and the palm becomes one wide contact. After a moment the reference is taken again with the palm
-//! on the pad, which can then be played beside it; when it leaves, the rebound takes the reference once more.
+//! on the pad, which can then be played beside it; when it leaves, the rebound takes the reference once more. A pad that was
+//! learned from presses has no image that shows palms.
 
 use super::Detector;
 use crate::types::{Frame, NANOS_PER_MS, Nanos, Touch};
@@ -23,6 +24,11 @@ const GONE_NS: Nanos = 100 * NANOS_PER_MS;
 impl Detector {
     /// Whether a frame shows a palm. If so, the contacts of the image replace the located ones.
     pub(super) fn is_under_palm(&mut self, rest: f64, t_ns: Nanos) -> bool {
+        // The image of a learned pad shows where a press is, not how large.
+        let model = self.sensing.locator_model.as_ref();
+        if model.is_some_and(|model| model.is_learned()) {
+            return false;
+        }
         // Where the table covers all fingers, what they explain this well is not a palm.
         let are_fingers = self.knows_both_signs() && rest < FINGERS_REST;
         let heavy = !are_fingers

@@ -160,6 +160,7 @@ impl Locator {
         self.deformation.clear();
         // The reference's uncertainty ends no touch.
         self.follow(noise - steady);
+        self.try_landing_beside(noise);
         if self.model.table.has_both_signs() && self.quality(noise).rest > MISFIT_REST {
             // A fast finger is far from where the fit looked for it.
             self.escape_minimum(noise);

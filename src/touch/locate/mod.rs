@@ -6,6 +6,7 @@
 //!
 //! Invariant: the same frames give the same touches, bit for bit.
 
+mod beside;
 mod deformation;
 mod deformed;
 mod fit;

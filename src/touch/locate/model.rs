@@ -70,6 +70,11 @@ impl LocatorModel {
         &self.table
     }
 
+    /// Whether the responses were learned from presses.
+    pub(in crate::touch) fn is_learned(&self) -> bool {
+        self.error_share > MODEL_ERROR
+    }
+
     /// Energy of the model error of touches that change the readings by an energy.
     pub(super) fn error_energy(&self, energy: f64) -> f64 {
         self.error_share * self.error_share * energy

@@ -47,7 +47,7 @@ const DIRECTIONS: usize = 8;
 /// Most touches: the fingers of two hands.
 const MOST_TOUCHES: usize = 10;
 /// Steps of the fit of a new touch.
-const NEW_TOUCH_STEPS: usize = 25;
+pub(super) const NEW_TOUCH_STEPS: usize = 25;
 /// Steps of the fit that ranks the splits.
 const SPLIT_STEPS: usize = 3;
 /// Number of splits that are fitted fully.
@@ -434,7 +434,7 @@ impl Locator {
 }
 
 /// Least distance between two touches, mm.
-fn least_apart_mm(touches: &[TouchModel]) -> f64 {
+pub(super) fn least_apart_mm(touches: &[TouchModel]) -> f64 {
     touches
         .iter()
         .enumerate()
@@ -447,7 +447,11 @@ fn least_apart_mm(touches: &[TouchModel]) -> f64 {
 }
 
 /// A list of touches without one of them and with others added.
-fn edited(touches: &[TouchModel], more: &[TouchModel], without: Option<usize>) -> Vec<TouchModel> {
+pub(super) fn edited(
+    touches: &[TouchModel],
+    more: &[TouchModel],
+    without: Option<usize>,
+) -> Vec<TouchModel> {
     touches
         .iter()
         .enumerate()
