@@ -328,3 +328,42 @@ fn damaged_maps_are_refused_at_their_place() {
     let said = refused(folder.path(), &["pad", "check", "odd.toml"]);
     assert!(said.contains("list 1 of `responses` is not of"), "{said}");
 }
+
+#[test]
+fn a_disturbed_board_plays_a_learned_pad() {
+    let folder = learned();
+    let mut script = String::new();
+    for press in 0..8 {
+        // Electrodes are lost after 3 s: between two presses.
+        let (start, [x, y]) = (2250 + 500 * press, JUMP);
+        script.push_str(&format!(
+            "t:{start} down 1 {x} {y}\nt:{} up 1\n",
+            start + 40 + 20 * press
+        ));
+    }
+    fs::write(folder.path().join("presses.txt"), script).expect("written");
+    for disturbance in [
+        "gain:60,spikes:0.3",
+        "lost-pair",
+        "bad-frame:10",
+        "garbage-start",
+        "adc:12",
+    ] {
+        let play = [
+            "play",
+            "super-mario",
+            "--pad",
+            "./skin.toml",
+            "--source",
+            "simulated:presses.txt",
+        ];
+        let disturbed = ["--output", "trace", "--disturb", disturbance];
+        let events = printed(folder.path(), &[&play[..], &disturbed].concat());
+        let count = |what: &str| events.lines().filter(|line| line.contains(what)).count();
+        assert_eq!(
+            [count("press key:f"), count("press"), count("release")],
+            [8; 3],
+            "{disturbance}: {events}"
+        );
+    }
+}

@@ -133,6 +133,19 @@ fn killed_and_sharded_studies_end_with_the_same_files() {
     let parts = ["1-2", "2-2"].map(|name| at(name).display().to_string());
     done(&mut study(&["merge", &parts[0], &parts[1]], &at("merged")));
     assert_same(&at("whole"), &at("merged"));
+
+    // A folder of another study leaves nothing behind.
+    let mut other = sweep.to_vec();
+    other.extend(["--seed", "2"]);
+    let folder = at("other");
+    done(study(&other, &folder).args(["--shard", "1/8"]));
+    let folder = folder.display().to_string();
+    let mut merge = study(&["merge", &parts[0], &folder], &at("mixed"));
+    let output = merge.output().expect("gelpad runs");
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("holds another study"), "{said}");
+    assert!(!at("mixed").exists(), "nothing was written");
 }
 
 #[test]

@@ -153,6 +153,10 @@ fn merge(folders: &[std::path::PathBuf], out: &Path) -> anyhow::Result<Ending> {
     let text = Folder::settings_text(first)?;
     let settings: Settings = serde_json::from_str(&text)
         .map_err(|error| anyhow::anyhow!("{}/study.json: {error}", first.display()))?;
+    // Before anything is written.
+    for other in folders {
+        Folder::check_settings(other, &text)?;
+    }
     let folder = Folder::open(out, &settings)?;
     for other in folders {
         folder.copy_results_from(other)?;

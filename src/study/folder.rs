@@ -63,6 +63,20 @@ impl Folder {
         fs::read_to_string(&manifest).map_err(|error| StudyError::file(&manifest, error))
     }
 
+    /// Whether a folder holds the study whose settings have this text.
+    ///
+    /// # Errors
+    /// Another study; settings that cannot be read.
+    pub fn check_settings(path: &Path, settings: &str) -> Result<(), StudyError> {
+        if Self::settings_text(path)? == settings {
+            return Ok(());
+        }
+        Err(StudyError::refused(format!(
+            "{} holds another study than the first folder",
+            path.display()
+        )))
+    }
+
     /// The folder's path.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -109,12 +123,7 @@ impl Folder {
     /// # Errors
     /// A folder that holds another study, or cannot be read; a disk that is full or read-only.
     pub fn copy_results_from(&self, other: &Path) -> Result<(), StudyError> {
-        if Self::settings_text(other)? != self.study {
-            return Err(StudyError::refused(format!(
-                "{} holds another study than the first folder",
-                other.display()
-            )));
-        }
+        Self::check_settings(other, &self.study)?;
         let cases = other.join("cases");
         let unreadable = |error| StudyError::file(&cases, error);
         for entry in fs::read_dir(&cases).map_err(unreadable)? {
