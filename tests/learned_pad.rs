@@ -5,7 +5,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 const SIDE_MM: f64 = 80.0;
 /// Those of opposite drives and adjacent measurements with 16 electrodes.
@@ -342,28 +342,41 @@ fn a_disturbed_board_plays_a_learned_pad() {
         ));
     }
     fs::write(folder.path().join("presses.txt"), script).expect("written");
-    for disturbance in [
+    // In real time: all at once.
+    let disturbances = [
         "gain:60,spikes:0.3",
         "lost-pair",
         "bad-frame:10",
         "garbage-start",
         "adc:12",
-    ] {
-        let play = [
-            "play",
-            "super-mario",
-            "--pad",
-            "./skin.toml",
-            "--source",
-            "simulated:presses.txt",
-        ];
-        let disturbed = ["--output", "trace", "--disturb", disturbance];
-        let events = printed(folder.path(), &[&play[..], &disturbed].concat());
+    ];
+    let games = disturbances.map(|disturbance| {
+        let child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+            .current_dir(folder.path())
+            .args([
+                "play",
+                "super-mario",
+                "--pad",
+                "./skin.toml",
+                "--output",
+                "trace",
+            ])
+            .args([
+                "--source",
+                "simulated:presses.txt",
+                "--disturb",
+                disturbance,
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        (disturbance, child.expect("gelpad runs"))
+    });
+    for (disturbance, game) in games {
+        let output = game.wait_with_output().expect("ended");
+        let events = String::from_utf8(output.stdout).expect("text");
         let count = |what: &str| events.lines().filter(|line| line.contains(what)).count();
-        assert_eq!(
-            [count("press key:f"), count("press"), count("release")],
-            [8; 3],
-            "{disturbance}: {events}"
-        );
+        let counts = [count("press key:f"), count("press"), count("release")];
+        assert_eq!(counts, [8; 3], "{disturbance}: {events}");
     }
 }

@@ -4,6 +4,7 @@
 //! from that of the reconstruction, so that no image is made with the same model as its voltages.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use super::{
     Finger, FingerAction, Noise, Script, ScriptStep, Source, SourceError, SourcePace, SourceReading,
@@ -25,6 +26,8 @@ pub(super) const FINGER_RISE: f64 = 1.2;
 pub struct SimulatedPad {
     pad: Pad,
     model: ForwardModel,
+    /// The voltages of the untouched drawing of a pad that was learned from presses: they are solved once.
+    untouched: OnceLock<Vec<f64>>,
 }
 
 impl SimulatedPad {
@@ -37,6 +40,7 @@ impl SimulatedPad {
         Ok(Self {
             model: ForwardModel::new(mesh, &ContactModel::from_pad(pad))?,
             pad: pad.clone(),
+            untouched: OnceLock::new(),
         })
     }
 
@@ -68,8 +72,15 @@ impl SimulatedPad {
         maps: &LearnedMaps,
         presses: &[Press],
     ) -> Result<Vec<f64>, ForwardError> {
-        let background = self.model.mesh().background_s_per_m(&self.pad);
-        let untouched = self.model.solve(&background)?.voltages(&self.pad.protocol);
+        let untouched = match self.untouched.get() {
+            Some(untouched) => untouched,
+            None => {
+                let background = self.model.mesh().background_s_per_m(&self.pad);
+                let fields = self.model.solve(&background)?;
+                let untouched = fields.voltages(&self.pad.protocol);
+                self.untouched.get_or_init(|| untouched)
+            }
+        };
         let mut factors = vec![1.0; untouched.len()];
         for press in presses {
             let share = press.volume_mm2() / TYPICAL_PRESS_MM2;
