@@ -24,8 +24,9 @@ pub(crate) fn pad_without_drawing(
     channels: usize,
 ) -> Result<PadText, AppError> {
     let usual = PROTOCOLS.iter().find_map(|(stimulation, fewer, is_even)| {
-        let fits =
-            |count: &usize| count * (count - fewer) == channels && (!is_even || count % 2 == 0);
+        let fits = |count: &usize| {
+            count * (count - fewer) == channels && (!is_even || count.is_multiple_of(2))
+        };
         Some((stimulation, ELECTRODES.clone().find(fits)?))
     });
     let Some((stimulation, count)) = usual else {

@@ -1,7 +1,7 @@
 //! What presses taught about a pad that no model describes: how its readings change when it is pressed at each place.
 //!
 //! A measured skin can differ from its drawing so much that no finite-element pad fits it. Its maps, learned by
-//! [`crate::calibrate::learn_pad`], then replace the model: the response table is interpolated from them.
+//! `calibrate::learn_maps`, then replace the model: the response table is interpolated from them.
 //!
 //! The changes of all presses lie close to a few directions, so a map holds coordinates instead of one value per channel.
 
