@@ -253,6 +253,11 @@ fn presses_that_give_no_pad_are_refused_and_nothing_is_written() {
         said.contains("5 presses, but at least 8 are needed"),
         "{said}"
     );
+    let said = try_learning(presses(9, true, |index| index), "80x80");
+    assert!(
+        said.contains("9 presses, but at least 10 are needed"),
+        "{said}"
+    );
     let both = presses(60, true, |index| index);
     let twice = format!("{both}{}\n", both.lines().last().expect("a row"));
     let said = try_learning(twice, "80x80");

@@ -26,6 +26,14 @@ pub enum CalibrateError {
         /// Mean error of the model's places, mm.
         without_mm: f64,
     },
+    /// Too few presses to leave some out.
+    #[error(
+        "{found} presses, but at least {FEWEST_TO_LEARN} are needed to learn a pad: press more places"
+    )]
+    TooFewToLearn {
+        /// Number of presses.
+        found: usize,
+    },
     /// The presses lack the untouched readings.
     #[error(
         "these presses hold differences, but not what the untouched pad reads: play sees relative changes. Add a row without a place (`,,v0,v1,...`) with the untouched readings, in the same unit"
@@ -37,6 +45,9 @@ pub enum CalibrateError {
     )]
     NotModelled,
 }
+
+/// Least number of presses to learn a pad from: a fifth is left out.
+pub(super) const FEWEST_TO_LEARN: usize = 10;
 
 /// Least number of presses to learn from.
 pub const FEWEST_PRESSES: usize = 8;

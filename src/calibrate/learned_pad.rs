@@ -9,9 +9,9 @@ use std::sync::Arc;
 use faer::{Mat, Side};
 
 use super::component_maps::{choose, distinct};
-use super::error::{CalibrateError, PlaceErrors, PressesError};
+use super::error::{CalibrateError, FEWEST_TO_LEARN, PlaceErrors};
 use super::maps::{self, rows, subset};
-use super::presses::Presses;
+use super::presses::{Presses, shuffled};
 use super::process::{self, Process};
 use crate::eit::ResponseBuilder;
 use crate::pad::{LearnedMaps, Pad};
@@ -77,49 +77,53 @@ pub fn learn_maps(presses: &Presses, size_mm: [f64; 2]) -> Result<LearnedMaps, C
     });
     let grid = grid(counts, size_mm);
     let some = subset(presses.len(), MOST_FOR_RESIDUALS);
-    let (near, shown) = (rows(&places, &some), rows(&coordinates, &some));
-    let mut responses = Mat::<f64>::zeros(grid.nrows(), coordinates.ncols());
-    let mut left_out = Mat::<f64>::zeros(shown.nrows(), coordinates.ncols());
-    let distances2 = process::squared_distances(&near, &near);
+    let near_coordinates = rows(&coordinates, &some);
+    let near_places = rows(&places, &some);
+    let distances2 = process::squared_distances(&near_places, &near_places);
+    let mut responses = Mat::zeros(grid.nrows(), coordinates.ncols());
+    let mut left_out = Mat::zeros(some.len(), coordinates.ncols());
     for hyper in distinct(&chosen) {
         let which: Vec<usize> = (0..chosen.len()).filter(|k| chosen[*k] == hyper).collect();
-        let columns =
-            |of: &Mat<f64>| Mat::from_fn(of.nrows(), which.len(), |r, c| of[(r, which[c])]);
-        let mapped = Process::fit(places.clone(), &columns(&coordinates), hyper)?.predict(&grid);
-        let residuals = process::leave_one_out(&distances2, &columns(&shown), hyper)?.residuals;
-        for (column, direction) in which.into_iter().enumerate() {
-            for place in 0..grid.nrows() {
-                responses[(place, direction)] = mapped[(place, column)];
-            }
-            for press in 0..shown.nrows() {
-                left_out[(press, direction)] = residuals[(press, column)];
-            }
-        }
+        let process = Process::fit(places.clone(), &columns(&coordinates, &which), hyper)?;
+        put_columns(&mut responses, &which, &process.predict(&grid));
+        let near = columns(&near_coordinates, &which);
+        let residuals = process::leave_one_out(&distances2, &near, hyper)?.residuals;
+        put_columns(&mut left_out, &which, &residuals);
     }
     // What is left of a press: what its directions miss, and what lies outside of them.
-    let explained = (&shown - &left_out) * directions.transpose();
+    let explained = (&near_coordinates - &left_out) * directions.transpose();
     let unexplained = rows(&scaled, &some) - explained;
     let (deviations, shared) = unexplained_parts(&unexplained, &scales)?;
+    let unscaled = Mat::from_fn(directions.ncols(), scales.len(), |k, c| {
+        directions[(c, k)] * scales[c]
+    });
     Ok(LearnedMaps {
         presses: presses.len(),
         counts,
-        directions: (0..directions.ncols())
-            .map(|k| {
-                (0..scales.len())
-                    .map(|c| directions[(c, k)] * scales[c])
-                    .collect()
-            })
-            .collect(),
-        responses: (0..grid.nrows())
-            .map(|place| {
-                (0..responses.ncols())
-                    .map(|k| responses[(place, k)])
-                    .collect()
-            })
-            .collect(),
+        directions: to_lists(&unscaled),
+        responses: to_lists(&responses),
         deviations,
         shared,
     })
+}
+
+/// Some columns of a matrix.
+fn columns(matrix: &Mat<f64>, which: &[usize]) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), which.len(), |r, c| matrix[(r, which[c])])
+}
+
+/// Replaces some columns of a matrix.
+fn put_columns(matrix: &mut Mat<f64>, which: &[usize], by: &Mat<f64>) {
+    for (from, to) in which.iter().enumerate() {
+        matrix.col_mut(*to).copy_from(by.col(from));
+    }
+}
+
+/// The rows of a matrix as lists.
+fn to_lists(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    let rows = 0..matrix.nrows();
+    rows.map(|row| matrix.row(row).iter().copied().collect())
+        .collect()
 }
 
 /// Learns from four fifths of the presses and locates the others.
@@ -127,22 +131,18 @@ pub fn learn_maps(presses: &Presses, size_mm: [f64; 2]) -> Result<LearnedMaps, C
 /// # Errors
 /// See [`learn_maps`]; too few presses to leave some out.
 pub fn learned_errors(presses: &Presses, pad: &Pad) -> Result<LearnedErrors, CalibrateError> {
-    let order = super::presses::shuffled(presses.len());
-    let (test, train): (Vec<usize>, Vec<usize>) =
-        order
-            .iter()
-            .enumerate()
-            .fold(Default::default(), |mut parts, (rank, press)| {
-                if rank % LEFT_OUT == 0 {
-                    parts.0.push(*press)
-                } else {
-                    parts.1.push(*press)
-                }
-                parts
-            });
-    let train = presses
-        .some(&train)
-        .map_err(|_: PressesError| CalibrateError::Alike)?;
+    if presses.len() < FEWEST_TO_LEARN {
+        return Err(CalibrateError::TooFewToLearn {
+            found: presses.len(),
+        });
+    }
+    let order = shuffled(presses.len());
+    let ranked = |is_test: bool| {
+        let ranks = (0..order.len()).filter(move |rank| (rank % LEFT_OUT == 0) == is_test);
+        ranks.map(|rank| order[rank]).collect::<Vec<_>>()
+    };
+    let (test, train) = (ranked(true), ranked(false));
+    let train = presses.some(&train).map_err(|_| CalibrateError::Alike)?;
     let pad = Pad {
         learned: Some(Arc::new(learn_maps(&train, pad.outline.size_mm())?)),
         ..pad.clone()

@@ -15,6 +15,11 @@ use crate::types::ByteReader;
 /// the energy of this error.
 const MODEL_ERROR: f64 = 0.04;
 
+/// Most touches: the fingers of two hands.
+const MOST_TOUCHES: usize = 10;
+/// On learned maps more touches cannot be told apart, and an odd frame would be explained by a crowd of them.
+const MOST_LEARNED_TOUCHES: usize = 4;
+
 /// What a pad's touches are located with: its response table and the weights of its channels.
 #[derive(Clone, Debug)]
 pub struct LocatorModel {
@@ -73,6 +78,14 @@ impl LocatorModel {
     /// Whether the responses were learned from presses.
     pub(in crate::touch) fn is_learned(&self) -> bool {
         self.error_share > MODEL_ERROR
+    }
+
+    /// How many touches may be down at once.
+    pub(super) fn most_touches(&self) -> usize {
+        match self.is_learned() {
+            true => MOST_LEARNED_TOUCHES,
+            false => MOST_TOUCHES,
+        }
     }
 
     /// Energy of the model error of touches that change the readings by an energy.

@@ -44,8 +44,6 @@ const SPLIT_WITHIN_MM: f64 = 50.0;
 const SPLITS_MM: [f64; 2] = [7.0, 10.0];
 /// Directions in which the halves of a split touch start.
 const DIRECTIONS: usize = 8;
-/// Most touches: the fingers of two hands.
-const MOST_TOUCHES: usize = 10;
 /// Steps of the fit of a new touch.
 pub(super) const NEW_TOUCH_STEPS: usize = 25;
 /// Steps of the fit that ranks the splits.
@@ -79,8 +77,9 @@ impl Locator {
     pub(super) fn add_touches(&mut self, noise: f64) {
         let before = self.fit.touches.len();
         let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
-        let most = before + self.most_new.unwrap_or(MOST_TOUCHES);
-        while self.fit.touches.len() < most.min(MOST_TOUCHES) {
+        let all = self.model.most_touches();
+        let most = all.min(before + self.most_new.unwrap_or(all));
+        while self.fit.touches.len() < most {
             let rest = energy(&self.fit.residual);
             if rest < least_gain || rest < REFUSED_GROWTH * self.refused_cost {
                 break;
