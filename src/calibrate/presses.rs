@@ -1,8 +1,9 @@
 //! Presses at known places: what a calibration learns from, and their CSV form.
 //!
 //! A row is `x_mm,y_mm,d0,d1,...`: the place, and each channel's reading when pressed minus when untouched, in any unit. One row may
-//! have no place: it holds the untouched readings in the same unit, which play needs. Files recorded by gelpad have three more columns after the place, `force,model_x_mm,model_y_mm`: the force and place that the
-//! model found. Their differences are relative changes (v - v0) / v0.
+//! have no place: it holds the untouched readings in the same unit, which play needs. Files recorded by gelpad have three more columns
+//! after the place, `force,model_x_mm,model_y_mm`: the force and place that the model found. Their differences are relative changes
+//! (v - v0) / v0.
 
 use faer::{Mat, MatRef};
 
