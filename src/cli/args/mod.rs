@@ -64,7 +64,7 @@ pub(super) enum Command {
     Listen(ListenArgs),
     /// Simulate a board on a pseudo-terminal
     Device(DeviceArgs),
-    /// Learn a calibration, or settings for a user, from presses at known places
+    /// Learn a calibration, a pad, or settings for a user, from presses at known places
     Calibrate(CalibrateArgs),
     /// List, check and show pads
     Pad {
