@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet
 display=$(mktemp)
-Xvfb -displayfd 1 -screen 0 1092x680x24 >"$display" 2>/dev/null &
+Xvfb -displayfd 1 -noreset -screen 0 1092x680x24 >"$display" 2>/dev/null &
 server=$!
 trap 'kill "$server"; rm -f "$display"' EXIT
 until [ -s "$display" ]; do sleep 0.1; done

@@ -18,7 +18,7 @@ trap 'exec 2>/dev/null; kill -9 "${started[@]}" || true; rm -rf "$folder"' EXIT
 keep() { started+=("$1"); }
 
 stage() {
-  Xvfb -displayfd 3 -nolisten tcp -screen 0 "$1x24" -fbdir "$folder" 3>"$folder/display" 2>"$folder/xvfb" &
+  Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 "$1x24" -fbdir "$folder" 3>"$folder/display" 2>"$folder/xvfb" &
   keep $!
   until [ -s "$folder/display" ]; do sleep 0.1; done
   DISPLAY=:$(cat "$folder/display")

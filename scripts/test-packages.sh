@@ -64,7 +64,7 @@ inside gelpad profile list | head -2
 (inside gelpad doctor 2>/dev/null || true) | grep "installed from"
 
 step "its window"
-Xvfb -displayfd 3 -nolisten tcp -screen 0 1280x1024x24 3>"$work/display" 2>/dev/null &
+Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 1280x1024x24 3>"$work/display" 2>/dev/null &
 started+=($!)
 until [ -s "$work/display" ]; do sleep 0.1; done
 export DISPLAY=:$(cat "$work/display")

@@ -11,23 +11,33 @@ work=$(mktemp -d)
 export XDG_CONFIG_HOME="$work" LIBGL_ALWAYS_SOFTWARE=1
 mkdir -p "$work/gelpad"
 player=
-Xvfb -displayfd 3 -screen 0 "${screen_size:-1300x820}x24" -nolisten tcp -fbdir "$work" 3>"$work/display" 2>/dev/null &
+# Without -noreset, the server restarts whenever its last client leaves and refuses clients that connect meanwhile: one in ten
+# connections failed while xdotool looked for the window every 10 ms.
+Xvfb -displayfd 3 -noreset -screen 0 "${screen_size:-1300x820}x24" -nolisten tcp -fbdir "$work" 3>"$work/display" 2>/dev/null &
 xvfb=$!
 trap 'kill $player $xvfb 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
-for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
+until [ -s "$work/display" ]; do
+  kill -0 "$xvfb" 2>/dev/null || { echo "Xvfb did not start" >&2; exit 1; }
+  sleep 0.1
+done
 screen=$work/Xvfb_screen0
 DISPLAY=:$(cat "$work/display")
 export DISPLAY
 
 open_window() {
-  RUST_LOG=gelpad::gui=debug "$gelpad" 2>"$work/log" &
+  RUST_LOG=warn,gelpad::gui=debug "$gelpad" 2>"$work/log" &
   player=$!
   window=
-  for _ in $(seq 1000); do
-    window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) && [ -n "$window" ] && break
+  local deadline=$((SECONDS + 120))
+  until [ -n "$window" ] && grep -q 'plays' "$work/log"; do
+    # Without a window, gelpad plays the level in the terminal and says why.
+    if ! kill -0 "$player" 2>/dev/null || grep -q 'plays here' "$work/log" || [ $SECONDS -gt $deadline ]; then
+      cat "$work/log" >&2
+      echo "the window did not open" >&2
+      exit 1
+    fi
+    window=$(xdotool search --onlyvisible --name '^gelpad$' 2>/dev/null | head -1) || true
     sleep 0.01
   done
-  [ -n "$window" ] || { cat "$work/log" >&2; echo "the window did not open" >&2; exit 1; }
-  until grep -q 'plays' "$work/log"; do sleep 0.01; done
   xdotool windowmove "$window" 0 0 windowfocus "$window" windowsize "$window" 1280 800
 }

@@ -152,7 +152,7 @@ fn on_xvfb(arguments: &[&str], check: impl Fn(&Said) -> Result<()>) -> Result<()
     let folder = tempfile::tempdir()?;
     let answer = folder.path().join("display");
     let mut xvfb = Command::new(tools::program("Xvfb").context("no Xvfb")?);
-    xvfb.args(["-displayfd", "1", "-nolisten", "tcp"])
+    xvfb.args(["-displayfd", "1", "-nolisten", "tcp", "-noreset"])
         .args(arguments);
     let mut server = Process::start_answering("Xvfb", &mut xvfb, folder.path(), &answer)?
         .with_grace(Duration::ZERO);

@@ -67,6 +67,7 @@ fn main() -> ExitCode {
         trial("a_full_disk", failures::full_disk),
         trial("damage_in_the_middle", failures::damaged),
         trial("flips_and_cuts", damage::flips_and_cuts),
+        trial("damaged_heads", damage::damaged_heads),
         trial("a_damaged_table", damage::damaged_table),
         trial("bombs_and_lies", forged::refused),
         trial("csv_and_evemu", exports::texts),

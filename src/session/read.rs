@@ -75,6 +75,8 @@ pub struct Reader<R> {
     chunk: VecDeque<(u8, Vec<u8>)>,
     /// The record that ended the setup.
     waiting: Option<u8>,
+    /// Whether the recording is packed.
+    has_chunks: bool,
     version: Option<String>,
     setup: SetupParts,
     attachment: Option<(String, Vec<u8>)>,
@@ -119,6 +121,7 @@ impl<R: Read + Seek> Reader<R> {
             decoder: VoltsDecoder::default(),
             chunk: VecDeque::new(),
             waiting: None,
+            has_chunks: false,
             version: None,
             setup: SetupParts::default(),
             attachment: None,
@@ -174,7 +177,9 @@ impl<R: Read + Seek> Reader<R> {
         let parts = std::mem::take(&mut self.setup);
         match &self.version {
             // The record of the version may be what is damaged.
-            None if self.salvaging && self.losses > 0 && parts != SetupParts::default() => {}
+            None if self.salvaging && parts != SetupParts::default() => {
+                self.report_damage("the format's version cannot be read".to_owned())?;
+            }
             None => return Err(ReadError::NotOurs),
             Some(version)
                 if version
@@ -191,22 +196,21 @@ impl<R: Read + Seek> Reader<R> {
     /// Takes a record that is neither a message nor a chunk.
     fn take_other(&mut self, code: u8) -> Result<(), ReadError> {
         match code {
-            op::METADATA if self.version.is_none() => {
-                if let Some((name, Some(version))) =
-                    records::parse_metadata(&self.records.body, "version")
-                    && name == FORMAT
-                {
+            op::METADATA => match records::parse_metadata(&self.records.body, "version") {
+                Some((FORMAT, Some(version))) if self.version.is_none() => {
                     self.version = Some(version.to_owned());
+                    Ok(())
                 }
-                Ok(())
-            }
+                Some(_) => Ok(()),
+                None => self.skip_damage("a metadata record is damaged".to_owned()),
+            },
             op::ATTACHMENT => {
                 let stored = records::parse_attachment(&self.records.body);
                 let restored = stored
                     .as_ref()
                     .and_then(|(name, bytes)| attachment::restored(name, bytes));
                 let Some((name, bytes)) = restored else {
-                    return self.report_damage("an attachment is damaged".to_owned());
+                    return self.skip_damage("an attachment is damaged".to_owned());
                 };
                 let parts = &mut self.setup;
                 match name {
@@ -220,11 +224,22 @@ impl<R: Read + Seek> Reader<R> {
                 }
                 Ok(())
             }
-            op::CHANNEL => {
-                self.take_channel(None);
+            op::CHANNEL => match records::parse_channel(&self.records.body) {
+                Some((id, topic)) => {
+                    self.add_topic(id, topic);
+                    Ok(())
+                }
+                None => self.skip_damage("a channel is damaged".to_owned()),
+            },
+            // For other tools.
+            op::SCHEMA => Ok(()),
+            op::HEADER if self.records.is_first() => Ok(()),
+            op::MESSAGE_INDEX
+                if self.has_chunks && records::is_message_index(&self.records.body) =>
+            {
                 Ok(())
             }
-            _ => Ok(()),
+            _ => self.skip_damage(format!("a record of kind {code} does not belong here")),
         }
     }
 
@@ -235,7 +250,11 @@ impl<R: Read + Seek> Reader<R> {
         loop {
             while let Some((code, body)) = self.chunk.pop_front() {
                 match code {
-                    op::CHANNEL => self.take_channel(Some(&body)),
+                    op::CHANNEL => {
+                        if let Some((id, topic)) = records::parse_channel(&body) {
+                            self.add_topic(id, topic);
+                        }
+                    }
                     op::MESSAGE => {
                         if let Some(message) = self.take_message(Some(&body))? {
                             return Ok(Some(message));
@@ -255,10 +274,13 @@ impl<R: Read + Seek> Reader<R> {
                     self.records.is_whole = true;
                     return Ok(None);
                 }
-                Some(op::CHUNK) => match records::unpack_chunk(&self.records.body) {
-                    Ok(records) => self.chunk = records.into(),
-                    Err(why) => self.report_damage(why)?,
-                },
+                Some(op::CHUNK) => {
+                    self.has_chunks = true;
+                    match records::unpack_chunk(&self.records.body) {
+                        Ok(records) => self.chunk = records.into(),
+                        Err(why) => self.skip_damage(why)?,
+                    }
+                }
                 Some(op::MESSAGE) => {
                     if let Some(message) = self.take_message(None)? {
                         return Ok(Some(message));
@@ -294,16 +316,15 @@ impl<R: Read + Seek> Reader<R> {
         Ok(None)
     }
 
-    fn take_channel(&mut self, body: Option<&[u8]>) {
-        if let Some((id, topic)) = records::parse_channel(body.unwrap_or(&self.records.body))
-            && self.topics.len() < MOST_CHANNELS
-        {
+    fn add_topic(&mut self, id: u16, topic: String) {
+        if self.topics.len() < MOST_CHANNELS {
             self.topics.insert(id, topic);
         }
     }
 
     /// Parses a message; `None` for an unknown topic.
     fn take_message(&mut self, body: Option<&[u8]>) -> Result<Option<Message>, ReadError> {
+        let is_in_chunk = body.is_some();
         let body = body.unwrap_or(&self.records.body);
         let read = match records::parse_message(body) {
             None => Err("the head of a message is damaged".to_owned()),
@@ -316,7 +337,8 @@ impl<R: Read + Seek> Reader<R> {
         };
         match read {
             Ok(message) => Ok(message),
-            Err(why) => self.report_damage(why).map(|()| None),
+            Err(why) if is_in_chunk => self.report_damage(why).map(|()| None),
+            Err(why) => self.skip_damage(why).map(|()| None),
         }
     }
 
@@ -353,6 +375,16 @@ impl<R: Read + Seek> Reader<R> {
         }
         self.losses += 1;
         self.note(format!("at byte {offset}: {why}"));
+        Ok(())
+    }
+
+    /// Reports that the last record is damaged. Its length may be wrong, so reading continues at the next record within it, if there
+    /// is one.
+    fn skip_damage(&mut self, why: String) -> Result<(), ReadError> {
+        self.report_damage(why)?;
+        if let Some(bytes) = self.records.look_inside().map_err(ReadError::Io)? {
+            self.note(format!("its length is wrong: skipped {bytes} bytes of it"));
+        }
         Ok(())
     }
 

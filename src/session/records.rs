@@ -19,6 +19,12 @@ pub(super) const MOST_CHUNK: usize = 8 << 20;
 /// Largest ratio of unpacked to packed size. Frames pack to a half, an empty session to a hundredth.
 pub(super) const MOST_RATIO: u64 = 1000;
 
+/// Bodies of these kinds have a fixed length, bytes.
+const FOOTER_LENGTH: u64 = 20;
+const DATA_END_LENGTH: u64 = 4;
+/// Most bytes that are searched for a beginning, as a multiple of the file's length: a forged file cannot make it long.
+const MOST_SEARCHED: u64 = 8;
+
 /// Why the next record cannot be read.
 #[derive(Debug)]
 pub(super) enum RecordError {
@@ -45,6 +51,10 @@ pub(super) struct Records<R> {
     length: u64,
     /// Offset of the next record.
     pub(super) offset: u64,
+    /// Offset of the record in `body`.
+    start: u64,
+    /// Bytes of records that were searched for others.
+    searched: u64,
     /// Offset up to which `reader` was fed.
     fed: u64,
     reader: LinearReader,
@@ -74,6 +84,8 @@ impl<R: Read + Seek> Records<R> {
             file,
             length,
             offset: 8,
+            start: 8,
+            searched: 0,
             fed: 8,
             reader: linear_reader(true, MOST_RECORD),
             body: Vec::new(),
@@ -105,8 +117,15 @@ impl<R: Read + Seek> Records<R> {
                     self.fed += need as u64;
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
+                    if !is_possible(opcode, data.len() as u64) {
+                        let (why, length) = ("there is no record of kind", data.len());
+                        return Err(RecordError::Damaged {
+                            why: format!("{why} {opcode} with {length} bytes"),
+                        });
+                    }
                     self.body.clear();
                     self.body.extend_from_slice(data);
+                    self.start = self.offset;
                     self.offset += 9 + data.len() as u64;
                     self.is_whole = opcode == op::FOOTER;
                     return Ok(Some(opcode));
@@ -122,19 +141,44 @@ impl<R: Read + Seek> Records<R> {
         Ok(None)
     }
 
+    /// Whether the last record is the first of the file.
+    pub(super) fn is_first(&self) -> bool {
+        self.start == mcap::MAGIC.len() as u64
+    }
+
     /// Moves to the next offset where a chain of records begins. Returns the number of bytes skipped, `None` if there is none.
     pub(super) fn resynchronise(&mut self) -> std::io::Result<Option<u64>> {
+        self.go_to_chain(self.offset, self.length)
+    }
+
+    /// Moves to a chain of records that begins within the last one: its length may be what is damaged. Returns the number of its
+    /// bytes that are skipped, `None` if there is no such chain.
+    pub(super) fn look_inside(&mut self) -> std::io::Result<Option<u64>> {
+        self.searched += self.offset - self.start;
+        if self.searched > MOST_SEARCHED * self.length {
+            return Ok(None);
+        }
+        let (next, fed) = (self.offset, self.fed);
+        let found = self.go_to_chain(self.start, next)?;
+        if found.is_none() {
+            self.file.seek(SeekFrom::Start(fed))?;
+        }
+        Ok(found)
+    }
+
+    /// Moves to the first chain of records that begins after `start` and before `end`. Returns its distance from `start`.
+    fn go_to_chain(&mut self, start: u64, end: u64) -> std::io::Result<Option<u64>> {
         const WINDOW: usize = 1 << 16;
-        let start = self.offset;
         let mut window = vec![0; WINDOW];
         let mut at = start + 1;
-        while at + 9 <= self.length {
+        while at < end && at + 9 <= self.length {
             let count = (self.length - at).min(WINDOW as u64) as usize;
             self.file.seek(SeekFrom::Start(at))?;
             self.file.read_exact(&mut window[..count])?;
             for head in 0..=count - 9 {
                 let place = at + head as u64;
-                if self.plausible(&window[head..head + 9], place).is_some()
+                if place < end
+                    && self.plausible(&window[head..head + 9], place).is_some()
                     && self.chain_holds(place)?
                 {
                     self.go_to(place)?;
@@ -152,10 +196,7 @@ impl<R: Read + Seek> Records<R> {
         let code = head.u8()?;
         let length = head.u64()?;
         let end = place.checked_add(9)?.checked_add(length)?;
-        ((1..=0x0F).contains(&code)
-            && length <= MOST_RECORD as u64
-            && length > 0
-            && end <= self.length)
+        (is_possible(code, length) && length <= MOST_RECORD as u64 && end <= self.length)
             .then_some(end)
     }
 
@@ -186,6 +227,16 @@ impl<R: Read + Seek> Records<R> {
         self.fed = place;
         self.reader = linear_reader(true, MOST_RECORD);
         Ok(())
+    }
+}
+
+/// Whether there are records of a kind with bodies of a length, in bytes.
+fn is_possible(code: u8, length: u64) -> bool {
+    match code {
+        op::FOOTER => length == FOOTER_LENGTH,
+        op::DATA_END => length == DATA_END_LENGTH,
+        op::HEADER..=op::DATA_END => length > 0,
+        _ => false,
     }
 }
 
@@ -237,6 +288,13 @@ pub(super) fn unpack_chunk(body: &[u8]) -> Result<Vec<(u8, Vec<u8>)>, String> {
         }
     }
     Ok(records)
+}
+
+/// Whether a body is that of a message index: a channel and a list of times and offsets.
+pub(super) fn is_message_index(body: &[u8]) -> bool {
+    let mut body = ByteReader::new(body);
+    let (_channel, length) = (body.u16(), body.u32());
+    length.is_some_and(|length| length as usize == body.rest().len())
 }
 
 /// Parses a channel: id and topic.

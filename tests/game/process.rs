@@ -20,8 +20,8 @@ const POLL: Duration = Duration::from_millis(20);
 /// Number of lines of a program's messages that are shown.
 const SAID_LINES: usize = 20;
 
-/// A running program. Dropping it kills it with SIGKILL (fceux ignores other signals) and reaps it. Its
-/// messages go to the file `NAME.said` in the test's folder.
+/// A running program. Dropping it kills it with SIGKILL (fceux ignores other signals) and reaps it, after SIGTERM if it has a
+/// grace period. Its messages go to the file `NAME.said` in the test's folder.
 #[derive(Debug)]
 pub struct Process {
     name: &'static str,
@@ -72,7 +72,7 @@ impl Process {
         })
     }
 
-    /// When dropped, waits for this long until the program ends before it is killed.
+    /// When dropped, sends SIGTERM and waits for this long until the program ends before it is killed.
     pub fn with_grace(mut self, grace: Duration) -> Self {
         self.grace = grace;
         self
@@ -146,6 +146,9 @@ impl fmt::Display for Process {
 impl Drop for Process {
     fn drop(&mut self) {
         // An error here means that the program is gone or out of reach.
+        if !self.grace.is_zero() {
+            let _ = kill_process(Pid::from_child(&self.child), Signal::TERM);
+        }
         let ended = self.end_within(self.grace);
         if !matches!(ended, Ok(Some(_))) {
             let _ = self.child.kill();

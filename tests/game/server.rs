@@ -12,15 +12,16 @@ use crate::process::Process;
 
 /// Longest wait for each step of the start, for a busy machine.
 pub const PATIENCE: Duration = Duration::from_mins(1);
-/// The X server ends with its last client, and then removes its socket and lock file.
+/// After SIGTERM, the X server removes its socket and lock file.
 const SERVER_GRACE: Duration = Duration::from_secs(2);
 
-/// Starts an X server on a free display that it selects itself.
+/// Starts an X server on a free display that it selects itself. Without `-noreset`, it would restart whenever its last
+/// client leaves and refuse clients that connect meanwhile.
 pub fn start_server(xvfb: &Path, folder: &Path) -> Result<(Process, OsString)> {
     let answer = folder.join("display");
     let mut command = Command::new(xvfb);
     command
-        .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate"])
+        .args(["-displayfd", "1", "-nolisten", "tcp", "-noreset"])
         .args(["-screen", "0", "1300x820x24"]);
     let mut server =
         Process::start_answering("Xvfb", &mut command, folder, &answer)?.with_grace(SERVER_GRACE);

@@ -282,7 +282,7 @@ output = "pad:right"
     fn server(tools: &Tools, home: &Path) -> Result<(Process, String)> {
         let answer = home.join("display");
         let mut xvfb = Command::new(&tools.xvfb);
-        xvfb.args(["-displayfd", "1", "-nolisten", "tcp"])
+        xvfb.args(["-displayfd", "1", "-nolisten", "tcp", "-noreset"])
             .args(["-screen", "0", "320x300x16"]);
         let mut server = Process::start_answering("Xvfb", &mut xvfb, home, &answer)?;
         let number = server.wait_for("display number", PATIENCE, || {

@@ -3,9 +3,11 @@
 //! `GELPAD_FLIPS` and `GELPAD_CUTS` set the numbers (default: a small sample).
 
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
+use gelpad::session::{Message, Reader};
 
 use crate::sessions::straight;
 use crate::{gelpad, said};
@@ -14,7 +16,8 @@ const FLIPS: u64 = 10;
 const CUTS: u64 = 4;
 /// Fewer frames cannot be replayed.
 const REFERENCE_FRAMES: u64 = 10;
-/// Op codes of chunks and attachments.
+/// Op codes of records.
+const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const ATTACHMENT: u8 = 9;
 
@@ -140,6 +143,63 @@ fn one_file(folder: &Path, whole: &[u8]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Every bit of the heads of records: a wrong length or kind costs the record, not those that follow, and is never silent.
+pub fn damaged_heads() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("s.mcap");
+    for is_packed in [false, true] {
+        straight(&path, if is_packed { 900 } else { 60 }, is_packed)?;
+        let whole = fs::read(&path)?;
+        let records = records(&whole)?;
+        let (all, _) = readable(&whole)?;
+        let of_kind = |kind: u8| records.iter().filter(move |(code, ..)| *code == kind);
+        let hit = match is_packed {
+            true => of_kind(CHUNK).nth(1).context("a second chunk")?,
+            false => of_kind(MESSAGE).nth(20).context("a message")?,
+        };
+        let attachment = of_kind(ATTACHMENT).nth(1).context("an attachment")?;
+        let mut without = whole.clone();
+        without.drain(hit.1..hit.2);
+        let (least, _) = readable(&without)?;
+        for (start, least) in [(hit.1, least), (attachment.1, all)] {
+            for bit in 0..9 * 8 {
+                let mut bytes = whole.clone();
+                bytes[start + bit / 8] ^= 1 << (bit % 8);
+                let (frames, losses) = readable(&bytes).with_context(|| format!("bit {bit}"))?;
+                ensure!(
+                    frames >= least,
+                    "bit {bit} of the head at byte {start}: {frames} of {all} frames, at least {least}"
+                );
+                ensure!(
+                    losses > 0,
+                    "bit {bit} of the head at byte {start}: no loss is reported"
+                );
+                let strict = Reader::open(Cursor::new(&bytes)).and_then(|(mut reader, _)| {
+                    while reader.next()?.is_some() {}
+                    Ok(reader.is_whole())
+                });
+                ensure!(
+                    !matches!(strict, Ok(true)),
+                    "bit {bit} of the head at byte {start} is read as a whole recording"
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Frames that can be read of a damaged recording, and losses.
+fn readable(bytes: &[u8]) -> Result<(u64, u64)> {
+    let (mut reader, _) = Reader::salvage(Cursor::new(bytes))?;
+    let mut frames = 0;
+    while let Some(message) = reader.next()? {
+        if let Message::Frames(block) = message {
+            frames += block.len() as u64;
+        }
+    }
+    Ok((frames, reader.losses().0))
 }
 
 /// A table that cannot be read is solved again from the pad, which is said.

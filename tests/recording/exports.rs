@@ -264,7 +264,7 @@ fn server(tools: &Tools, folder: &Path) -> Result<(Process, OsString)> {
         "1",
         "-nolisten",
         "tcp",
-        "-terminate",
+        "-noreset",
         "-screen",
         "0",
         "640x480x24",
