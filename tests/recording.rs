@@ -51,6 +51,11 @@ fn main() -> ExitCode {
             replays::no_guest(),
             replays::in_guest,
         ),
+        needs(
+            "slim_in_a_guest_without_avx2",
+            replays::no_guest(),
+            replays::slim_in_guest,
+        ),
         needs("a_movie_in_fceux", exports::no_fceux(), exports::movie),
         trial("a_session_replays_to_the_bit", replays::to_the_bit),
         trial(

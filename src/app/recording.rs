@@ -57,12 +57,17 @@ pub(super) fn complete_slim(setup: &Setup) -> Result<Option<Setup>, AppError> {
     let locating = initial.locator_model.as_ref();
     let responses = locating.map(|locating| locating.table().to_bytes());
     let sensing = initial.to_bytes();
-    let is_same = slim_name(&sensing) == slim.sensing
-        && responses.as_deref().map(slim_name) == slim.responses;
-    if !is_same {
+    let other = [
+        ("matrix", slim_name(&sensing) == slim.sensing),
+        (
+            "response table",
+            responses.as_deref().map(slim_name) == slim.responses,
+        ),
+    ];
+    for (name, _) in other.iter().filter(|(_, is_same)| !is_same) {
         tracing::warn!(
-            "the matrix or the response table that this machine solves differs from the recorded one: events may \
-             differ by some milliseconds\n  help: compare with --tolerance-ms"
+            "the {name} that this machine solves differs from the recorded one: events may differ by some milliseconds\n  \
+             help: compare with --tolerance-ms"
         );
     }
     Ok(Some(Setup {

@@ -45,6 +45,8 @@ pub enum Message {
     Control(Control),
     /// Input: readings of frames that were still being read.
     Parts(Vec<Part>),
+    /// The touches of several frames, in a slim recording: the head of a message takes more room than a frame's touches.
+    TouchBlock(TouchBlock),
 }
 
 /// A message that holds only a time.
@@ -113,6 +115,14 @@ pub struct Touches {
     pub touches: Vec<RecordedTouch>,
 }
 
+/// The touches of several frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TouchBlock {
+    /// In the order of their times.
+    pub frames: Vec<Touches>,
+}
+
 /// A touch with rounded values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -173,9 +183,21 @@ pub fn touches_sum(touches: &[Touch]) -> u32 {
 }
 
 /// The topics, in the order of their channel numbers.
-pub const TOPICS: [&str; 13] = [
-    "/frames", "/tick", "/profile", "/pause", "/matrix", "/rezero", "/lost", "/end", "/gap",
-    "/touches", "/event", "/control", "/parts",
+pub const TOPICS: [&str; 14] = [
+    "/frames",
+    "/tick",
+    "/profile",
+    "/pause",
+    "/matrix",
+    "/rezero",
+    "/lost",
+    "/end",
+    "/gap",
+    "/touches",
+    "/event",
+    "/control",
+    "/parts",
+    "/touch_block",
 ];
 
 /// Bytes that are not a message of their topic.
@@ -206,6 +228,7 @@ impl Message {
             Self::Event(_) => 10,
             Self::Control(_) => 11,
             Self::Parts(_) => 12,
+            Self::TouchBlock(_) => 13,
         }
     }
 
@@ -220,6 +243,7 @@ impl Message {
             Self::Event(event) => Some(event.t_ns),
             Self::Control(control) => Some(control.t_ns),
             Self::Parts(parts) => parts.last().map(|part| part.t_ns),
+            Self::TouchBlock(block) => block.frames.last().map(|touches| touches.t_ns),
             Self::Matrix(_) | Self::Lost(_) | Self::Gap(_) => None,
         }
     }
@@ -235,6 +259,7 @@ impl Message {
             Self::Lost(lost) => json(lost),
             Self::Gap(gap) => json(gap),
             Self::Touches(touches) => json(touches),
+            Self::TouchBlock(block) => json(block),
             Self::Event(event) => json(&EventLine::from(event)),
             Self::Control(control) => json(&GamepadLine::from(control)),
             Self::Parts(parts) => json(&PartBlock::new(parts, encoder)),
@@ -281,6 +306,10 @@ fn parse(topic: &str, bytes: &[u8], decoder: &mut VoltsDecoder) -> Result<Option
         "/end" => Message::End(read(bytes)?),
         "/gap" => Message::Gap(read(bytes)?),
         "/touches" => Message::Touches(read(bytes)?),
+        "/touch_block" => match read::<TouchBlock>(bytes)? {
+            block if block.frames.is_empty() => return Err("a block without frames".to_owned()),
+            block => Message::TouchBlock(block),
+        },
         "/event" => Message::Event(read::<EventLine>(bytes)?.into_event()?),
         "/parts" => Message::Parts(read::<PartBlock>(bytes)?.into_parts(decoder)?),
         "/control" => Message::Control(read::<GamepadLine>(bytes)?.into_control()?),

@@ -23,7 +23,7 @@ mod write;
 
 pub use message::{
     BadMessage, Gap, LostFrames, MatrixName, Message, NamedText, ProfileTexts, RecordedTouch,
-    TOPICS, TimeOnly, Touches, touches_sum,
+    TOPICS, TimeOnly, TouchBlock, Touches, touches_sum,
 };
 pub use read::{ReadError, Reader};
 pub use recover::{CopyError, RecoveryReport, Restore, pack, recover};

@@ -191,7 +191,7 @@ fn copy_into<R: Read + Seek>(
             Message::Gap(gap) => report.dropped_inputs += gap.inputs.max(1),
             Message::Event(_) => report.events += 1,
             Message::Control(_) => report.controls += 1,
-            Message::Touches(_) | Message::Matrix(_) => {}
+            Message::Touches(_) | Message::TouchBlock(_) | Message::Matrix(_) => {}
             _ => report.inputs += 1,
         }
     }

@@ -1,7 +1,7 @@
 //! The JSON schema of each topic, for MCAP tools. The texts are part of the format: changing one changes every new file.
 
 /// Name and text of the schema of each topic, in the order of [`super::TOPICS`].
-pub(super) const SCHEMAS: [(&str, &str); 13] = [
+pub(super) const SCHEMAS: [(&str, &str); 14] = [
     (
         "gelpad.Frames",
         r#"{"type":"object","description":"Readings of the pad as received: t_ns of the first frame, dt_ns from each to the next, volts: f32 values, see docs/recordings.md","properties":{"t_ns":{"type":"integer"},"dt_ns":{"type":"array","items":{"type":"integer"}},"volts":{"type":"string","contentEncoding":"base64"}}}"#,
@@ -53,5 +53,9 @@ pub(super) const SCHEMAS: [(&str, &str); 13] = [
     (
         "gelpad.Parts",
         r#"{"type":"object","description":"Readings of frames that were still being read: t_ns of the first part, dt_ns from each to the next, first channel and count of voltages of each, volts: f32 values of so many frames, see docs/recordings.md","properties":{"t_ns":{"type":"integer"},"dt_ns":{"type":"array","items":{"type":"integer"}},"first":{"type":"array","items":{"type":"integer"}},"count":{"type":"array","items":{"type":"integer"}},"frames":{"type":"integer"},"volts":{"type":"string","contentEncoding":"base64"}}}"#,
+    ),
+    (
+        "gelpad.TouchBlock",
+        r#"{"type":"object","description":"Touches of several frames, each as in gelpad.Touches","properties":{"frames":{"type":"array","items":{"type":"object","properties":{"t_ns":{"type":"integer"},"sum":{"type":"integer"},"touches":{"type":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"x_mm":{"type":"number"},"y_mm":{"type":"number"},"area_mm2":{"type":"number"},"force":{"type":"number"}}}}}}}}}"#,
     ),
 ];

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::message::ProfileTexts;
 
 /// The format version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// The name of the format, in the header and in the first metadata record.
 pub(super) const FORMAT: &str = "gelpad";

@@ -7,7 +7,7 @@ use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::attachment;
-use super::message::{MatrixName, Message, TOPICS};
+use super::message::{MatrixName, Message, TOPICS, TouchBlock};
 use super::parts_block::MOST_VOLTS;
 use super::schema::SCHEMAS;
 use super::setup::{CALIBRATION, FORMAT, PAD, PROFILE, RESPONSES, SENSING, SLIM, Setup, VERSION};
@@ -16,10 +16,12 @@ use crate::types::{Frame, Nanos, Part};
 
 /// Frames in one message of a packed file; the head of a message then hardly counts.
 const BLOCK_FRAMES: usize = 16;
-/// Messages in a chunk of a packed file: what one damaged byte can destroy.
+/// Most messages in a chunk of a packed file, which is what one damaged byte can destroy, ...
 const CHUNK_MESSAGES: usize = 512;
-/// Level of zstd; the voltages are compressed already.
-const ZSTD_LEVEL: u32 = 3;
+/// ... and most blocks of frames: 8 s at 100 frames/s.
+const CHUNK_BLOCKS: usize = 50;
+/// Level of zstd: higher ones save a hundredth more. The voltages are compressed already.
+const ZSTD_LEVEL: u32 = 9;
 
 /// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -58,7 +60,12 @@ struct PackedState {
     parts: Vec<Part>,
     /// Touches and events of these frames.
     outputs: Vec<Message>,
+    /// Whether the touches of a block become one message.
+    joins_touches: bool,
+    /// Messages of the chunk, ...
     messages: usize,
+    /// ... and those that hold frames.
+    blocks: usize,
 }
 
 impl PackedState {
@@ -82,7 +89,11 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// As [`Self::live`].
     pub fn packed(file: W, setup: &Setup) -> Result<Self, WriteError> {
-        Self::start(file, setup, Some(PackedState::default()))
+        let packed = PackedState {
+            joins_touches: setup.slim.is_some(),
+            ..PackedState::default()
+        };
+        Self::start(file, setup, Some(packed))
     }
 
     fn start(file: W, setup: &Setup, packed: Option<PackedState>) -> Result<Self, WriteError> {
@@ -215,6 +226,7 @@ impl<W: Write + Seek> Writer<W> {
     fn restart_chunk(&mut self) {
         if let Some(packed) = &mut self.packed {
             packed.messages = 0;
+            packed.blocks = 0;
             packed.encoder.restart();
         }
     }
@@ -258,7 +270,10 @@ impl<W: Write + Seek> Writer<W> {
             Some(packed) if !packed.is_empty() => {
                 let frames = std::mem::take(&mut packed.block);
                 let parts = std::mem::take(&mut packed.parts);
-                let outputs = std::mem::take(&mut packed.outputs);
+                let mut outputs = std::mem::take(&mut packed.outputs);
+                if packed.joins_touches {
+                    outputs = join_touches(outputs);
+                }
                 self.put(&match parts.is_empty() {
                     true => Message::Frames(frames),
                     false => Message::Parts(parts),
@@ -271,9 +286,12 @@ impl<W: Write + Seek> Writer<W> {
 
     fn put(&mut self, message: &Message) -> Result<(), WriteError> {
         if let Some(packed) = &mut self.packed {
+            let holds_frames = matches!(message, Message::Frames(_) | Message::Parts(_));
             packed.messages += 1;
-            if packed.messages > CHUNK_MESSAGES {
+            packed.blocks += usize::from(holds_frames);
+            if packed.messages > CHUNK_MESSAGES || packed.blocks > CHUNK_BLOCKS {
                 packed.messages = 1;
+                packed.blocks = usize::from(holds_frames);
                 packed.encoder.restart();
                 self.file.flush()?;
             }
@@ -290,6 +308,22 @@ impl<W: Write + Seek> Writer<W> {
         self.sequence = self.sequence.wrapping_add(1);
         Ok(self.file.write_to_known_channel(&header, &payload)?)
     }
+}
+
+/// One message for all touches, before the others.
+fn join_touches(outputs: Vec<Message>) -> Vec<Message> {
+    let mut frames = Vec::new();
+    let mut others = Vec::new();
+    for output in outputs {
+        match output {
+            Message::Touches(touches) => frames.push(touches),
+            other => others.push(other),
+        }
+    }
+    if !frames.is_empty() {
+        others.insert(0, Message::TouchBlock(TouchBlock { frames }));
+    }
+    others
 }
 
 #[cfg(test)]

@@ -125,7 +125,7 @@ impl InputChecks {
             Message::Parts(parts) => return parts.iter().try_for_each(|one| self.part(one)),
             Message::Profile(texts) => drop(Self::profile(texts)?),
             Message::Matrix(_) => drop(matrix.map(|bytes| self.matrix(bytes)).transpose()?),
-            Message::Touches(_) | Message::Event(_) => return Ok(()),
+            Message::Touches(_) | Message::TouchBlock(_) | Message::Event(_) => return Ok(()),
             _ => {}
         }
         self.time(message.t_ns(), matches!(message, Message::End(_)))

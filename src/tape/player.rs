@@ -33,6 +33,7 @@ pub struct RecordingPlayer<R> {
     reader: Reader<R>,
     frames: VecDeque<Frame>,
     parts: VecDeque<Part>,
+    touches: VecDeque<Touches>,
     checks: InputChecks,
 }
 
@@ -60,6 +61,7 @@ impl<R: Read + Seek> RecordingPlayer<R> {
             reader,
             frames: VecDeque::new(),
             parts: VecDeque::new(),
+            touches: VecDeque::new(),
             checks: InputChecks::new(&config.pad, config.table.as_ref()),
         };
         Ok((player, config))
@@ -77,6 +79,9 @@ impl<R: Read + Seek> RecordingPlayer<R> {
         if let Some(part) = self.parts.pop_front() {
             self.checks.part(&part)?;
             return Ok(Some(RecordedItem::Input(Input::Part(part))));
+        }
+        if let Some(touches) = self.touches.pop_front() {
+            return Ok(Some(RecordedItem::Touches(touches)));
         }
         let Some(message) = self.reader.next()? else {
             return Ok(None);
@@ -105,6 +110,10 @@ impl<R: Read + Seek> RecordingPlayer<R> {
             Message::End(at) => Input::End { t_ns: at.t_ns },
             Message::Gap(gap) => return Ok(Some(RecordedItem::Gap { inputs: gap.inputs })),
             Message::Touches(touches) => return Ok(Some(RecordedItem::Touches(touches))),
+            Message::TouchBlock(block) => {
+                self.touches = block.frames.into();
+                return self.next();
+            }
             Message::Event(event) => return Ok(Some(RecordedItem::Event(event))),
         };
         self.checks
