@@ -4,12 +4,12 @@
 # xvfb, sway, wev and tmux; the guest needs what scripts/run-in-guest.sh names.
 #
 #   scripts/adversary.sh [X11] [WAYLAND] [GUEST] [FLIPS] [CUTS] [SEED] [SIGNALS] [MUTATIONS]
-#                                                       defaults: 1000 100 20 500 200 1 30 100000
+#                                                       defaults: 1000 1000 100 500 200 1 30 100000
 #
 # 1000 endings on X11 take about half an hour; a sample of each kind is part of `cargo test`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-x11=${1:-1000} wayland=${2:-100} guest=${3:-20} flips=${4:-500} cuts=${5:-200} seed=${6:-1} signals=${7:-30} mutations=${8:-100000}
+x11=${1:-1000} wayland=${2:-1000} guest=${3:-100} flips=${4:-500} cuts=${5:-200} seed=${6:-1} signals=${7:-30} mutations=${8:-100000}
 export GELPAD_TEST_ALL=1 RUST_BACKTRACE=0
 status=0
 
@@ -31,11 +31,11 @@ if [ "$signals" -gt 0 ]; then
   done
 fi
 if [ "$wayland" -gt 0 ]; then
-  run "$wayland endings on Wayland" env GELPAD_ENDINGS="$wayland" \
+  run "$wayland endings on Wayland" env GELPAD_ENDINGS="$wayland" GELPAD_SEED="$seed" \
     cargo test --quiet --locked --test wayland endings -- --nocapture
 fi
 if [ "$guest" -gt 0 ]; then
-  run "$guest kills with the kernel's devices" env GELPAD_GUEST_KILLS="$guest" \
+  run "$guest endings with the kernel's devices" env GELPAD_GUEST_ENDINGS="$guest" \
     cargo test --quiet --locked --test kills guest -- --nocapture
 fi
 if [ "$flips" -gt 0 ] || [ "$cuts" -gt 0 ]; then

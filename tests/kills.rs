@@ -11,6 +11,8 @@
     reason = "how long a key stays down is measured by the clock"
 )]
 
+#[path = "kills/adversary.rs"]
+mod adversary;
 #[path = "kills/display.rs"]
 mod display;
 #[path = "kills/endings.rs"]
@@ -37,8 +39,9 @@ use anyhow::{Context, Result, ensure};
 use libtest_mimic::{Arguments, Failed, Trial};
 use rustix::process::{Pid, Signal, kill_process};
 
+use crate::adversary::Random;
 use crate::display::Display;
-use crate::gelpad::{Gelpad, Random, one_hold, presses, watcher_processes, watchers};
+use crate::gelpad::{Gelpad, one_hold, presses, watcher_processes, watchers};
 use crate::process::Process;
 use crate::server::{PATIENCE, start_server};
 

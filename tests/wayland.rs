@@ -10,6 +10,7 @@
     reason = "deadlines of a test read the clock"
 )]
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -19,6 +20,11 @@ use anyhow::{Context, Result, ensure};
 use gelpad::types::Key;
 use libtest_mimic::{Arguments, Failed, Trial};
 use rustix::process::{Pid, Signal, kill_process};
+
+#[path = "kills/adversary.rs"]
+mod adversary;
+
+use crate::adversary::{Random, processes_with};
 
 /// Longest wait for each step, for a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
@@ -244,7 +250,7 @@ type KeyEvent = (u32, bool, u32);
 
 /// The key events in wev's log, each once: wev binds the keyboard more than once.
 fn key_events(wev: &str) -> Vec<KeyEvent> {
-    let mut serials = Vec::new();
+    let mut serials = BTreeSet::new();
     let lines = wev.lines();
     let lines = lines.filter(|line| line.contains("wl_keyboard] key:"));
     lines
@@ -257,10 +263,9 @@ fn key_events(wev: &str) -> Vec<KeyEvent> {
                 after[..end].parse().ok()
             };
             let serial: u32 = number("serial:")?;
-            if serials.contains(&serial) {
+            if !serials.insert(serial) {
                 return None;
             }
-            serials.push(serial);
             Some((
                 number("; key:")?,
                 line.contains("(pressed)"),
@@ -361,36 +366,73 @@ fn killed_and_stopped(home: &Home) -> Result<()> {
     Ok(())
 }
 
-/// Endings that an adversary would choose; `GELPAD_ENDINGS` sets their number.
+/// Endings that an adversary would choose; `GELPAD_ENDINGS` sets their number, `GELPAD_SEED` the draws.
 fn endings(home: &Home) -> Result<()> {
     let count = std::env::var("GELPAD_ENDINGS").ok();
-    let count = count.and_then(|text| text.parse().ok()).unwrap_or(5);
+    let count: usize = count.and_then(|text| text.parse().ok()).unwrap_or(8);
     let (sway, wev, display) = home.sway()?;
     let profile = profile("output = \"key:f\"");
     let script = "t:300 down 1 50 50\nt:600000 end\n";
-    let last = || {
-        let events = key_events(&wev.said());
-        events.last().map(|(_, is_down, _)| *is_down)
+    let watchers = || processes_with(&format!("WAYLAND_DISPLAY={display}"), &["watch", "guard"]);
+    let kill = |pid: i32| -> Result<()> {
+        // It may be gone already.
+        let _ = Pid::from_raw(pid).map(|pid| kill_process(pid, Signal::KILL));
+        Ok(())
     };
-    let until = |is_down| wait(|| Ok((last() == Some(is_down)).then_some(())));
+    let any_down = || {
+        let mut down = BTreeSet::new();
+        for (code, is_down, _) in key_events(&wev.said()) {
+            match is_down {
+                true => down.insert(code),
+                false => down.remove(&code),
+            };
+        }
+        !down.is_empty()
+    };
+    let until = |is_down| wait(|| Ok((any_down() == is_down).then_some(())));
+    let seed = std::env::var("GELPAD_SEED").ok();
+    let mut random = Random(seed.and_then(|text| text.parse().ok()).unwrap_or(1));
+    let pause = |random: &mut Random, most_ms| Duration::from_millis(random.below(most_ms).into());
     for round in 0..count {
         let gelpad = home.gelpad(&display, &profile, script)?;
         until(true).with_context(|| format!("ending {round}: the press"))?;
-        match round % 5 {
+        match round % 8 {
             0 => gelpad.signal(Signal::KILL)?,
             1 => gelpad.signal(Signal::TERM)?,
             2 => gelpad.signal(Signal::SEGV)?,
             3 => {
                 gelpad.signal(Signal::STOP)?;
-                std::thread::sleep(Duration::from_millis(37 * (round % 50)));
+                std::thread::sleep(pause(&mut random, 2 * 1000));
                 gelpad.signal(Signal::KILL)?;
             }
-            _ => {
+            4 => {
                 // The compositor stalls while gelpad ends.
                 sway.signal(Signal::STOP)?;
                 gelpad.signal(Signal::TERM)?;
-                std::thread::sleep(Duration::from_millis(50 * (round % 70)));
+                std::thread::sleep(pause(&mut random, 3500));
                 sway.signal(Signal::CONT)?;
+            }
+            5 => {
+                // A watcher dies before gelpad, ...
+                let watcher = watchers().into_iter().nth(random.below(2) as usize);
+                kill(watcher.context("a watcher")?)?;
+                std::thread::sleep(pause(&mut random, 1000));
+                gelpad.signal(Signal::KILL)?;
+            }
+            6 => {
+                // ... or all of them with it.
+                watchers().into_iter().try_for_each(kill)?;
+                gelpad.signal(Signal::KILL)?;
+            }
+            _ => {
+                // Its profile is saved over and over.
+                for version in 0..10 {
+                    let key = ["g", "h", "f"][version % 3];
+                    let text = profile.replace("key:f", &format!("key:{key}"));
+                    fs::write(home.path("keys.toml"), text)?;
+                    std::thread::sleep(pause(&mut random, 60));
+                }
+                gelpad.signal(Signal::TERM)?;
             }
         }
         until(false).with_context(|| format!("ending {round}: a key is stuck"))?;

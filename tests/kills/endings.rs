@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, ensure};
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::gelpad::{Gelpad, Random, watcher_processes};
+use crate::adversary::Random;
+use crate::gelpad::{Gelpad, watcher_processes};
 use crate::server::PATIENCE;
 use crate::signals::{FATAL, HANDLED};
 use crate::{RELEASED, STOPPED, Stage};
@@ -191,7 +192,7 @@ fn one(stage: &Stage, kind: Kind, random: &mut Random) -> Result<()> {
 }
 
 /// A profile that presses another key in each version.
-fn storm_profile(version: usize) -> String {
+pub fn storm_profile(version: usize) -> String {
     let key = ["f", "g", "h"][version % 3];
     format!(
         "schema = 1\nname = \"storm\"\n[[region]]\nname = \"all\"\nx = 0\ny = 0\nw = 1\nh = 1\n\

@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use rustix::process::{Pid, Signal, kill_process};
+
+use crate::adversary::{Random, processes_with};
 
 /// Places of the regions left, right, jump and run of super-mario, mm.
 const PLACES: [(u32, u32); 4] = [(13, 57), (37, 57), (80, 50), (75, 9)];
@@ -112,19 +114,6 @@ pub fn presses(random: &mut Random) -> String {
     script
 }
 
-/// A pseudo-random sequence that is the same in each run (Knuth's LCG).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn below(&mut self, end: u32) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) % u64::from(end)) as u32
-    }
-}
-
 /// Process ids of the first watcher of each gelpad on a display.
 pub fn watchers(display: &str) -> Vec<i32> {
     watcher_processes(display, &["watch"])
@@ -132,23 +121,5 @@ pub fn watchers(display: &str) -> Vec<i32> {
 
 /// Process ids of the watchers with certain names on a display.
 pub fn watcher_processes(display: &str, names: &[&str]) -> Vec<i32> {
-    let wanted = format!("DISPLAY={display}");
-    let entries = fs::read_dir("/proc").into_iter().flatten().flatten();
-    let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    pids.filter(|pid: &i32| {
-        let folder = PathBuf::from(format!("/proc/{pid}"));
-        let words = |name: &str| {
-            let bytes = fs::read(folder.join(name)).unwrap_or_default();
-            let words = bytes.split(|byte| *byte == 0);
-            words
-                .map(|word| String::from_utf8_lossy(word).into_owned())
-                .collect::<Vec<_>>()
-        };
-        let command = words("cmdline");
-        let is_watcher = command
-            .get(1)
-            .is_some_and(|word| names.contains(&word.as_str()));
-        is_watcher && words("environ").contains(&wanted)
-    })
-    .collect()
+    processes_with(&format!("DISPLAY={display}"), names)
 }

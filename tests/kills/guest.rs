@@ -1,5 +1,7 @@
-//! Kills on a real kernel, which releases its devices itself: in a virtual machine
-//! (`scripts/run-in-guest.sh`).
+//! Endings on a real kernel, which releases the devices of a process that is gone: in a virtual machine
+//! (`scripts/run-in-guest.sh`). gelpad has no watchers there, since nothing outlives it.
+//!
+//! `GELPAD_GUEST_ENDINGS` sets how many are drawn.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,14 +10,37 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use rustix::process::Signal;
 
-use crate::gelpad::{Gelpad, Random, presses};
-use crate::{PATIENCE, RELEASED, summary};
+use crate::adversary::Random;
+use crate::endings::storm_profile;
+use crate::gelpad::{Gelpad, presses};
+use crate::signals::{FATAL, HANDLED};
+use crate::{PATIENCE, RELEASED, STOPPED, summary};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/run-in-guest.sh");
-/// Number of kills without `GELPAD_GUEST_KILLS`; the guest is slow.
-const SAMPLE: usize = 2;
-/// Time limit per kill in the guest, s: a start takes it some seconds.
+/// Number of endings without `GELPAD_GUEST_ENDINGS`: each kind once; the guest is slow.
+const SAMPLE: usize = KINDS.len();
+/// Time limit per ending in the guest, s: a start takes it some seconds.
 const LIMIT_S: usize = 60;
+
+/// A kind of ending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// A signal that gelpad can react to.
+    Signal,
+    /// A signal that ends the process.
+    Crash,
+    /// Stopped, and killed some time later.
+    Stopped,
+    /// Ends while its profile is saved over and over.
+    InAStormOfReloads,
+}
+
+const KINDS: [Kind; 4] = [
+    Kind::Signal,
+    Kind::Crash,
+    Kind::Stopped,
+    Kind::InAStormOfReloads,
+];
 
 /// Why no guest can run here, if so.
 pub fn missing() -> Option<String> {
@@ -51,25 +76,33 @@ pub fn killed() -> Result<()> {
 }
 
 fn count() -> usize {
-    let kills = std::env::var("GELPAD_GUEST_KILLS").ok();
-    kills.and_then(|text| text.parse().ok()).unwrap_or(SAMPLE)
+    let endings = std::env::var("GELPAD_GUEST_ENDINGS").ok();
+    let endings = endings.and_then(|text| text.parse().ok());
+    endings.unwrap_or(SAMPLE)
 }
 
-/// Kills gelpad while keys are held on the kernel's keyboard; measures how long until the device is gone.
+/// Ends gelpad while keys are held on the kernel's keyboard; measures how long until they are up.
 pub fn inside() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let mut times = Vec::new();
     for round in 0..count() {
-        times
-            .push(kill_once(folder.path(), round as u64).with_context(|| format!("kill {round}"))?);
+        let kind = KINDS[round % KINDS.len()];
+        let took = end_once(folder.path(), kind, round as u64);
+        times.push(took.with_context(|| format!("ending {round}, {kind:?}"))?);
     }
     println!("in the guest: {}", summary(&mut times));
     Ok(())
 }
 
-fn kill_once(folder: &Path, seed: u64) -> Result<Duration> {
+fn end_once(folder: &Path, kind: Kind, seed: u64) -> Result<Duration> {
     let mut random = Random(seed);
-    let mut gelpad = Gelpad::play_by("gamepad", folder, "", &presses(&mut random), "super-mario")?;
+    let storm = folder.join("storm.toml");
+    std::fs::write(&storm, storm_profile(0))?;
+    let profile = match kind {
+        Kind::InAStormOfReloads => storm.display().to_string(),
+        _ => "super-mario".to_owned(),
+    };
+    let mut gelpad = Gelpad::play_by("gamepad", folder, "", &presses(&mut random), &profile)?;
     let keyboard = wait(|| {
         let mut devices = evdev::enumerate().map(|(_, device)| device);
         Ok(devices.find(|device| device.name() == Some("gelpad keyboard")))
@@ -78,7 +111,26 @@ fn kill_once(folder: &Path, seed: u64) -> Result<Duration> {
     wait(is_down)?;
     std::thread::sleep(Duration::from_millis(random.below(400).into()));
     wait(is_down)?;
-    gelpad.signal(Signal::KILL)?;
+    let pick = |random: &mut Random, signals: &[Signal]| {
+        signals[random.below(signals.len() as u32) as usize]
+    };
+    match kind {
+        Kind::Signal => gelpad.signal(pick(&mut random, &HANDLED))?,
+        Kind::Crash => gelpad.signal(pick(&mut random, &FATAL))?,
+        Kind::Stopped => {
+            gelpad.signal(Signal::STOP)?;
+            let pause_ms = random.below(2 * STOPPED.as_millis() as u32);
+            std::thread::sleep(Duration::from_millis(pause_ms.into()));
+            gelpad.signal(Signal::KILL)?;
+        }
+        Kind::InAStormOfReloads => {
+            for version in 1..10 {
+                std::fs::write(&storm, storm_profile(version))?;
+                std::thread::sleep(Duration::from_millis(random.below(60).into()));
+            }
+            gelpad.signal(pick(&mut random, &[Signal::TERM, Signal::KILL]))?;
+        }
+    }
     let start = Instant::now();
     // A device that is gone holds nothing; until then its keys are read.
     while keyboard
