@@ -31,6 +31,7 @@ pub mod record;
 pub mod regions;
 pub mod repaint_rate;
 mod request;
+mod screen_reader;
 pub mod setup;
 pub mod signals;
 pub mod still;
@@ -66,6 +67,12 @@ pub struct WindowOptions {
     pub interrupted: Box<dyn Fn() -> bool>,
 }
 
+/// Adds what every pass needs to a context: fonts, and what screen readers are told. Call before the first pass.
+pub fn prepare_context(ctx: &egui::Context) {
+    theme::install_fonts(ctx);
+    ctx.add_plugin(screen_reader::ScreenReaderTree);
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
@@ -95,7 +102,7 @@ pub fn open(opening: WindowOptions) -> Result<(), WindowError> {
             options,
             Box::new(move |creation| {
                 quiet.restore();
-                theme::install_fonts(&creation.egui_ctx);
+                prepare_context(&creation.egui_ctx);
                 app.start_waker(&creation.egui_ctx)?;
                 app.play(opening.arguments.apply(app.last_game()));
                 Ok(Box::new(Window {

@@ -139,9 +139,9 @@ fn a_drag_is_one_step_of_undo_and_redo() {
     drag(&mut stage, (0.80, 0.50), (0.70, 0.50));
     let after = text(&mut stage);
     assert_ne!(before, after);
-    stage.button("⟲ Undo");
+    stage.button("Undo");
     assert_eq!(text(&mut stage), before);
-    stage.button("⟳ Redo");
+    stage.button("Redo");
     assert_eq!(text(&mut stage), after);
 }
 
@@ -171,7 +171,7 @@ fn a_shipped_profile_is_saved_as_a_copy_that_is_played() {
     assert_eq!(names[0], "name = \"my-super-mario\"");
     let played = stage.services.last_request().expect("a start").profile;
     assert_eq!(played, path.display().to_string());
-    stage.button("⟲ Undo");
+    stage.button("Undo");
     let undone = stage.app().edit.text().expect("a text");
     let shipped = shipped_profile("super-mario").expect("shipped").toml;
     let renamed = shipped.replacen("name = \"super-mario\"", "name = \"my-super-mario\"", 1);
@@ -206,7 +206,7 @@ fn a_cell_of_a_grid_is_moved_after_the_grid_is_separated() {
     assert!(stage.shows("Separate the cells?"), "{:?}", stage.window);
     stage.button("Separate");
     assert!(stage.app().edit.is_unsaved());
-    assert!(!stage.shows("✖"), "no mistakes: {:?}", stage.window);
+    assert!(!stage.shows("error:"), "no mistakes: {:?}", stage.window);
     drag(&mut stage, (0.25, 0.75), (0.35, 0.65));
     assert!(!stage.shows("Separate the cells?"), "asked once");
     let text = stage.app().edit.text().expect("a text");

@@ -40,7 +40,7 @@ fn a_text_with_a_mistake_is_marked_and_not_saved() {
         "Text of the profile",
         "name = \"p\"\n[[region]\n",
     );
-    assert!(stage.shows("✖ line 2"), "{:?}", stage.window);
+    assert!(stage.shows("error: line 2"), "{:?}", stage.window);
     stage.app().edit.select_region("jump");
     stage
         .window
@@ -54,7 +54,10 @@ fn gesture_and_mode_are_chosen_and_their_diagram_is_shown() {
     let (mut stage, path) = stage();
     stage.app().edit.select_region("jump");
     stage.steps(3);
-    stage.window.get_by_label_contains("→ $a").click_accesskit();
+    stage
+        .window
+        .get_by_label_contains("press to $a")
+        .click_accesskit();
     stage.steps(20);
     for (list, entry, diagram) in [
         ("gesture", "double-tap", "double-tap  ____"),

@@ -48,7 +48,7 @@ impl Stage {
         app.tab = tab;
         let mut window = Harness::builder()
             .with_size(size)
-            .with_context_setup(gelpad::gui::theme::install_fonts)
+            .with_context_setup(gelpad::gui::prepare_context)
             .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
         window.run_steps(3);
         Self { window, services }

@@ -212,7 +212,7 @@ fn large_text_in_a_small_window_cuts_nothing() {
         "{pad:?}"
     );
     let stage = Stage::with_view(Tab::SetUp, [400.0, 300.0]);
-    for label in ["5 Personal settings", "7 Output", "Next ▶"] {
+    for label in ["5 Personal settings", "7 Output", "Next"] {
         let rect = stage.button_rect(label);
         assert!(
             rect.bottom() <= 300.0 && rect.right() <= 400.0,

@@ -109,7 +109,7 @@ fn a_gamer_without_a_pad_sends_keys_in_two_clicks_and_jumps_with_the_third() {
     let mut walk = Walk::start();
     walk.click(Role::Button, "Send to my game");
     assert_eq!(walk.played().output, OutputChoice::Auto);
-    walk.click(Role::Button, "🗖 Pad window");
+    walk.click(Role::Button, "Pad window");
     assert!(walk.stage.app().pad_window.open);
     assert!(walk.actions < 3);
 }
@@ -197,15 +197,15 @@ fn a_shaking_hand_gets_large_buttons_and_its_own_settings_in_eight_clicks() {
 fn a_tester_records_replays_and_checks_in_six_clicks() {
     let mut walk = Walk::start();
     walk.click(Role::Tab, "Record");
-    walk.click(Role::Button, "⏺ Record");
+    walk.click(Role::Button, "Record");
     let file = walk.played().record.expect("a file");
     write_recording(&file);
     *walk.stage.services.tape.lock().expect("no panic") = Some(timeline());
     walk.stage.app().playing.request.record = Some(file.clone());
     walk.stage.steps(2);
-    walk.click(Role::Button, "⏺ recording: stop");
+    walk.click(Role::Button, "recording: stop");
     assert_eq!(walk.played().record, None);
-    walk.click(Role::Button, "▶ session-001");
+    walk.click(Role::Button, "session-001");
     walk.stage
         .wait_until(|stage| stage.has_label("Save expected events"));
     walk.click(Role::Button, "Save expected events");
