@@ -14,7 +14,10 @@ trap 'kill "${started[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf
 
 Xvfb -displayfd 3 -noreset -screen 0 640x480x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
 started+=($!)
-until [ -s "$work/display" ]; do sleep 0.1; done
+until [ -s "$work/display" ]; do
+  kill -0 "${started[0]}" 2>/dev/null || { echo "Xvfb did not start" >&2; exit 1; }
+  sleep 0.1
+done
 DISPLAY=:$(cat "$work/display")
 export DISPLAY XDG_CONFIG_HOME=$work
 # Presses of 40 to 200 ms, three a second.

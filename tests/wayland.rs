@@ -373,7 +373,9 @@ fn endings(home: &Home) -> Result<()> {
     let (sway, wev, display) = home.sway()?;
     let profile = profile("output = \"key:f\"");
     let script = "t:300 down 1 50 50\nt:600000 end\n";
-    let watchers = || processes_with(&format!("WAYLAND_DISPLAY={display}"), &["watch", "guard"]);
+    // Displays of other sessions have the same name.
+    let own = format!("XDG_RUNTIME_DIR={}", home.folder.path().display());
+    let watchers = || processes_with(&own, &["watch", "guard"]);
     let kill = |pid: i32| -> Result<()> {
         // It may be gone already.
         let _ = Pid::from_raw(pid).map(|pid| kill_process(pid, Signal::KILL));
@@ -394,7 +396,7 @@ fn endings(home: &Home) -> Result<()> {
     let mut random = Random(seed.and_then(|text| text.parse().ok()).unwrap_or(1));
     let pause = |random: &mut Random, most_ms| Duration::from_millis(random.below(most_ms).into());
     for round in 0..count {
-        let gelpad = home.gelpad(&display, &profile, script)?;
+        let mut gelpad = home.gelpad(&display, &profile, script)?;
         until(true).with_context(|| format!("ending {round}: the press"))?;
         match round % 8 {
             0 => gelpad.signal(Signal::KILL)?,
@@ -435,7 +437,10 @@ fn endings(home: &Home) -> Result<()> {
                 gelpad.signal(Signal::TERM)?;
             }
         }
+        gelpad.code().with_context(|| format!("ending {round}"))?;
         until(false).with_context(|| format!("ending {round}: a key is stuck"))?;
+        std::thread::sleep(Duration::from_millis(100));
+        ensure!(!any_down(), "ending {round}: a key is down again");
     }
     eprintln!("\n{count} endings on Wayland, no key stuck");
     Ok(())

@@ -289,7 +289,7 @@ impl App {
         let is_column = body.width() < theme::COLUMN;
         let smallest = match self.tab {
             // These have a layout of their own for narrow windows.
-            Tab::Play | Tab::SetUp if is_column => Vec2::ZERO,
+            Tab::Play | Tab::Edit | Tab::SetUp | Tab::Signals if is_column => Vec2::ZERO,
             Tab::Play | Tab::Edit | Tab::SetUp | Tab::Signals => MIN_PAGE.0,
             Tab::Practice | Tab::Record | Tab::Comfort => MIN_PAGE.1,
         };

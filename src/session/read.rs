@@ -77,6 +77,8 @@ pub struct Reader<R> {
     waiting: Option<u8>,
     /// Whether the recording is packed.
     has_chunks: bool,
+    /// Whether the header names gelpad.
+    is_ours: bool,
     version: Option<String>,
     setup: SetupParts,
     attachment: Option<(String, Vec<u8>)>,
@@ -122,6 +124,7 @@ impl<R: Read + Seek> Reader<R> {
             chunk: VecDeque::new(),
             waiting: None,
             has_chunks: false,
+            is_ours: false,
             version: None,
             setup: SetupParts::default(),
             attachment: None,
@@ -167,6 +170,9 @@ impl<R: Read + Seek> Reader<R> {
     fn read_setup(&mut self) -> Result<SetupParts, ReadError> {
         while let Some(code) = self.next_record()? {
             match code {
+                op::MESSAGE | op::CHUNK if self.salvaging && !self.is_readable(code) => {
+                    self.skip_damage("a message within the setup".to_owned())?;
+                }
                 op::MESSAGE | op::CHUNK | op::DATA_END | op::FOOTER => {
                     self.waiting = Some(code);
                     break;
@@ -177,7 +183,10 @@ impl<R: Read + Seek> Reader<R> {
         let parts = std::mem::take(&mut self.setup);
         match &self.version {
             // The record of the version may be what is damaged.
-            None if self.salvaging && parts != SetupParts::default() => {
+            None if self.salvaging
+                && (self.losses > 0 || self.is_ours)
+                && parts != SetupParts::default() =>
+            {
                 self.report_damage("the format's version cannot be read".to_owned())?;
             }
             None => return Err(ReadError::NotOurs),
@@ -191,6 +200,19 @@ impl<R: Read + Seek> Reader<R> {
             }
         }
         Ok(parts)
+    }
+
+    /// Whether the first message or chunk can be read: the kind of another record may be damaged.
+    fn is_readable(&self, code: u8) -> bool {
+        let body = &self.records.body;
+        if code == op::CHUNK {
+            return records::unpack_chunk(body).is_ok();
+        }
+        let message = records::parse_message(body).and_then(|(id, _, payload)| {
+            let topic = self.topic_of(id)?;
+            Message::from_json(&topic, payload, &mut VoltsDecoder::default()).ok()
+        });
+        message.is_some()
     }
 
     /// Takes a record that is neither a message nor a chunk.
@@ -225,15 +247,20 @@ impl<R: Read + Seek> Reader<R> {
                 Ok(())
             }
             op::CHANNEL => match records::parse_channel(&self.records.body) {
-                Some((id, topic)) => {
-                    self.add_topic(id, topic);
-                    Ok(())
-                }
-                None => self.skip_damage("a channel is damaged".to_owned()),
+                Some((id, topic)) if self.add_topic(id, &topic) => Ok(()),
+                _ => self.skip_damage("a channel is damaged".to_owned()),
             },
+            op::HEADER if self.records.is_first() => {
+                match records::parse_header(&self.records.body) {
+                    Some(profile) => {
+                        self.is_ours = profile == FORMAT;
+                        Ok(())
+                    }
+                    None => self.skip_damage("the header is damaged".to_owned()),
+                }
+            }
             // For other tools.
-            op::SCHEMA => Ok(()),
-            op::HEADER if self.records.is_first() => Ok(()),
+            op::SCHEMA if records::is_schema(&self.records.body) => Ok(()),
             op::MESSAGE_INDEX
                 if self.has_chunks && records::is_message_index(&self.records.body) =>
             {
@@ -252,7 +279,7 @@ impl<R: Read + Seek> Reader<R> {
                 match code {
                     op::CHANNEL => {
                         if let Some((id, topic)) = records::parse_channel(&body) {
-                            self.add_topic(id, topic);
+                            self.add_topic(id, &topic);
                         }
                     }
                     op::MESSAGE => {
@@ -316,10 +343,15 @@ impl<R: Read + Seek> Reader<R> {
         Ok(None)
     }
 
-    fn add_topic(&mut self, id: u16, topic: String) {
-        if self.topics.len() < MOST_CHANNELS {
-            self.topics.insert(id, topic);
+    /// Adds a channel; whether it may have this topic, which never changes.
+    fn add_topic(&mut self, id: u16, topic: &str) -> bool {
+        if let Some(known) = self.topics.get(&id) {
+            return known == topic;
         }
+        if self.topics.len() < MOST_CHANNELS {
+            self.topics.insert(id, topic.to_owned());
+        }
+        true
     }
 
     /// Parses a message; `None` for an unknown topic.

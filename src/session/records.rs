@@ -110,19 +110,16 @@ impl<R: Read + Seek> Records<R> {
                             Err(RecordError::Cut { bytes })
                         };
                     }
-                    self.file
-                        .read_exact(self.reader.insert(need))
-                        .map_err(RecordError::Io)?;
+                    let bytes = self.reader.insert(need);
+                    self.file.read_exact(bytes).map_err(RecordError::Io)?;
+                    // Before what follows the head is read: a forged file has many long ones.
+                    if self.fed == self.offset {
+                        check_head(bytes)?;
+                    }
                     self.reader.notify_read(need);
                     self.fed += need as u64;
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
-                    if !is_possible(opcode, data.len() as u64) {
-                        let (why, length) = ("there is no record of kind", data.len());
-                        return Err(RecordError::Damaged {
-                            why: format!("{why} {opcode} with {length} bytes"),
-                        });
-                    }
                     self.body.clear();
                     self.body.extend_from_slice(data);
                     self.start = self.offset;
@@ -230,6 +227,17 @@ impl<R: Read + Seek> Records<R> {
     }
 }
 
+/// Refuses the first bytes of a record that cannot be one.
+fn check_head(bytes: &[u8]) -> Result<(), RecordError> {
+    let mut head = ByteReader::new(bytes);
+    match (head.u8(), head.u64()) {
+        (Some(code), Some(length)) if !is_possible(code, length) => Err(RecordError::Damaged {
+            why: format!("there is no record of kind {code} with {length} bytes"),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Whether there are records of a kind with bodies of a length, in bytes.
 fn is_possible(code: u8, length: u64) -> bool {
     match code {
@@ -297,12 +305,33 @@ pub(super) fn is_message_index(body: &[u8]) -> bool {
     length.is_some_and(|length| length as usize == body.rest().len())
 }
 
+/// Parses the header: the profile of the file.
+pub(super) fn parse_header(body: &[u8]) -> Option<&str> {
+    let mut body = ByteReader::new(body);
+    let (profile, _library) = (body.text()?, body.text()?);
+    body.rest().is_empty().then_some(profile)
+}
+
+/// Whether a body is that of a schema: id, name, encoding and text.
+pub(super) fn is_schema(body: &[u8]) -> bool {
+    let mut body = ByteReader::new(body);
+    let mut parse = || {
+        let (_id, _name, _encoding) = (body.u16()?, body.text()?, body.text()?);
+        let count = body.count()?;
+        body.bytes(count)
+    };
+    parse().is_some() && body.rest().is_empty()
+}
+
 /// Parses a channel: id and topic.
 pub(super) fn parse_channel(body: &[u8]) -> Option<(u16, String)> {
     let mut body = ByteReader::new(body);
     let id = body.u16()?;
     let _schema = body.u16()?;
-    Some((id, body.text()?.to_owned()))
+    let (topic, _encoding) = (body.text()?, body.text()?);
+    let count = body.count()?;
+    body.bytes(count)?;
+    (body.rest().is_empty() && !topic.is_empty()).then(|| (id, topic.to_owned()))
 }
 
 /// Parses a message: channel id, time and payload.
@@ -337,11 +366,12 @@ pub(super) fn parse_metadata<'a>(
     let name = body.text()?;
     let count = body.count()?;
     let mut pairs = ByteReader::new(body.bytes(count)?);
+    let mut found = None;
     while !pairs.rest().is_empty() {
         let (key, value) = (pairs.text()?, pairs.text()?);
         if key == wanted {
-            return Some((name, Some(value)));
+            found = Some(value);
         }
     }
-    Some((name, None))
+    body.rest().is_empty().then_some((name, found))
 }

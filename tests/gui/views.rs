@@ -184,7 +184,8 @@ fn every_view_can_be_reached_with_large_text_in_a_small_window() {
 /// The same window: the list of views is complete, and nothing is cut at the right edge.
 #[test]
 fn large_text_in_a_small_window_cuts_nothing() {
-    for tab in [Tab::Play, Tab::SetUp, Tab::Comfort] {
+    let tabs = [Tab::Play, Tab::Edit, Tab::SetUp, Tab::Signals, Tab::Comfort];
+    for tab in tabs {
         let stage = Stage::with_view(tab, [400.0, 300.0]);
         for view in stage.window.query_all_by_role(Role::Tab) {
             let rect = view.rect();

@@ -4,10 +4,11 @@
 
 use std::fs;
 use std::io::Cursor;
+use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use gelpad::session::{Message, Reader};
+use gelpad::session::{Message, Reader, SetupParts};
 
 use crate::sessions::straight;
 use crate::{gelpad, said};
@@ -17,9 +18,9 @@ const CUTS: u64 = 4;
 /// Fewer frames cannot be replayed.
 const REFERENCE_FRAMES: u64 = 10;
 /// Op codes of records.
-const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const ATTACHMENT: u8 = 9;
+const DATA_END: u8 = 15;
 
 /// Kind, beginning and end of every record.
 fn records(bytes: &[u8]) -> Result<Vec<(u8, usize, usize)>> {
@@ -145,7 +146,8 @@ fn one_file(folder: &Path, whole: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// Every bit of the heads of records: a wrong length or kind costs the record, not those that follow, and is never silent.
+/// Every bit of the heads of records of every kind: a wrong length or kind costs the record, not those that follow, and is never
+/// silent.
 pub fn damaged_heads() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("s.mcap");
@@ -153,53 +155,74 @@ pub fn damaged_heads() -> Result<()> {
         straight(&path, if is_packed { 900 } else { 60 }, is_packed)?;
         let whole = fs::read(&path)?;
         let records = records(&whole)?;
-        let (all, _) = readable(&whole)?;
-        let of_kind = |kind: u8| records.iter().filter(move |(code, ..)| *code == kind);
-        let hit = match is_packed {
-            true => of_kind(CHUNK).nth(1).context("a second chunk")?,
-            false => of_kind(MESSAGE).nth(20).context("a message")?,
-        };
-        let attachment = of_kind(ATTACHMENT).nth(1).context("an attachment")?;
-        let mut without = whole.clone();
-        without.drain(hit.1..hit.2);
-        let (least, _) = readable(&without)?;
-        for (start, least) in [(hit.1, least), (attachment.1, all)] {
-            for bit in 0..9 * 8 {
-                let mut bytes = whole.clone();
-                bytes[start + bit / 8] ^= 1 << (bit % 8);
-                let (frames, losses) = readable(&bytes).with_context(|| format!("bit {bit}"))?;
-                ensure!(
-                    frames >= least,
-                    "bit {bit} of the head at byte {start}: {frames} of {all} frames, at least {least}"
-                );
-                ensure!(
-                    losses > 0,
-                    "bit {bit} of the head at byte {start}: no loss is reported"
-                );
-                let strict = Reader::open(Cursor::new(&bytes)).and_then(|(mut reader, _)| {
-                    while reader.next()?.is_some() {}
-                    Ok(reader.is_whole())
-                });
-                ensure!(
-                    !matches!(strict, Ok(true)),
-                    "bit {bit} of the head at byte {start} is read as a whole recording"
-                );
+        let intact = readable(&whole)?.parts;
+        // A file that was not closed has no end of its data, and no index after it.
+        let data_end = records.iter().position(|(code, ..)| *code == DATA_END);
+        let data = &records[..data_end.map_or(records.len(), |last| last + 1)];
+        for code in 1..=DATA_END {
+            let of_kind: Vec<_> = data.iter().filter(|(kind, ..)| *kind == code).collect();
+            let first_and_last = [of_kind.first(), of_kind.last()];
+            for (_, start, end) in first_and_last.into_iter().flatten() {
+                flip_head(&whole, &intact, *start..*end)
+                    .with_context(|| format!("kind {code}, packed: {is_packed}"))?;
             }
         }
     }
     Ok(())
 }
 
-/// Frames that can be read of a damaged recording, and losses.
-fn readable(bytes: &[u8]) -> Result<(u64, u64)> {
-    let (mut reader, _) = Reader::salvage(Cursor::new(bytes))?;
+fn flip_head(whole: &[u8], intact: &SetupParts, record: Range<usize>) -> Result<()> {
+    let mut without = whole.to_vec();
+    without.drain(record.clone());
+    let least = readable(&without)?;
+    for bit in 0..9 * 8 {
+        let mut bytes = whole.to_vec();
+        bytes[record.start + bit / 8] ^= 1 << (bit % 8);
+        let read = readable(&bytes).with_context(|| format!("bit {bit}"))?;
+        ensure!(
+            read.frames >= least.frames,
+            "bit {bit}: {} frames, not {}",
+            read.frames,
+            least.frames
+        );
+        ensure!(read.losses > 0, "bit {bit}: no loss is reported");
+        ensure!(
+            read.parts == least.parts || read.parts == *intact,
+            "bit {bit}: other parts of the setup"
+        );
+        let strict = Reader::open(Cursor::new(&bytes)).and_then(|(mut reader, _)| {
+            while reader.next()?.is_some() {}
+            Ok(reader.is_whole())
+        });
+        ensure!(
+            !matches!(strict, Ok(true)),
+            "bit {bit}: read as a whole recording"
+        );
+    }
+    Ok(())
+}
+
+/// What can be read of a damaged recording.
+struct Readable {
+    frames: u64,
+    losses: u64,
+    parts: SetupParts,
+}
+
+fn readable(bytes: &[u8]) -> Result<Readable> {
+    let (mut reader, parts) = Reader::salvage(Cursor::new(bytes))?;
     let mut frames = 0;
     while let Some(message) = reader.next()? {
         if let Message::Frames(block) = message {
             frames += block.len() as u64;
         }
     }
-    Ok((frames, reader.losses().0))
+    let losses = reader.losses().0;
+    Ok(Readable {
+        frames,
+        losses,
+        parts,
+    })
 }
 
 /// A table that cannot be read is solved again from the pad, which is said.

@@ -88,6 +88,22 @@ fn claiming(code: u8, length: u64, body: &[u8]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Two megabytes of records of a kind, each with a length of half of what follows, and before each of them three short ones, so that
+/// it looks like the next record of a file.
+fn nested_claims(kind: u8) -> Vec<u8> {
+    const LENGTH: usize = 2 << 20;
+    let mut bytes = vec![0];
+    while bytes.len() < LENGTH {
+        for _ in 0..3 {
+            bytes.extend_from_slice(&[3, 1, 0, 0, 0, 0, 0, 0, 0, 0]);
+        }
+        bytes.push(kind);
+        let claimed = (LENGTH.saturating_sub(bytes.len()) / 2) as u64;
+        bytes.extend_from_slice(&claimed.to_le_bytes());
+    }
+    bytes
+}
+
 /// The body of a chunk that claims these sizes.
 fn chunk(claimed: u64, packed: &[u8]) -> Vec<u8> {
     let mut body = chunk_head(claimed, "zstd", packed.len() as u64);
@@ -157,6 +173,11 @@ pub fn refused() -> Result<()> {
             claiming(6, beyond.len() as u64, &beyond)?,
         ),
         ("attachment_of_nothing", claiming(9, 5, b"12345")?),
+        (
+            "records_of_no_kind_in_each_other",
+            claiming(3, 1, &nested_claims(0x50))?,
+        ),
+        ("messages_in_each_other", claiming(3, 1, &nested_claims(5))?),
     ];
     for (name, bytes) in files {
         let path = folder.path().join(format!("{name}.mcap"));

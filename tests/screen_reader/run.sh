@@ -18,8 +18,12 @@ dbus-run-session -- bash -euo pipefail -c '
   trap "kill $player $launcher 2>/dev/null || true" EXIT
   # As a screen reader does when it starts.
   for name in IsEnabled ScreenReaderEnabled; do
+    deadline=$((SECONDS + 60))
     until dbus-send --session --print-reply --dest=org.a11y.Bus /org/a11y/bus org.freedesktop.DBus.Properties.Set \
-      string:org.a11y.Status "string:$name" variant:boolean:true >/dev/null 2>&1; do sleep 0.1; done
+      string:org.a11y.Status "string:$name" variant:boolean:true >/dev/null 2>&1; do
+      [ $SECONDS -le $deadline ] || { echo "the accessibility bus did not start" >&2; exit 1; }
+      sleep 0.1
+    done
   done
-  /usr/bin/python3 "$walk" || { cat "$XDG_RUNTIME_DIR/said" >&2; exit 1; }
+  timeout 600 /usr/bin/python3 "$walk" || { cat "$XDG_RUNTIME_DIR/said" >&2; exit 1; }
 '

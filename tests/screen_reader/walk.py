@@ -18,7 +18,7 @@ from gi.repository import Atspi, GLib
 
 Atspi.init()
 State = Atspi.StateType
-PATIENCE_S = 30
+PATIENCE_S = 60
 # What moves the focus elsewhere or does nothing by itself.
 CONTROLS = {"push button", "toggle button", "page tab", "check box", "radio button", "combo box", "slider", "spin button", "text", "entry", "canvas"}
 mistakes = []
@@ -63,6 +63,19 @@ def has(node, state):
     return node.get_state_set().contains(state)
 
 
+def retried(check, *arguments):
+    """A check that is made again if a node was gone, or an answer took too long, meanwhile."""
+    for _ in range(5):
+        known = len(mistakes)
+        try:
+            return check(*arguments)
+        except GLib.GError as error:
+            del mistakes[known:]
+            print(f"again: {error}")
+            time.sleep(1)
+    sys.exit("the window does not answer")
+
+
 def said(node):
     return f"{node.get_role_name()} {node.get_name()!r}"
 
@@ -89,10 +102,16 @@ def focused(frame):
 def reached_by_tab(frame, controls):
     """Indices of the controls in the order in which Tab reaches them, until one comes again."""
     order = []
+    node = None
     for _ in range(2 * len(controls) + 10):
+        before = node
         key("Tab")
-        time.sleep(0.1)
-        node = wait(lambda: focused(frame), "focused control")
+
+        def moved():
+            now = focused(frame)
+            return now if now is not None and now != before else None
+
+        node = wait(moved, "control to which Tab moves the focus")
         index = next((index for index, one in enumerate(controls) if one == node), None)
         if index is None:
             continue
@@ -149,10 +168,10 @@ def main():
     expect(len(tabs) == 7, f"{len(tabs)} views")
     wait(lambda: any("100 frames/s" in node.get_name() for node in below(frame)), "frames")
     for tab in tabs:
-        check_view(frame, tab)
+        retried(check_view, frame, tab)
     tabs[0].do_action(0)
     wait(lambda: has(tabs[0], State.SELECTED), "first view")
-    check_pad(frame)
+    retried(check_pad, frame)
     report()
     sys.exit(1 if mistakes else 0)
 

@@ -27,7 +27,7 @@ mod timing;
 
 pub(super) use file::write_atomically;
 
-use egui::{Pos2, Ui};
+use egui::{Pos2, Rect, Ui, Vec2};
 
 pub use self::binding::BindStep;
 use self::document::{Document, EditError};
@@ -42,12 +42,15 @@ use super::picture::Picture;
 use super::play::UiAction;
 use super::playing::Playing;
 use super::request::GameContext;
+use super::theme;
 use crate::app::file_watch::FileWatcher;
 use crate::app::services::AppServices;
 use crate::profile::{Binding, Gesture, Profile, Shape};
 
 /// Width of the side panel: share of the window, minimum and maximum in points.
 const SIDE: (f32, f32, f32) = (0.34, 270.0, 400.0);
+/// Share of the height for the pad in a narrow window.
+const PAD_SHARE: f32 = 0.75;
 
 /// A region that is being dragged.
 #[derive(Clone, Debug)]
@@ -106,31 +109,75 @@ impl EditView {
         self.load_changes(game);
         self.update_binding(ui, game);
         let room = ui.available_rect_before_wrap();
-        let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
-        let pad_room = room.with_max_x(room.right() - side - 12.0);
-        let side_room = room.with_min_x(room.right() - side);
-        if self.text_editor.is_some() {
-            self.draw_text(ui, pad_room, game);
-        } else {
-            self.draw_canvas(ui, pad_room, playing, services);
-        }
+        let mut wish = match room.width() < theme::COLUMN {
+            true => self.draw_column(ui, room, playing, services),
+            false => self.draw_wide(ui, room, playing, services),
+        };
         let game = GameContext { playing, services };
-        let mut wish = None;
-        ui.scope_builder(egui::UiBuilder::new().max_rect(side_room), |ui| {
-            egui::ScrollArea::vertical()
-                .id_salt("edit side")
-                .auto_shrink(false)
-                .show(ui, |ui| {
-                    ui.set_width(side - 6.0);
-                    wish = self.draw_side(ui, game);
-                    follow_focus(ui);
-                });
-        });
         self.ask_about_grid(ui.ctx(), game);
         self.draw_chooser(ui.ctx(), game);
         wish = self.finish_file_dialog(ui.ctx(), game).or(wish);
         ui.advance_cursor_after_rect(room);
         wish
+    }
+
+    /// The pad and the cards beside each other.
+    fn draw_wide(
+        &mut self,
+        ui: &mut Ui,
+        room: Rect,
+        playing: &mut Playing,
+        services: &dyn AppServices,
+    ) -> Option<UiAction> {
+        let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
+        let pad_room = room.with_max_x(room.right() - side - 12.0);
+        let side_room = room.with_min_x(room.right() - side);
+        self.draw_pad_or_text(ui, pad_room, playing, services);
+        let game = GameContext { playing, services };
+        let mut side_ui = ui.new_child(egui::UiBuilder::new().max_rect(side_room));
+        let cards = egui::ScrollArea::vertical().id_salt("edit side");
+        let shown = cards.auto_shrink(false).show(&mut side_ui, |ui| {
+            ui.set_width(side - 6.0);
+            let wish = self.draw_side(ui, game);
+            follow_focus(ui);
+            wish
+        });
+        shown.inner
+    }
+
+    /// The same below each other.
+    fn draw_column(
+        &mut self,
+        ui: &mut Ui,
+        room: Rect,
+        playing: &mut Playing,
+        services: &dyn AppServices,
+    ) -> Option<UiAction> {
+        let column = egui::ScrollArea::vertical().id_salt("edit column");
+        let shown = column.auto_shrink(false).show(ui, |ui| {
+            let size = Vec2::new(ui.available_width(), room.height() * PAD_SHARE);
+            let (pad_room, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+            let mut pad_ui = ui.new_child(egui::UiBuilder::new().max_rect(pad_room));
+            self.draw_pad_or_text(&mut pad_ui, pad_room, playing, services);
+            let wish = self.draw_side(ui, GameContext { playing, services });
+            follow_focus(ui);
+            wish
+        });
+        shown.inner
+    }
+
+    fn draw_pad_or_text(
+        &mut self,
+        ui: &mut Ui,
+        room: Rect,
+        playing: &mut Playing,
+        services: &dyn AppServices,
+    ) {
+        if self.text_editor.is_some() {
+            self.draw_text(ui, room, GameContext { playing, services });
+        } else {
+            self.draw_canvas(ui, room, playing, services);
+        }
     }
 
     /// The edited text, if a profile is open.

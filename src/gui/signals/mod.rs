@@ -11,12 +11,15 @@ pub use self::health_table::health_table;
 pub use self::quantity::Quantity;
 
 use self::health::Health;
+use super::focus_ring::follow_focus;
 use super::picture::{Picture, PictureLayers};
 use super::playing::Playing;
 use super::theme;
 
 /// Width of the side panel: share of the window, minimum (that of its table) and maximum in points.
 const SIDE: (f32, f32, f32) = (0.32, 282.0, 400.0);
+/// Share of the height for the plot in a narrow window.
+const PLOT_SHARE: f32 = 0.75;
 
 /// The state of the view.
 #[derive(Default)]
@@ -33,6 +36,10 @@ impl SignalsView {
         let figures =
             health::from_signals(signals, &playing.first_reference, &playing.pad.protocol);
         let room = ui.available_rect_before_wrap();
+        if room.width() < theme::COLUMN {
+            self.column(ui, room, playing, &figures);
+            return;
+        }
         let side = (room.width() * SIDE.0).clamp(SIDE.1, SIDE.2);
         let plot_room = Rect::from_min_max(
             room.min,
@@ -40,12 +47,7 @@ impl SignalsView {
         );
         let side_room = Rect::from_min_max(egui::pos2(room.right() - side, room.top()), room.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(plot_room), |ui| {
-            ui.horizontal_wrapped(|ui| {
-                for quantity in Quantity::ALL {
-                    ui.selectable_value(&mut self.quantity, quantity, quantity.name());
-                }
-            });
-            ui.weak(self.quantity.about());
+            self.choose_quantity(ui);
             self.plot(ui, playing, &figures);
         });
         ui.scope_builder(egui::UiBuilder::new().max_rect(side_room), |ui| {
@@ -58,6 +60,30 @@ impl SignalsView {
                 });
         });
         ui.advance_cursor_after_rect(room);
+    }
+
+    /// The parts below each other.
+    fn column(&mut self, ui: &mut Ui, room: Rect, playing: &Playing, figures: &Health) {
+        let column = egui::ScrollArea::vertical().id_salt("signals column");
+        column.auto_shrink(false).show(ui, |ui| {
+            self.choose_quantity(ui);
+            let size = Vec2::new(ui.available_width(), room.height() * PLOT_SHARE);
+            let (plot_room, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+            ui.scope_builder(egui::UiBuilder::new().max_rect(plot_room), |ui| {
+                self.plot(ui, playing, figures);
+            });
+            self.side(ui, playing, figures);
+            follow_focus(ui);
+        });
+    }
+
+    fn choose_quantity(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            for quantity in Quantity::ALL {
+                ui.selectable_value(&mut self.quantity, quantity, quantity.name());
+            }
+        });
+        ui.weak(self.quantity.about());
     }
 
     fn plot(&self, ui: &mut Ui, playing: &Playing, figures: &Health) {
