@@ -10,7 +10,7 @@ use super::places::calibration_places;
 use super::play::{FirstUse, Game, PreparedGame};
 use super::profiles::{bases_of, check_text};
 use super::recording::ActiveRecording;
-use super::reload::ProfileReload;
+use super::reload::{ProfileReload, ReloadNotice};
 use super::services::{AppServices, OutputChoice, PlayRequest, StartError, Started, Watch};
 use super::table_solver::TableSolver;
 use super::texts::{pad_text, profile_text, user_text};
@@ -179,6 +179,14 @@ fn learn(pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), AppError> 
     Ok((path, summary))
 }
 
+/// The line for a reload. One that worked needs none: the window shows the profile that is played.
+fn line_of(notice: &ReloadNotice) -> Option<String> {
+    match notice {
+        ReloadNotice::Playing { .. } => None,
+        _ => Some(notice.to_string()),
+    }
+}
+
 /// Follows a game of the window.
 struct GameWatch {
     reload: Option<ProfileReload>,
@@ -187,12 +195,12 @@ struct GameWatch {
 }
 
 impl Watch for GameWatch {
-    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String)) {
+    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(Option<String>)) {
         if let Some(reload) = &mut self.reload {
-            reload.poll(running, &mut |notice| say(notice.to_string()));
+            reload.poll(running, &mut |notice| say(line_of(&notice)));
         }
         if let Some(identifier) = &mut self.identifier {
-            identifier.poll(running, say);
+            identifier.poll(running, &mut |notice| say(Some(notice)));
         }
     }
 
@@ -202,5 +210,21 @@ impl Watch for GameWatch {
             Some((summary, false)) => tracing::warn!("{summary}"),
             None => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reload_that_worked_takes_the_last_line_back() {
+        let played = ReloadNotice::Playing {
+            profile: "super-mario".to_owned(),
+            after_ms: 3.0,
+        };
+        assert_eq!(line_of(&played), None);
+        let refused = ReloadNotice::Unsupported("no mouse".to_owned());
+        assert!(line_of(&refused).is_some_and(|line| line.contains("no mouse")));
     }
 }

@@ -33,6 +33,10 @@ pub struct PortDiagnosis {
     pub format: Option<FormatChoice>,
     /// The shipped pad with this number of readings.
     pub pad: Option<&'static str>,
+    /// Number of readings in a frame, ...
+    pub readings: Option<usize>,
+    /// ... and the number of electrodes that they are recognised as.
+    pub electrodes: Option<usize>,
 }
 
 /// Listens to a port until it has sent frames for a while. Start commands are sent to a silent board.
@@ -60,6 +64,8 @@ pub fn diagnose(port: &str, board: BoardLine) -> Result<PortDiagnosis, SourceErr
         advice: (heard.frames == 0).then(|| advice(heard)),
         format,
         pad: heard.readings().and_then(fitting_pad),
+        readings: heard.readings(),
+        electrodes: heard.order().map(|(electrodes, _)| electrodes),
     })
 }
 

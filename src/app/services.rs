@@ -23,8 +23,8 @@ use crate::types::{PointMm, SourceErrors};
 
 /// Follows a running game: loads saved profiles, finishes the recording.
 pub trait Watch: Send {
-    /// Checks once for changes; `say` receives a line for the player.
-    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(String));
+    /// Checks once for changes; `say` receives a line for the player, or none when the last one no longer holds.
+    fn poll(&mut self, running: &mut RunningGame, say: &mut dyn FnMut(Option<String>));
 
     /// Finishes the recording after the threads of the game have ended.
     fn finish(&mut self) {}

@@ -33,6 +33,8 @@ pub struct Playing {
     pub output: String,
     /// The newest message for the player.
     pub notice: Option<String>,
+    /// Why the source skips what the board sends, before the first frame.
+    pub skip_reason: Option<String>,
     /// Time since the newest view, s.
     pub silent_s: f64,
     /// Why it ended, if it has.
@@ -60,6 +62,7 @@ impl Playing {
             fingers: Fingers::default(),
             output: "nothing".to_owned(),
             notice: None,
+            skip_reason: None,
             silent_s: 0.0,
             ended: None,
             unsent_commands: Vec::new(),
@@ -142,7 +145,7 @@ impl Playing {
         };
         if let Some(watch) = &mut self.watch {
             let notice = &mut self.notice;
-            watch.poll(running, &mut |message| *notice = Some(message));
+            watch.poll(running, &mut |message| *notice = message);
         }
         if let Some(hand) = &mut self.hand {
             hand.flush();
@@ -152,6 +155,10 @@ impl Playing {
         {
             running.send_command(PlayCommand::Table(table));
         }
+        self.skip_reason = match self.view.frames {
+            0 => running.skip_reason(),
+            _ => None,
+        };
         let newest = running.view();
         let is_new = newest.frames != self.view.frames
             || newest.events_so_far != self.view.events_so_far

@@ -133,6 +133,10 @@ fn silent_source(playing: &Playing, _: UiContext<'_>) -> Option<Problem> {
     }
     let source = playing.request.source_label();
     let text = match (&playing.request.source, playing.view.frames) {
+        (_, 0) if playing.skip_reason.is_some() => {
+            let reason = playing.skip_reason.as_deref().unwrap_or_default();
+            format!("{source}: {reason}")
+        }
         (SourceChoice::Serial(_), 0) => format!(
             "No data from {source} yet: is this the board's port, at {} baud, and does the board run?",
             playing.request.board.baud

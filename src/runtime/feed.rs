@@ -91,6 +91,9 @@ impl Feeder<'_> {
                         "skipped input that is not a frame ({skipped} so far): {reason}"
                     );
                 }
+                if let Ok(mut last) = self.status.skip_reason.lock() {
+                    *last = Some(reason);
+                }
                 self.engine.unpark();
             }
             SourceReading::Disconnected { reason } => {

@@ -24,8 +24,8 @@ mod view;
 mod wake;
 
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -122,6 +122,7 @@ pub struct SessionSummary {
 /// A game being played.
 pub struct RunningGame {
     stop: Arc<AtomicBool>,
+    status: Arc<SourceStatus>,
     commands: Producer<PlayCommand>,
     views: triple_buffer::Output<View>,
     waker: Arc<ViewWaker>,
@@ -163,6 +164,8 @@ struct SourceStatus {
     lost_frames: AtomicU64,
     /// The board is disconnected; the frames that are queued came before.
     is_disconnected: AtomicBool,
+    /// Why the last input was skipped. The engine does not read it.
+    skip_reason: Mutex<Option<String>>,
 }
 
 #[derive(Default)]
@@ -258,12 +261,14 @@ pub fn start_with_listeners(
     })?;
     let to_engine = engine.thread().clone();
     let stopping = Arc::clone(&stop);
+    let of_source = Arc::clone(&status);
     let source = spawn("source", move || {
         priority::raise();
-        source_thread(source, frames_in, &to_engine, &stopping, &status)
+        source_thread(source, frames_in, &to_engine, &stopping, &of_source)
     })?;
     Ok(RunningGame {
         stop,
+        status,
         commands: commands_in,
         views: views_out,
         waker,
@@ -312,6 +317,12 @@ impl RunningGame {
     /// that comes or goes, an event, a pause or another profile. Only the first call has an effect.
     pub fn wake_on_view(&self, thread: std::thread::Thread, changes: Arc<AtomicU64>) {
         self.waker.set_listener(thread, changes);
+    }
+
+    /// Why the source skipped what the board sent last, if it did: another number of values than the pad's, say.
+    #[must_use]
+    pub fn skip_reason(&self) -> Option<String> {
+        self.status.skip_reason.lock().ok()?.clone()
     }
 
     /// The newest view.

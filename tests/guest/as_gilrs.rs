@@ -11,8 +11,8 @@ use crate::pad::{cases, send};
 
 /// Longest wait for one event: the guest is slow, and a missing event must not hang the test.
 const WAIT: Duration = Duration::from_millis(100);
-/// Number of waits.
-const PATIENCE: usize = 300;
+/// Number of waits: udev takes long where several guests share a computer.
+const PATIENCE: usize = 900;
 
 pub fn read() -> Result<()> {
     let mut pad = Uinput::create()?;
@@ -21,7 +21,8 @@ pub fn read() -> Result<()> {
         Err(error) => bail!("gilrs: {error}"),
     };
     if gilrs.gamepads().next().is_none() {
-        wait(&mut gilrs, |event| *event == EventType::Connected)?;
+        wait(&mut gilrs, |event| *event == EventType::Connected)
+            .context("the pad is plugged in")?;
     }
     let Some((_, gamepad)) = gilrs.gamepads().next() else {
         bail!("gilrs finds no gamepad");
@@ -38,7 +39,7 @@ pub fn read() -> Result<()> {
             .with_context(|| format!("{:?}", case.action))?;
     }
     drop(pad);
-    wait(&mut gilrs, |event| *event == EventType::Disconnected)?;
+    wait(&mut gilrs, |event| *event == EventType::Disconnected).context("the pad is gone")?;
     Ok(())
 }
 

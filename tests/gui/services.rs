@@ -48,6 +48,8 @@ pub struct TestServices {
 pub enum Found {
     /// The same as before.
     Same,
+    /// Some are wrong, before and after.
+    NoHelp,
     /// All wrong.
     Worse,
     /// A few more are wrong, but no unintended ones come.
@@ -94,7 +96,7 @@ impl gelpad::source::Source for TestBoard {
 struct NoWatch;
 
 impl Watch for NoWatch {
-    fn poll(&mut self, _: &mut RunningGame, _: &mut dyn FnMut(String)) {}
+    fn poll(&mut self, _: &mut RunningGame, _: &mut dyn FnMut(Option<String>)) {}
 }
 
 /// A game that reads a board.
@@ -232,6 +234,10 @@ impl AppServices for TestServices {
         let (mut before, mut after) = (of(None)?, of(Some(&overlay))?);
         match *self.found.lock().expect("no panic") {
             Found::Same => {}
+            Found::NoHelp => {
+                before.right -= 4;
+                after = before;
+            }
             Found::Worse => after.right = 0,
             Found::FewerUnintended => {
                 before.wrong += 6;

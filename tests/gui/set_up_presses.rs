@@ -51,6 +51,22 @@ fn settings_with_fewer_unintended_presses_are_not_called_worse() {
 }
 
 #[test]
+fn settings_that_help_nothing_are_not_the_way_on() {
+    let services = TestServices::new();
+    *services.found.lock().expect("no panic") = Found::NoHelp;
+    let mut stage = Stage::with_services(Arc::new(services), Tab::SetUp, WIDE);
+    stage.app().set_up.step = Step::Recommend;
+    stage.steps(3);
+    stage.button("Start");
+    make_the_presses(&mut stage);
+    assert!(stage.shows("They help nothing"), "{:?}", stage.window);
+    let on_accent = palette(true).on_accent;
+    assert_ne!(stage.colour_of("Save and use"), Some(on_accent));
+    stage.button("Keep what you have");
+    assert!(stage.shows("your settings are as they were"));
+}
+
+#[test]
 fn the_orange_button_is_the_way_on() {
     let on_accent = palette(true).on_accent;
     let mut stage = at(Step::Recommend);

@@ -167,6 +167,30 @@ fn a_builder_sees_a_pad_of_32_electrodes_after_seven_actions() {
     walk.wait_for_frames();
     assert_eq!(walk.stage.app().playing.view.signals.volts.len(), 928);
     assert!(walk.actions <= 8, "{}", walk.actions);
+    a_board_of_another_pad(&pad);
+}
+
+/// A board of a pad that is not shipped: the window says what it sends, and fills in the form.
+fn a_board_of_another_pad(pad: &str) {
+    let board = Board::start("lines", pad);
+    let mut walk = Walk::start();
+    walk.click(Role::Tab, "Set up");
+    walk.type_into("Other port", board.port());
+    walk.click(Role::Button, "Use");
+    let reason = "928 values instead of 208: is this another pad?";
+    let told = |stage: &mut Stage| {
+        let problem = stage.app().problem();
+        problem.is_some_and(|problem| problem.text.contains(reason))
+    };
+    walk.stage.wait_until(told);
+    walk.click(Role::Button, "Diagnose this port");
+    walk.stage.wait_until(|stage| stage.shows("frames arrive"));
+    assert!(!walk.stage.has_label("Play it"));
+    walk.click(Role::Button, "Make a pad with 32 electrodes");
+    walk.stage.steps(20);
+    walk.click(Role::Button, "Save and use this pad");
+    walk.wait_for_frames();
+    assert_eq!(walk.stage.app().playing.view.signals.volts.len(), 928);
 }
 
 #[test]

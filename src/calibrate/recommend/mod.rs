@@ -40,6 +40,13 @@ impl Recommendation {
         self.after.value() < self.before.value()
     }
 
+    /// Whether presses that come out wrong come out so with the settings, too.
+    #[must_use]
+    pub fn helps_nothing(&self) -> bool {
+        let is_flawless = self.before.right == self.before.requested && self.before.wrong == 0;
+        !is_flawless && self.after == self.before
+    }
+
     /// The text of `users/NAME.toml`.
     #[must_use]
     pub fn toml(&self) -> String {

@@ -10,6 +10,17 @@ pub(super) fn expected_file(recording: &Path) -> PathBuf {
     recording.with_extension("events")
 }
 
+/// Whether other events are expected than these.
+pub(super) fn differ(recording: &Path, events: &[String]) -> bool {
+    let text = std::fs::read_to_string(expected_file(recording));
+    text.is_ok_and(|text| {
+        !text
+            .lines()
+            .map(str::trim_end)
+            .eq(events.iter().map(String::as_str))
+    })
+}
+
 /// Writes the events; returns a message with the command that compares them.
 pub(super) fn save(recording: &Path, events: &[String]) -> String {
     let file = expected_file(recording);
@@ -68,7 +79,9 @@ mod tests {
         };
         let events = lines(&["500.000 press key:f", "800.000 release key:f"]);
         assert!(check(&recording, &events).contains("save the expected events first"));
+        assert!(!differ(&recording, &events), "nothing is lost");
         assert!(save(&recording, &events).starts_with("Saved 2 events"));
+        assert!(!differ(&recording, &events) && differ(&recording, &events[..1]));
         assert!(check(&recording, &events).starts_with("✔ All 2"));
         let shorter = check(&recording, &events[..1]);
         assert!(

@@ -147,7 +147,11 @@ impl RecordView {
                 ui.colored_label(palette.bad, "⏺ recording");
                 ui.weak(file.display().to_string());
             } else {
-                ui.weak("restarts the game and records it");
+                ui.weak("starts the pad again, and records it");
+            }
+            if self.player.is_some() && ui.button("Close this recording").clicked() {
+                self.player = None;
+                self.notice = None;
             }
             clicked.then_some(UiAction::Record)
         });
@@ -172,7 +176,12 @@ impl RecordView {
             });
         }
         if let Some(notice) = &self.notice {
-            let text = egui::RichText::new(notice).color(palette.warn);
+            let color = match notice.chars().next() {
+                Some('✔') => palette.good,
+                Some('✖') => palette.bad,
+                _ => palette.warn,
+            };
+            let text = egui::RichText::new(notice).color(color);
             ui.add(egui::Label::new(text).wrap());
         }
         row.inner

@@ -30,6 +30,8 @@ pub(super) struct Player {
     loops: bool,
     /// Position, s.
     at_s: f64,
+    /// Whether to replace other expected events is being asked.
+    asks_to_replace: bool,
 }
 
 impl Player {
@@ -50,6 +52,7 @@ impl Player {
             plays: false,
             loops: false,
             at_s: 0.0,
+            asks_to_replace: false,
         };
         player.go_to(0);
         player
@@ -179,12 +182,20 @@ impl Player {
     }
 
     /// Saves the events as the expected ones, or compares them with those.
-    fn expectation_buttons(&self, ui: &mut Ui, notice: &mut Option<String>) {
+    fn expectation_buttons(&mut self, ui: &mut Ui, notice: &mut Option<String>) {
         let save = ui.button("Save expected events");
-        if save
-            .on_hover_text("Writes what was pressed next to the recording, a line an event")
-            .clicked()
-        {
+        let hint = "Writes what was pressed next to the recording, a line an event";
+        let mut saves = false;
+        if save.on_hover_text(hint).clicked() {
+            self.asks_to_replace = expectation::differ(&self.file, &self.timeline.event_lines());
+            saves = !self.asks_to_replace;
+        }
+        if self.asks_to_replace {
+            ui.label("Other events are expected so far.");
+            saves = ui.button("Replace them").clicked();
+            self.asks_to_replace = !(saves || ui.button("Keep them").clicked());
+        }
+        if saves {
             *notice = Some(expectation::save(&self.file, &self.timeline.event_lines()));
         }
         let exists = expectation::expected_file(&self.file).exists();

@@ -231,9 +231,17 @@ impl SetUpView {
         }
         let diagnosed = self.port_check.ui(ui, playing, services);
         board::quality(ui, playing);
-        let form = ui.collapsing("Make a pad of your own", |ui| {
+        let wanted = self.port_check.take_wanted_pad();
+        if let Some(electrodes) = wanted {
+            self.new_pad.set_electrodes(electrodes);
+        }
+        let header = egui::CollapsingHeader::new("Make a pad of your own");
+        let form = header.open(wanted.map(|_| true)).show(ui, |ui| {
             self.new_pad.ui(ui, game_context(playing, services))
         });
+        if wanted.is_some() {
+            form.header_response.scroll_to_me(Some(egui::Align::TOP));
+        }
         chosen.or(diagnosed).or(form.body_returned.flatten())
     }
 

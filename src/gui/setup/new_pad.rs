@@ -65,6 +65,11 @@ impl NewPad {
         }
     }
 
+    /// Fills in the number of electrodes.
+    pub(super) fn set_electrodes(&mut self, electrodes: usize) {
+        self.form.electrodes = electrodes as u32;
+    }
+
     fn fields(&mut self, ui: &mut Ui) {
         let form = &mut self.form;
         let label = ui.label("Name");

@@ -25,6 +25,8 @@ pub(super) struct PortCheck {
     done: Option<(String, PortDiagnosis)>,
     port: String,
     failed: Option<String>,
+    /// Number of electrodes of a pad that the player wants to describe.
+    wanted_pad: Option<usize>,
 }
 
 impl PortCheck {
@@ -57,7 +59,18 @@ impl PortCheck {
         }
         draw_notice(ui, &self.failed);
         let (_, diagnosis) = self.done.as_ref().filter(|(of, _)| *of == port)?;
-        draw_diagnosis(ui, diagnosis, &playing.request)
+        match draw_diagnosis(ui, diagnosis, playing)? {
+            Choice::Play(request) => Some(UiAction::Play(request)),
+            Choice::MakePad { electrodes } => {
+                self.wanted_pad = Some(electrodes);
+                None
+            }
+        }
+    }
+
+    /// The number of electrodes of a pad that the player wants to describe since the last call.
+    pub(super) fn take_wanted_pad(&mut self) -> Option<usize> {
+        self.wanted_pad.take()
     }
 
     fn start(&mut self, port: &str, playing: &mut Playing, services: &Arc<dyn AppServices>) {
@@ -94,12 +107,15 @@ impl PortCheck {
     }
 }
 
-/// Draws what was heard; returns the game that plays it.
-fn draw_diagnosis(
-    ui: &mut Ui,
-    diagnosis: &PortDiagnosis,
-    request: &PlayRequest,
-) -> Option<UiAction> {
+/// What the player does with a board that sends frames.
+enum Choice {
+    Play(PlayRequest),
+    MakePad { electrodes: usize },
+}
+
+/// Draws what was heard, and the button for it.
+fn draw_diagnosis(ui: &mut Ui, diagnosis: &PortDiagnosis, playing: &Playing) -> Option<Choice> {
+    let request = &playing.request;
     let palette = theme::palette_of(ui);
     match diagnosis.advice {
         Some(advice) => {
@@ -127,11 +143,13 @@ fn draw_diagnosis(
     if diagnosis.advice.is_some() {
         return None;
     }
-    if diagnosis.pad.is_none() {
-        paragraph(
-            ui,
-            "No shipped pad has so many readings: describe yours under “Make a pad of your own”.",
-        );
+    let is_played = diagnosis.readings == Some(playing.pad.channels());
+    if diagnosis.pad.is_none() && !is_played {
+        paragraph(ui, "No shipped pad has so many readings: describe yours.");
+        let electrodes = diagnosis.electrodes?;
+        let label = format!("Make a pad with {electrodes} electrodes");
+        let clicked = theme::primary(ui, &label).clicked();
+        return clicked.then_some(Choice::MakePad { electrodes });
     }
     let mut wanted = request.clone();
     wanted.board.format = diagnosis.format.unwrap_or(request.board.format);
@@ -146,5 +164,5 @@ fn draw_diagnosis(
     }
     theme::primary(ui, &label)
         .clicked()
-        .then_some(UiAction::Play(wanted))
+        .then_some(Choice::Play(wanted))
 }

@@ -253,10 +253,16 @@ impl RecommendStep {
     ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
         let (is_worse, words) = (found.is_worse(), outcome_words(found));
-        let words = match is_worse {
-            true => egui::RichText::new(format!("⚠ {words}. They are worse: keep what you have."))
-                .color(palette.warn),
-            false => egui::RichText::new(format!("✔ {words}")).color(palette.good),
+        let helps_nothing = found.helps_nothing();
+        let words = if is_worse {
+            egui::RichText::new(format!("⚠ {words}. They are worse: keep what you have."))
+                .color(palette.warn)
+        } else if helps_nothing {
+            egui::RichText::new(format!(
+                "{words}. They help nothing that went wrong: keep what you have."
+            ))
+        } else {
+            egui::RichText::new(format!("✔ {words}")).color(palette.good)
         };
         ui.add(egui::Label::new(words).wrap());
         let text = found.toml();
@@ -284,14 +290,18 @@ impl RecommendStep {
             ui.add(egui::Label::new(words).wrap());
         }
         let row = ui.horizontal_wrapped(|ui| {
-            if is_worse && theme::primary(ui, "Keep what you have").clicked() {
+            let keeps =
+                (is_worse || helps_nothing) && theme::primary(ui, "Keep what you have").clicked();
+            if keeps {
                 self.outcome = Some("kept: your settings are as they were".to_owned());
             }
             let label = match is_worse {
                 true => "Save and use anyway",
                 false => "Save and use",
             };
-            let save = ui.add_enabled_ui(is_valid, |ui| theme::way_on(ui, label, !is_worse));
+            let save = ui.add_enabled_ui(is_valid, |ui| {
+                theme::way_on(ui, label, !is_worse && !helps_nothing)
+            });
             save.inner.clicked()
         });
         if !row.inner {

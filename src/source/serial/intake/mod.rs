@@ -369,7 +369,7 @@ impl FrameIntake {
         let reason = if count == wanted {
             format!("{count} values, but of other drives than before")
         } else {
-            format!("{count} values instead of {wanted}: is this another pad (--pad)?")
+            format!("{count} values instead of {wanted}: is this another pad?")
         };
         readings.push_back(SourceReading::Skipped { reason, frames: 1 });
     }
