@@ -60,7 +60,7 @@ impl PortCheck {
         draw_notice(ui, &self.failed);
         let (_, diagnosis) = self.done.as_ref().filter(|(of, _)| *of == port)?;
         match draw_diagnosis(ui, diagnosis, playing)? {
-            Choice::Play(request) => Some(UiAction::Play(request)),
+            Choice::Play(request) => Some(UiAction::Play(*request)),
             Choice::MakePad { electrodes } => {
                 self.wanted_pad = Some(electrodes);
                 None
@@ -109,7 +109,7 @@ impl PortCheck {
 
 /// What the player does with a board that sends frames.
 enum Choice {
-    Play(PlayRequest),
+    Play(Box<PlayRequest>),
     MakePad { electrodes: usize },
 }
 
@@ -164,5 +164,5 @@ fn draw_diagnosis(ui: &mut Ui, diagnosis: &PortDiagnosis, playing: &Playing) -> 
     }
     theme::primary(ui, &label)
         .clicked()
-        .then_some(Choice::Play(wanted))
+        .then_some(Choice::Play(Box::new(wanted)))
 }
