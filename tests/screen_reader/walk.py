@@ -19,8 +19,9 @@ from gi.repository import Atspi, GLib
 Atspi.init()
 State = Atspi.StateType
 PATIENCE_S = 60
-# What moves the focus elsewhere or does nothing by itself.
-CONTROLS = {"push button", "toggle button", "page tab", "check box", "radio button", "combo box", "slider", "spin button", "text", "entry", "canvas"}
+# Roles of controls.
+CONTROLS = {"push button", "toggle button", "page tab", "check box", "radio button", "combo box", "slider", "spin button"}
+CONTROLS |= {"text", "entry", "canvas"}
 mistakes = []
 
 
