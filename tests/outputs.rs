@@ -247,3 +247,66 @@ fn a_slim_recording_names_matrix_and_table_and_replays_exactly_here() {
         0,
     );
 }
+
+/// A kill at any moment of a slim session costs nothing that was written, and where the copy has no room, no part of it is left.
+#[test]
+fn a_killed_slim_recording_is_saved_whole_or_not_at_all() {
+    let folder = folder();
+    let folder = folder.path();
+    let presses = (3..600).map(|press| {
+        let (down, up) = (100 * press, 100 * press + 60);
+        format!("t:{down} down 1 80 6\nt:{up} up 1\n")
+    });
+    fs::write(folder.join("touches.txt"), presses.collect::<String>()).expect("written");
+    let mut play = gelpad(
+        folder,
+        &[&PLAY_AND_RECORD[..], &["slim.mcap", "--slim"]].concat(),
+    )
+    .stdout(Stdio::null())
+    .stderr(Stdio::null())
+    .spawn()
+    .expect("gelpad starts");
+    let events = || {
+        let bytes = fs::read(folder.join("slim.mcap")).unwrap_or_default();
+        bytes
+            .windows(8)
+            .filter(|word| word == b"\"press\",")
+            .count()
+    };
+    while events() < 3 {
+        assert!(
+            play.try_wait().expect("a process").is_none(),
+            "it ended early"
+        );
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    play.kill().expect("killed");
+    play.wait().expect("ended");
+    let before = fs::read(folder.join("slim.mcap")).expect("bytes");
+    let recover = format!(
+        "trap '' XFSZ; ulimit -f 4; exec '{}' recover slim.mcap -o saved.mcap",
+        env!("CARGO_BIN_EXE_gelpad")
+    );
+    let full = Command::new("bash")
+        .args(["-c", &recover])
+        .current_dir(folder)
+        .output()
+        .expect("bash starts");
+    assert_eq!(full.status.code(), Some(1), "{}", said(&full));
+    assert!(said(&full).contains("cannot be written"), "{}", said(&full));
+    assert!(!folder.join("saved.mcap").exists());
+    let saved = gelpad(folder, &["recover", "slim.mcap", "-o", "saved.mcap"])
+        .output()
+        .expect("gelpad starts");
+    assert!(
+        matches!(saved.status.code(), Some(0 | 3)),
+        "{}",
+        said(&saved)
+    );
+    assert_eq!(fs::read(folder.join("slim.mcap")).expect("bytes"), before);
+    ends(
+        folder,
+        &["replay", "saved.mcap", "--expect", "saved.mcap"],
+        0,
+    );
+}

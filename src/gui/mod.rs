@@ -67,7 +67,7 @@ pub struct WindowOptions {
     pub interrupted: Box<dyn Fn() -> bool>,
 }
 
-/// Adds what every pass needs to a context: fonts, and what screen readers are told. Call before the first pass.
+/// Installs the fonts and the plugin for screen readers in an egui context. Call it before the first frame is drawn.
 pub fn prepare_context(ctx: &egui::Context) {
     theme::install_fonts(ctx);
     ctx.add_plugin(screen_reader::ScreenReaderTree);

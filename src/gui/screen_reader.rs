@@ -1,21 +1,21 @@
-//! What screen readers are told beyond what egui tells them: the window has a name, the current view is selected, and symbols are words
-//! or silent.
+//! A plugin of egui that completes the tree of controls before screen readers get it: it names the window, marks the tab of the
+//! current view as selected, and replaces symbols such as `✖` by words or leaves them out.
 //!
-//! Invariant: a control keeps the words of its name; only symbols are taken from it.
+//! Invariant: the words of a control's name stay as they are; only symbols change.
 
 use egui::accesskit::{Node, Role, Toggled};
 use egui::{Context, FullOutput, Plugin};
 
-/// Words for the marks of a text; on a control, they only repeat its name.
+/// Words for symbols at the start of a text. On a control they are left out, since its name says the same.
 const MARKS: [(char, &str); 2] = [('✖', "error:"), ('⚠', "warning:")];
 /// The word for an arrow.
 const TO: (char, &str) = ('→', "to");
-/// Symbols that only repeat what stands beside them.
+/// Symbols that are left out, since the text beside them says the same.
 const SILENT: [char; 13] = [
     '●', 'ℹ', '✔', '⏸', '⏺', '⏹', '▶', '◀', '⟲', '⟳', '🗖', '▾', '·',
 ];
 
-/// Completes what egui hands to screen readers.
+/// The plugin; see the module.
 pub(super) struct ScreenReaderTree;
 
 impl Plugin for ScreenReaderTree {
@@ -60,7 +60,7 @@ fn complete(node: &mut Node) {
     }
 }
 
-/// A text as it is spoken, with words for its marks or without them.
+/// Replaces the symbols of a text by words; marks are left out unless `has_marks`.
 fn spoken(text: &str, has_marks: bool) -> String {
     let is_mark = |symbol| MARKS.iter().any(|(mark, _)| *mark == symbol);
     let is_symbol = |symbol| is_mark(symbol) || symbol == TO.0 || SILENT.contains(&symbol);

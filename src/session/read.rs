@@ -343,7 +343,7 @@ impl<R: Read + Seek> Reader<R> {
         Ok(None)
     }
 
-    /// Adds a channel; whether it may have this topic, which never changes.
+    /// Adds a channel. Returns false if it is known with another topic: a channel's topic never changes.
     fn add_topic(&mut self, id: u16, topic: &str) -> bool {
         if let Some(known) = self.topics.get(&id) {
             return known == topic;

@@ -22,7 +22,8 @@ pub(super) const MOST_RATIO: u64 = 1000;
 /// Bodies of these kinds have a fixed length, bytes.
 const FOOTER_LENGTH: u64 = 20;
 const DATA_END_LENGTH: u64 = 4;
-/// Most bytes that are searched for a beginning, as a multiple of the file's length: a forged file cannot make it long.
+/// Limit of the bytes that are searched for records within damaged ones, as a multiple of the file's length: it bounds the time that
+/// a forged file takes.
 const MOST_SEARCHED: u64 = 8;
 
 /// Why the next record cannot be read.

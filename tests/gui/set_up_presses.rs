@@ -13,15 +13,21 @@ use crate::services::{Found, TestServices};
 use crate::set_up::{at, make_the_presses};
 use crate::{Stage, WIDE};
 
-#[test]
-fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
+/// The step *Personal settings* after all presses, with settings that score as given.
+fn after_the_presses(found: Found) -> Stage {
     let services = TestServices::new();
-    *services.found.lock().expect("no panic") = Found::Worse;
+    *services.found.lock().expect("no panic") = found;
     let mut stage = Stage::with_services(Arc::new(services), Tab::SetUp, WIDE);
     stage.app().set_up.step = Step::Recommend;
     stage.steps(3);
     stage.button("Start");
     make_the_presses(&mut stage);
+    stage
+}
+
+#[test]
+fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
+    let mut stage = after_the_presses(Found::Worse);
     assert!(
         stage.shows("warning: correct presses: 100 % before, 0 % with"),
         "{:?}",
@@ -37,13 +43,7 @@ fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
 
 #[test]
 fn settings_with_fewer_unintended_presses_are_not_called_worse() {
-    let services = TestServices::new();
-    *services.found.lock().expect("no panic") = Found::FewerUnintended;
-    let mut stage = Stage::with_services(Arc::new(services), Tab::SetUp, WIDE);
-    stage.app().set_up.step = Step::Recommend;
-    stage.steps(3);
-    stage.button("Start");
-    make_the_presses(&mut stage);
+    let stage = after_the_presses(Found::FewerUnintended);
     let words = "correct presses: 100 % before, 83 % with these settings; unintended: 6 before, 0 with them";
     assert!(stage.shows(words), "{:?}", stage.window);
     assert!(stage.has_label("Save and use"));
@@ -52,13 +52,7 @@ fn settings_with_fewer_unintended_presses_are_not_called_worse() {
 
 #[test]
 fn settings_that_help_nothing_are_not_the_way_on() {
-    let services = TestServices::new();
-    *services.found.lock().expect("no panic") = Found::NoHelp;
-    let mut stage = Stage::with_services(Arc::new(services), Tab::SetUp, WIDE);
-    stage.app().set_up.step = Step::Recommend;
-    stage.steps(3);
-    stage.button("Start");
-    make_the_presses(&mut stage);
+    let mut stage = after_the_presses(Found::NoHelp);
     assert!(stage.shows("They help nothing"), "{:?}", stage.window);
     let on_accent = palette(true).on_accent;
     assert_ne!(stage.colour_of("Save and use"), Some(on_accent));

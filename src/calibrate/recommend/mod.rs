@@ -40,7 +40,7 @@ impl Recommendation {
         self.after.value() < self.before.value()
     }
 
-    /// Whether presses that come out wrong come out so with the settings, too.
+    /// Whether some presses came out wrong, and as many would with the settings.
     #[must_use]
     pub fn helps_nothing(&self) -> bool {
         let is_flawless = self.before.right == self.before.requested && self.before.wrong == 0;

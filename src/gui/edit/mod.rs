@@ -145,7 +145,7 @@ impl EditView {
         shown.inner
     }
 
-    /// The same below each other.
+    /// The pad, and the cards below it.
     fn draw_column(
         &mut self,
         ui: &mut Ui,

@@ -10,7 +10,7 @@ pub(super) fn expected_file(recording: &Path) -> PathBuf {
     recording.with_extension("events")
 }
 
-/// Whether other events are expected than these.
+/// Whether the saved expected events differ from these.
 pub(super) fn differ(recording: &Path, events: &[String]) -> bool {
     let text = std::fs::read_to_string(expected_file(recording));
     text.is_ok_and(|text| {

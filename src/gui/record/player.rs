@@ -30,7 +30,7 @@ pub(super) struct Player {
     loops: bool,
     /// Position, s.
     at_s: f64,
-    /// Whether to replace other expected events is being asked.
+    /// Whether the question is shown that saving would replace other expected events.
     asks_to_replace: bool,
 }
 

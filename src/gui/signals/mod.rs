@@ -62,7 +62,7 @@ impl SignalsView {
         ui.advance_cursor_after_rect(room);
     }
 
-    /// The parts below each other.
+    /// The plot, and the cards below it.
     fn column(&mut self, ui: &mut Ui, room: Rect, playing: &Playing, figures: &Health) {
         let column = egui::ScrollArea::vertical().id_salt("signals column");
         column.auto_shrink(false).show(ui, |ui| {
