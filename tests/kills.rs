@@ -391,7 +391,6 @@ fn keys_of_another_gelpad(stage: &Stage) -> Result<()> {
     let runtime = stage.folder.path();
     let mut second = Gelpad::play_in(
         runtime,
-        "keyboard",
         &folder,
         &stage.display.name,
         &one_hold(),

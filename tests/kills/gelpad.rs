@@ -22,44 +22,36 @@ pub struct Gelpad {
 impl Gelpad {
     /// Plays a script with a profile into the display's keyboard.
     pub fn play(folder: &Path, display: &str, script: &str, profile: &str) -> Result<Self> {
-        Self::play_by("keyboard", folder, display, script, profile)
-    }
-
-    /// The same with another output.
-    pub fn play_by(
-        output: &str,
-        folder: &Path,
-        display: &str,
-        script: &str,
-        profile: &str,
-    ) -> Result<Self> {
-        Self::play_in(folder, output, folder, display, script, profile)
+        Self::play_in(folder, folder, display, script, profile)
     }
 
     /// The same with another runtime folder, which several share.
     pub fn play_in(
         runtime: &Path,
-        output: &str,
         folder: &Path,
         display: &str,
         script: &str,
         profile: &str,
     ) -> Result<Self> {
-        let file = folder.join("touches.txt");
-        fs::write(&file, script).context("the script")?;
-        let child = Command::new(env!("CARGO_BIN_EXE_gelpad"))
-            .args(["play", profile, "--source"])
-            .arg(format!("simulated:{}", file.display()))
-            .args(["--output", output, "--headless"])
+        let mut command = play_command(folder, "keyboard", script, profile)?;
+        command
             .env("DISPLAY", display)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XAUTHORITY")
-            .env("XDG_RUNTIME_DIR", runtime)
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(fs::File::create(folder.join("gelpad.said"))?)
-            .spawn()
-            .context("gelpad does not start")?;
+            .env("XDG_RUNTIME_DIR", runtime);
+        Self::start(&mut command)
+    }
+
+    /// Plays a script on a small pad into the kernel's devices.
+    pub fn play_on_small_pad(folder: &Path, script: &str, profile: &str) -> Result<Self> {
+        let pad = folder.join("small-pad.toml");
+        fs::write(&pad, include_str!("small-pad.toml")).context("the pad")?;
+        let mut command = play_command(folder, "gamepad", script, profile)?;
+        Self::start(command.arg("--pad").arg(pad))
+    }
+
+    fn start(command: &mut Command) -> Result<Self> {
+        let child = command.spawn().context("gelpad does not start")?;
         Ok(Self { child })
     }
 
@@ -112,6 +104,21 @@ pub fn presses(random: &mut Random) -> String {
         let _ = writeln!(script, "t:{t_ms} {event}");
     }
     script
+}
+
+/// `gelpad play` without a window; what it says goes to `gelpad.said`.
+fn play_command(folder: &Path, output: &str, script: &str, profile: &str) -> Result<Command> {
+    let file = folder.join("touches.txt");
+    fs::write(&file, script).context("the script")?;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
+    command
+        .args(["play", profile, "--source"])
+        .arg(format!("simulated:{}", file.display()))
+        .args(["--output", output, "--headless"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(fs::File::create(folder.join("gelpad.said"))?);
+    Ok(command)
 }
 
 /// Process ids of the first watcher of each gelpad on a display.

@@ -102,7 +102,7 @@ fn end_once(folder: &Path, kind: Kind, seed: u64) -> Result<Duration> {
         Kind::InAStormOfReloads => storm.display().to_string(),
         _ => "super-mario".to_owned(),
     };
-    let mut gelpad = Gelpad::play_by("gamepad", folder, "", &presses(&mut random), &profile)?;
+    let mut gelpad = Gelpad::play_on_small_pad(folder, &presses(&mut random), &profile)?;
     let keyboard = wait(|| {
         let mut devices = evdev::enumerate().map(|(_, device)| device);
         Ok(devices.find(|device| device.name() == Some("gelpad keyboard")))
