@@ -88,7 +88,10 @@ pub fn inside() -> Result<()> {
     for round in 0..count() {
         let kind = KINDS[round % KINDS.len()];
         let took = end_once(folder.path(), kind, round as u64);
-        times.push(took.with_context(|| format!("ending {round}, {kind:?}"))?);
+        times.push(took.with_context(|| {
+            let said = std::fs::read_to_string(folder.path().join("gelpad.said"));
+            format!("ending {round}, {kind:?}: {}", said.unwrap_or_default())
+        })?);
     }
     println!("in the guest: {}", summary(&mut times));
     Ok(())
