@@ -7,7 +7,7 @@ use egui::{ComboBox, Popup, Response, Ui};
 pub(super) type Entry<T> = (T, String);
 
 /// Largest share of the window's height for a list.
-const SHARE: f32 = 0.6;
+const SHARE: f32 = 0.7;
 
 /// Draws a list with a label for screen readers; returns the chosen value, if it is another one.
 pub(super) fn list<T: PartialEq>(

@@ -10,12 +10,14 @@ use crate::types::ms_from_nanos;
 
 /// Steps of the slider for a notch of the wheel, and for a click of a button beside it.
 const COARSE_STEPS: f64 = 10.0;
+/// Width of the number beside a slider: of `2000 ms`.
+const NUMBER_WIDTH: f32 = 70.0;
 
 /// A setting with a slider. Its unit, ms or mm, is the end of its key.
 pub(super) struct TimingSetting {
     pub(super) key: &'static str,
     pub(super) label: &'static str,
-    hint: &'static str,
+    pub(super) hint: &'static str,
     max: f64,
     /// Value in the profile.
     pub(super) value: fn(&Settings) -> f64,
@@ -111,7 +113,9 @@ pub(super) fn draw_slider(
     let step = if unit == " mm" { 0.5 } else { 1.0 };
     let row = ui.horizontal(|ui| {
         // The number and the two buttons stand beside the slider.
-        ui.spacing_mut().slider_width = (ui.available_width() - 180.0).clamp(60.0, 420.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 200.0).clamp(60.0, 420.0);
+        // As wide as the widest number, so that the buttons stay where they are.
+        ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
         let mut wanted = value;
         let slider = egui::Slider::new(&mut wanted, 0.0..=setting.max)
             .suffix(unit)
@@ -191,6 +195,7 @@ fn moved_mm(playing: &Playing) -> Option<f64> {
     let [dx, dy] = [0, 1].map(|i| last.place_mm[i] - first.place_mm[i]);
     Some(dx.hypot(dy))
 }
+
 /// A number with one decimal, where it has one: `34`, `0.5`.
 fn short_number(value: f64) -> String {
     match value.fract() == 0.0 {

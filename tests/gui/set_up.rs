@@ -159,17 +159,14 @@ pub fn make_the_presses(stage: &mut Stage) {
             break;
         }
         let profile = stage.app().playing.view.profile.clone();
-        let words = |name: &str| {
-            stage.shows(&format!("tap {name},")) || stage.shows(&format!("press {name} and"))
+        // The outputs of the region follow its name.
+        let is_asked = |name: &str| {
+            stage.shows(&format!("tap {name} (")) || stage.shows(&format!("press {name} ("))
         };
-        let twice = |name: &str| stage.shows(&format!("tap {name} twice"));
-        let asked = profile
-            .regions
-            .iter()
-            .find(|r| words(&r.name) || twice(&r.name));
+        let asked = profile.regions.iter().find(|r| is_asked(&r.name));
         let Some(region) = asked else { break };
         let long = stage.shows("hold it a second");
-        let times = if twice(&region.name) { 2 } else { 1 };
+        let times = if stage.shows("twice") { 2 } else { 1 };
         let place = region
             .placed([100.0, 100.0], &profile.settings.area)
             .centre_mm();

@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::gui::Tab;
 use gelpad::gui::signals::Quantity;
+use gelpad::gui::still::touch;
 
 use crate::{Stage, WIDE};
 
@@ -46,10 +47,12 @@ fn each_quantity_is_chosen_by_name_and_explained() {
 
 #[test]
 fn the_signal_quality_is_shown() {
-    let stage = measured();
-    for words in ["60 dB", "60 %", "208"] {
+    let mut stage = measured();
+    for words in ["60 dB", "nothing touches", "208"] {
         assert!(stage.shows(words), "{words}: {:?}", stage.window);
     }
+    stage.update_view(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);
+    assert!(stage.shows("60 % of the change"), "{:?}", stage.window);
 }
 
 #[test]

@@ -58,6 +58,9 @@ impl PersonSettings {
             let shown = dragged.map_or(saved, |(_, value)| value);
             let live = (setting.live)(playing);
             let (wanted, is_final) = draw_slider(ui, setting, shown, live);
+            let hint = egui::RichText::new(setting.hint).small().weak();
+            ui.add(egui::Label::new(hint).wrap());
+            ui.add_space(6.0);
             if (wanted - shown).abs() > 1e-9 {
                 self.dragged = Some((setting.key, wanted));
             }

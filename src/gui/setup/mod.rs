@@ -10,6 +10,7 @@ pub mod pad_form;
 mod port_check;
 pub mod presses;
 mod recommend;
+mod recommended;
 
 use std::sync::Arc;
 

@@ -8,16 +8,19 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::Ui;
 
 use super::presses::TouchChanges;
+use super::recommended;
 use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::recommend::{
-    FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, Recommendation, TrialScore,
+    FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, QUIET_NS, Recommendation,
 };
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
+use crate::gui::regions::region_states;
+use crate::gui::request::file_name;
 use crate::gui::theme;
-use crate::types::{Phase, Touch};
+use crate::types::{NANOS_PER_MS, Phase, Touch};
 
 /// The name of someone who types none: a mouse is enough.
 const NO_NAME: &str = "me";
@@ -52,9 +55,17 @@ struct Prompt {
 }
 
 impl Prompt {
-    /// Takes the current request and the touches that have changed.
-    fn take(&mut self, number: usize, asked: &PressRequest, changed: &[Touch]) {
-        let words = asked.to_string();
+    /// Takes the current request, what its region sends, and the touches that have changed.
+    fn take(&mut self, number: usize, asked: &PressRequest, outputs: &str, changed: &[Touch]) {
+        let region = match outputs {
+            "" => asked.region.clone(),
+            outputs => format!("{} ({outputs})", asked.region),
+        };
+        let words = PressRequest {
+            region,
+            length: asked.length,
+        }
+        .to_string();
         if self.number != number || self.words.is_empty() {
             self.is_again = number > 0 && self.words == words;
             (self.number, self.words, self.lifts) = (number, words, 0);
@@ -78,12 +89,24 @@ impl Prompt {
         }
     }
 
-    /// Says at once that a press has arrived; the next one is asked when the pad was at rest for a while.
+    /// Says at once that a press has arrived, and how the next one comes: when the pad was at rest for a while. Touches until then
+    /// belong to the press.
     fn acknowledgement(&self, count: usize) -> String {
+        let rest_s = QUIET_NS / (1000 * NANOS_PER_MS);
+        let number = self.number + 1;
+        let next = match number == count {
+            true => "then all are done",
+            false => "then comes the next",
+        };
         match self.lifts {
             0 => "Press now. Esc stops.".to_owned(),
-            _ if self.is_seen() => format!("✔ press {} of {count} seen", self.number + 1),
-            _ => "✔ first tap seen".to_owned(),
+            _ if !self.is_seen() => "✔ first tap seen".to_owned(),
+            lifts if lifts == self.wanted_lifts => {
+                format!("✔ press {number} of {count} seen. Leave the pad for {rest_s} s, {next}.")
+            }
+            _ => format!(
+                "✔ press {number} of {count} seen, but more came after it. Leave the pad for {rest_s} s, {next}."
+            ),
         }
     }
 }
@@ -119,7 +142,12 @@ impl RecommendStep {
         if let Some(session) = &mut self.session {
             session.take_frame(playing.view.t_ns, &changed);
             if let Some((number, asked)) = session.current_request() {
-                self.prompt.take(number, asked, &changed);
+                let profile = &playing.view.profile;
+                let regions = profile.regions.iter().zip(region_states(profile, &[]));
+                let of_region = regions.filter(|(region, _)| region.name == asked.region);
+                let outputs: Vec<String> = of_region.map(|(_, state)| state.outputs).collect();
+                self.prompt
+                    .take(number, asked, &outputs.join(" "), &changed);
             }
         }
     }
@@ -199,7 +227,8 @@ impl RecommendStep {
             0 => palette.weak,
             _ => palette.good,
         };
-        ui.colored_label(colour, prompt.acknowledgement(count));
+        let words = egui::RichText::new(prompt.acknowledgement(count)).color(colour);
+        ui.add(egui::Label::new(words).wrap());
         let done = prompt.number + usize::from(prompt.is_seen());
         let bar = egui::ProgressBar::new(done as f32 / count as f32);
         ui.add(bar.text(format!("{done} of {count}")));
@@ -252,7 +281,9 @@ impl RecommendStep {
         services: &dyn AppServices,
     ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
-        let (is_worse, words) = (found.is_worse(), outcome_words(found));
+        let person = playing.request.user.as_deref().map(file_name);
+        let words = recommended::outcome_words(found, person.as_deref());
+        let is_worse = found.is_worse();
         let helps_nothing = found.helps_nothing();
         let words = if is_worse {
             egui::RichText::new(format!("⚠ {words}. They are worse: keep what you have."))
@@ -265,13 +296,7 @@ impl RecommendStep {
             egui::RichText::new(format!("✔ {words}")).color(palette.good)
         };
         ui.add(egui::Label::new(words).wrap());
-        let text = found.toml();
-        ui.add(
-            egui::TextEdit::multiline(&mut text.as_str())
-                .code_editor()
-                .desired_rows(6)
-                .desired_width(f32::INFINITY),
-        );
+        recommended::draw(ui, found);
         if self.is_done() {
             return None;
         }
@@ -307,7 +332,7 @@ impl RecommendStep {
         if !row.inner {
             return None;
         }
-        self.save(folder, &name, &text, playing)
+        self.save(folder, &name, &found.toml(), playing)
     }
 
     fn save(
@@ -333,24 +358,6 @@ impl RecommendStep {
             ..playing.request.clone()
         }))
     }
-}
-
-/// What the presses come out as, before and with the settings.
-fn outcome_words(found: &Recommendation) -> String {
-    let (before, after) = (&found.before, &found.after);
-    let percent = |score: &TrialScore| score.share() * 100.0;
-    let mut words = format!(
-        "correct presses: {:.0} % before, {:.0} % with these settings",
-        percent(before),
-        percent(after)
-    );
-    if before.wrong > 0 || after.wrong > 0 {
-        words.push_str(&format!(
-            "; unintended: {} before, {} with them",
-            before.wrong, after.wrong
-        ));
-    }
-    words
 }
 
 /// What happens to settings that are there already.
@@ -421,17 +428,24 @@ mod tests {
             ..crate::gui::still::touch(1, [50.0, 50.0], 0.5)
         };
         let mut prompt = Prompt::default();
-        prompt.take(0, &asked(PressLength::Short), &[]);
-        assert_eq!(prompt.instruction(), "tap jump, briefly");
+        prompt.take(0, &asked(PressLength::Short), "F", &[]);
+        assert_eq!(prompt.instruction(), "tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(0, &asked(PressLength::Short), &[up]);
-        assert_eq!(prompt.acknowledgement(24), "✔ press 1 of 24 seen");
-        prompt.take(1, &asked(PressLength::Short), &[]);
-        assert_eq!(prompt.instruction(), "again: tap jump, briefly");
+        prompt.take(0, &asked(PressLength::Short), "F", &[up]);
+        let said = prompt.acknowledgement(24);
+        assert!(
+            said.starts_with("✔ press 1 of 24 seen. Leave the pad for 2 s"),
+            "{said}"
+        );
+        prompt.take(0, &asked(PressLength::Short), "F", &[up]);
+        let said = prompt.acknowledgement(24);
+        assert!(said.contains("more came after it"), "{said}");
+        prompt.take(1, &asked(PressLength::Short), "F", &[]);
+        assert_eq!(prompt.instruction(), "again: tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(2, &asked(PressLength::Twice), &[up]);
+        prompt.take(2, &asked(PressLength::Twice), "", &[up]);
         assert_eq!(prompt.acknowledgement(24), "✔ first tap seen");
-        prompt.take(2, &asked(PressLength::Twice), &[up]);
+        prompt.take(2, &asked(PressLength::Twice), "", &[up]);
         assert!(prompt.is_seen());
     }
 

@@ -18,7 +18,9 @@ pub fn health_table(ui: &mut Ui, playing: &Playing, figures: &Health) {
     let palette = theme::palette_of(ui);
     let grid = egui::Grid::new("health").num_columns(3);
     grid.spacing([10.0, 5.0]).show(ui, |ui| {
-        let table = view_rows(playing).into_iter().chain(figure_rows(figures));
+        let table = view_rows(playing)
+            .into_iter()
+            .chain(figure_rows(playing, figures));
         for (name, value, good) in table {
             ui.weak(name);
             ui.monospace(value);
@@ -61,28 +63,32 @@ fn view_rows(playing: &Playing) -> Vec<Row> {
     ]
 }
 
-fn figure_rows(figures: &Health) -> Vec<Row> {
+fn figure_rows(playing: &Playing, figures: &Health) -> Vec<Row> {
+    // Without a touch, all that changes is noise, and none of it is explained.
+    let residual = figures
+        .residual
+        .filter(|_| !playing.view.touches.is_empty());
     let percent = |share: f64| format!("{:.2} %", share * 100.0);
     let snr_db = figures.median_snr_db;
     let reciprocity = figures.reciprocity;
     let drift = figures.drift.iter().map(|d| d.abs()).fold(0.0, f64::max);
     let mut rows = vec![
         (
-            "noise",
+            "signal to noise",
             snr_db.map_or("not yet known".to_owned(), |db| format!("{db:.0} dB")),
             snr_db.map(|db| db >= POOR_SNR_DB),
         ),
         (
-            "reciprocity",
+            "reciprocity error",
             reciprocity.map_or("no pairs".to_owned(), percent),
             reciprocity.map(|share| share < POOR_RECIPROCITY),
         ),
         ("largest drift", percent(drift), None),
         (
-            "residual",
-            figures
-                .residual
-                .map_or("none".to_owned(), |r| format!("{:.0} %", r * 100.0)),
+            "not explained",
+            residual.map_or("nothing touches".to_owned(), |r| {
+                format!("{:.0} % of the change", r * 100.0)
+            }),
             None,
         ),
     ];
