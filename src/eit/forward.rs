@@ -64,12 +64,16 @@ pub enum ForwardError {
 pub struct ForwardModel {
     mesh: Mesh,
     /// Lower triangle, by columns.
-    pattern: SymbolicSparseColMat<usize>,
+    pattern: SymbolicSparseColMat<Index>,
     /// The part of each entry that comes from the contacts.
     contact_values: Vec<f64>,
     elements: Vec<Element>,
-    symbolic: SymbolicLlt<usize>,
+    symbolic: SymbolicLlt<Index>,
 }
+
+/// Numbers of unknowns and of entries of the matrix: a mesh with more of them than 2^32 fits into no memory, and half the size
+/// counts in the window, whose simulated pad keeps them.
+type Index = u32;
 
 #[derive(Clone, Debug)]
 struct Element {
@@ -78,7 +82,7 @@ struct Element {
     /// Area x thickness, mm2 m: factor of the stiffness.
     weight: f64,
     /// Its entries of the matrix, in the order of [`CORNER_PAIRS`].
-    entries: [usize; 6],
+    entries: [Index; 6],
 }
 
 impl Element {
@@ -93,14 +97,15 @@ const CORNER_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 0), (2, 1
 
 /// Positions of the entries of the stiffness matrix: its lower triangle, by columns.
 struct LowerTriangle {
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
+    column_starts: Vec<Index>,
+    rows: Vec<Index>,
 }
 
 impl LowerTriangle {
     fn new(mesh: &Mesh, contact_terms: &[(usize, usize, f64)]) -> Self {
         let unknowns = mesh.nodes_mm.len() + mesh.electrodes.len() - 1;
-        let mut columns: Vec<Vec<usize>> = (0..unknowns).map(|column| vec![column]).collect();
+        let mut columns: Vec<Vec<Index>> =
+            (0..unknowns).map(|column| vec![column as Index]).collect();
         let of_triangles = mesh
             .triangles
             .iter()
@@ -108,7 +113,7 @@ impl LowerTriangle {
         let of_contacts = contact_terms.iter().map(|(row, column, _)| (*row, *column));
         for (row, column) in of_triangles.chain(of_contacts) {
             if row != column {
-                columns[column].push(row);
+                columns[column].push(row as Index);
             }
         }
         let mut column_starts = vec![0];
@@ -117,7 +122,7 @@ impl LowerTriangle {
             column.sort_unstable();
             column.dedup();
             rows.extend_from_slice(column);
-            column_starts.push(rows.len());
+            column_starts.push(rows.len() as Index);
         }
         Self {
             column_starts,
@@ -128,12 +133,11 @@ impl LowerTriangle {
     /// Index of the entry between two unknowns.
     fn entry(&self, a: usize, b: usize) -> usize {
         let (row, column) = ordered(a, b);
-        let start = self.column_starts[column];
-        let rows = &self.rows[start..self.column_starts[column + 1]];
-        start + rows.partition_point(|r| *r < row)
+        let [start, end] = [column, column + 1].map(|at| self.column_starts[at] as usize);
+        start + self.rows[start..end].partition_point(|r| (*r as usize) < row)
     }
 
-    fn into_pattern(self) -> SymbolicSparseColMat<usize> {
+    fn into_pattern(self) -> SymbolicSparseColMat<Index> {
         let unknowns = self.column_starts.len() - 1;
         SymbolicSparseColMat::new_checked(unknowns, unknowns, self.column_starts, None, self.rows)
     }
@@ -169,7 +173,8 @@ impl ForwardModel {
                 Element {
                     gradients: shape_gradients(&mesh, index),
                     weight: mesh.area_mm2(index) * contacts.thickness_m,
-                    entries: CORNER_PAIRS.map(|(i, j)| lower.entry(triangle[i], triangle[j])),
+                    entries: CORNER_PAIRS
+                        .map(|(i, j)| lower.entry(triangle[i], triangle[j]) as Index),
                 }
             })
             .collect();
@@ -247,12 +252,12 @@ impl ForwardModel {
         Ok(inverse)
     }
 
-    fn factorise(&self, conductivity_s_per_m: &[f64]) -> Result<Llt<usize, f64>, ForwardError> {
+    fn factorise(&self, conductivity_s_per_m: &[f64]) -> Result<Llt<Index, f64>, ForwardError> {
         assert_eq!(conductivity_s_per_m.len(), self.elements.len());
         let mut values = self.contact_values.clone();
         for (element, sigma) in self.elements.iter().zip(conductivity_s_per_m) {
             for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(element.entries) {
-                values[entry] += sigma * element.stiffness(i, j);
+                values[entry as usize] += sigma * element.stiffness(i, j);
             }
         }
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values);

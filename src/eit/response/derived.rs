@@ -50,8 +50,7 @@ impl DerivedResponses {
         let mut coordinates = vec![0.0; table.rank];
         let mut response = vec![0.0; table.channels];
         for sign in 0..SIGNS {
-            let first = radius * POWERS * table.rank;
-            let terms = &table.terms.at(sign, place)[first..first + POWERS * table.rank];
+            let terms = table.terms.at(sign, place, radius);
             for strength in strengths {
                 sum_powers(&mut coordinates, terms, *strength);
                 table.expand(&coordinates, &mut response);

@@ -19,13 +19,65 @@ impl ResponseTable {
     pub fn respond(&self, touch: &TouchModel, response: &mut Response) {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
     }
+
+    /// The value of [`ResponseTable::respond`] alone, to the bit, for many touches at places and of a radius of the table: only
+    /// terms that count are made.
+    pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
+        value.clear();
+        value.resize(self.rank, 0.0);
+        let size = SizeWeights::new(touch, &self.places);
+        let [across, up] = self.cubics(touch);
+        let sign = self.sign_index(touch);
+        let mut at_place = vec![0.0f32; self.rank];
+        for index in 0..16 {
+            let (j, i) = (index / 4, index % 4);
+            let weight = across.value[i] * up.value[j];
+            if weight == 0.0 {
+                continue;
+            }
+            let place = (up.first + j) * self.places.columns + across.first + i;
+            at_place.fill(0.0);
+            for (k, factors) in size.terms.chunks_exact(POWERS).enumerate() {
+                if factors.iter().all(|[value, ..]| *value == 0.0) {
+                    continue;
+                }
+                let rows = self.terms.at(sign, place, size.first_radius + k);
+                for (row, [factor, ..]) in rows.chunks_exact(self.rank).zip(factors) {
+                    for (sum, term) in at_place.iter_mut().zip(row) {
+                        *sum += factor * term;
+                    }
+                }
+            }
+            for (total, sum) in value.iter_mut().zip(&at_place) {
+                *total += weight * sum;
+            }
+        }
+    }
+
+    /// The weights of places along x and y.
+    fn cubics(&self, touch: &TouchModel) -> [Cubic; 2] {
+        let Places {
+            pitch_mm,
+            columns,
+            rows,
+            ..
+        } = self.places;
+        let margin = self.places.margin as f64;
+        let [x, y] = touch.centre_mm;
+        [(x, columns), (y, rows)]
+            .map(|(at_mm, count)| Cubic::at(at_mm / pitch_mm + margin, count).per(pitch_mm))
+    }
+
+    fn sign_index(&self, touch: &TouchModel) -> usize {
+        usize::from(touch.sign == TouchSign::Fall && self.has_both_signs())
+    }
 }
 
 /// The sums of [`ResponseTable::respond`], dispatched by processor: only code inlined here is compiled for each.
 pub(super) struct Interpolation<'a> {
     table: &'a ResponseTable,
-    /// The terms of the touch's sign at the sixteen places around it, row by row.
-    terms: [&'a [f32]; 16],
+    /// The terms of the touch's sign at the sixteen places around it, row by row, for the four radii around its own.
+    terms: [[&'a [f32]; 4]; 16],
     size: SizeWeights,
     across: Cubic,
     up: Cubic,
@@ -43,20 +95,18 @@ impl<'a> Interpolation<'a> {
             values.clear();
             values.resize(table.rank, 0.0);
         }
-        let [x, y] = touch.centre_mm;
-        let pitch_mm = table.places.pitch_mm;
-        let margin = table.places.margin as f64;
-        let sign = usize::from(touch.sign == TouchSign::Fall && table.has_both_signs());
-        let across = Cubic::at(x / pitch_mm + margin, table.places.columns).per(pitch_mm);
-        let up = Cubic::at(y / pitch_mm + margin, table.places.rows).per(pitch_mm);
+        let [across, up] = table.cubics(touch);
+        let sign = table.sign_index(touch);
+        let size = SizeWeights::new(touch, &table.places);
         let terms = std::array::from_fn(|index| {
             let (row, column) = (up.first + index / 4, across.first + index % 4);
-            table.terms.at(sign, row * table.places.columns + column)
+            let place = row * table.places.columns + column;
+            std::array::from_fn(|k| table.terms.at(sign, place, size.first_radius + k))
         });
         Self {
             table,
             terms,
-            size: SizeWeights::new(touch, &table.places),
+            size,
             across,
             up,
             response,
@@ -78,15 +128,12 @@ impl NullaryFnOnce for Interpolation<'_> {
             response,
         } = self;
         let rank = table.rank;
-        let radius_stride = POWERS * rank;
         // A few dimensions at a time, so that the sums stay in registers.
         for first in (0..rank).step_by(LANES) {
             let mut sums = [[0.0f32; LANES]; 5];
-            let start = size.first_radius * radius_stride + first;
             for (index, terms) in terms.iter().enumerate() {
                 let (j, i) = (index / 4, index % 4);
-                let [value, by_radius, by_strength] =
-                    response_at(&terms[start..], rank, &size.terms);
+                let [value, by_radius, by_strength] = response_at(terms, first, rank, &size.terms);
                 let weights = [
                     across.value[i] * up.value[j],
                     across.slope[i] * up.value[j],
@@ -109,18 +156,25 @@ impl NullaryFnOnce for Interpolation<'_> {
     }
 }
 
-/// The response at one place and its derivatives by log radius and strength, in [`LANES`] dimensions.
+/// The response at one place and its derivatives by log radius and strength, in [`LANES`] dimensions from `first`.
 #[inline(always)]
-fn response_at(terms: &[f32], rank: usize, factors: &[[f32; 3]; 4 * POWERS]) -> [[f32; LANES]; 3] {
+fn response_at(
+    terms: &[&[f32]; 4],
+    first: usize,
+    rank: usize,
+    factors: &[[f32; 3]; 4 * POWERS],
+) -> [[f32; LANES]; 3] {
     let mut sums = [[0.0f32; LANES]; 3];
-    for (index, [value, by_radius, by_strength]) in factors.iter().enumerate() {
-        let Some(row) = terms[index * rank..].first_chunk::<LANES>() else {
-            break;
-        };
-        for lane in 0..LANES {
-            sums[0][lane] += value * row[lane];
-            sums[1][lane] += by_radius * row[lane];
-            sums[2][lane] += by_strength * row[lane];
+    for (of_radius, factors) in terms.iter().zip(factors.chunks_exact(POWERS)) {
+        for (power, [value, by_radius, by_strength]) in factors.iter().enumerate() {
+            let Some(row) = of_radius[power * rank + first..].first_chunk::<LANES>() else {
+                break;
+            };
+            for lane in 0..LANES {
+                sums[0][lane] += value * row[lane];
+                sums[1][lane] += by_radius * row[lane];
+                sums[2][lane] += by_strength * row[lane];
+            }
         }
     }
     sums
@@ -164,6 +218,9 @@ impl SizeWeights {
     }
 }
 
+/// Closer than this to a grid point, in steps, a coordinate is at it.
+const AT_POINT: f64 = 1e-9;
+
 /// Weights of the four grid points around a coordinate (cubic convolution: Keys 1981, IEEE Trans. ASSP 29, eq. 15).
 struct Cubic {
     first: usize,
@@ -177,6 +234,9 @@ impl Cubic {
     fn at(at: f64, count: usize) -> Self {
         let last = (count - 2) as f64;
         let at = at.max(1.0).min(last);
+        let nearest = libm::round(at);
+        let is_at_point = (at - nearest).abs() < AT_POINT;
+        let at = if is_at_point { nearest } else { at };
         let cell = libm::floor(at).min(last - 1.0);
         let f = at - cell;
         let (f2, f3) = (f * f, f * f * f);
@@ -235,6 +295,20 @@ mod tests {
                 all.map(|value| value.to_bits()).collect()
             };
             prop_assert_eq!(bits(&ours), bits(&plain));
+        }
+
+        #[test]
+        fn the_value_alone_has_the_same_bits(
+            x in 0.0..60.0f64, y in 0.0..40.0f64, log_radius in 0.5..3.0f64, is_on_grid in any::<bool>(),
+        ) {
+            let table = ResponseTable::small();
+            let pitch_mm = table.places.pitch_mm;
+            let snap = |at: f64| if is_on_grid { (at / pitch_mm).round() * pitch_mm } else { at };
+            let log_radius = if is_on_grid { table.places.radii_mm()[2].ln() } else { log_radius };
+            let touch = TouchModel { centre_mm: [snap(x), snap(y)], log_radius, strength: 0.4, sign: TouchSign::Rise };
+            let mut alone = Vec::new();
+            table.respond_value(&touch, &mut alone);
+            prop_assert_eq!(alone, value(&table, &touch));
         }
 
         #[test]

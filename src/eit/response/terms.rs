@@ -1,7 +1,7 @@
 //! The terms of a table at each place: those solved, and the others, turned when they are first needed.
 //!
-//! A finger visits few places, and most players press with one sign. Turning all places of both signs at the start would take
-//! 39 ms and 35 MB.
+//! A finger visits few places with few radii, and most players press with one sign. Turning all places of both signs at the start
+//! would take 39 ms and 35 MB.
 //!
 //! Invariant: the order of the sums is fixed, so a place has the same bits on every machine and whenever it is turned.
 
@@ -29,9 +29,9 @@ pub(super) struct Terms {
     orbits: Orbits,
     /// What each symmetry does to coordinates: rank x rank, as columns.
     turns: Vec<Vec<f32>>,
-    /// Signs x places; empty for solved places and for those that were not needed yet.
+    /// Signs x places x radii; empty for solved places and for those that were not needed yet.
     turned: Box<[OnceLock<Box<[f32]>>]>,
-    /// Values per place.
+    /// Values per place and radius.
     stride: usize,
 }
 
@@ -50,10 +50,11 @@ impl Terms {
     /// If there are no terms for one sign or two, or the rank is not a multiple of [`LANES`].
     pub(super) fn new(solved: Vec<f32>, rank: usize, orbits: Orbits, basis: &[f32]) -> Self {
         assert_eq!(rank % LANES, 0);
-        let stride = TERMS * rank;
-        let signs = solved.len() / (orbits.solved() * stride).max(1);
-        assert!((1..=SIGNS).contains(&signs) && solved.len() == signs * orbits.solved() * stride);
-        let turned = vec![OnceLock::new(); signs * orbits.len()];
+        let stride = POWERS * rank;
+        let of_sign = orbits.solved() * RADII * stride;
+        let signs = solved.len() / of_sign.max(1);
+        assert!((1..=SIGNS).contains(&signs) && solved.len() == signs * of_sign);
+        let turned = vec![OnceLock::new(); signs * orbits.len() * RADII];
         Self {
             turns: orbits.turned_bases(basis),
             turned: turned.into(),
@@ -65,7 +66,7 @@ impl Terms {
 
     /// Number of signs: one in tables of the first version.
     pub(super) fn signs(&self) -> usize {
-        self.turned.len() / self.orbits.len()
+        self.turned.len() / (self.orbits.len() * RADII)
     }
 
     /// The terms at the places that the others follow from.
@@ -73,20 +74,20 @@ impl Terms {
         &self.solved
     }
 
-    /// The terms of a sign at a place.
-    pub(super) fn at(&self, sign: usize, place: usize) -> &[f32] {
+    /// The terms of a sign at a place for the radius with this index: powers x rank.
+    pub(super) fn at(&self, sign: usize, place: usize, radius: usize) -> &[f32] {
         let origin = self.orbits.origin(place);
-        let first = (sign * self.orbits.solved() + origin.solved) * self.stride;
-        let vectors = &self.solved[first..first + self.stride];
+        let first = (sign * self.orbits.solved() + origin.solved) * RADII + radius;
+        let vectors = &self.solved[first * self.stride..][..self.stride];
         if self.orbits.is_solved(place) {
             return vectors;
         }
-        self.turned[sign * self.orbits.len() + place].get_or_init(|| {
+        self.turned[(sign * self.orbits.len() + place) * RADII + radius].get_or_init(|| {
             let mut turned = vec![0.0; self.stride].into_boxed_slice();
             Arch::new().dispatch(Turning {
                 vectors,
                 columns: &self.turns[origin.symmetry],
-                rank: self.stride / TERMS,
+                rank: self.stride / POWERS,
                 turned: &mut turned,
             });
             turned
@@ -95,7 +96,7 @@ impl Terms {
 }
 
 /// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. A few
-/// sums of a few vectors are kept in registers.
+/// sums of all vectors are kept in registers.
 struct Turning<'a> {
     vectors: &'a [f32],
     /// Rank x rank.
@@ -109,15 +110,14 @@ impl NullaryFnOnce for Turning<'_> {
 
     #[inline(always)]
     fn call(self) {
-        const VECTORS: usize = 4;
-        let block = VECTORS * self.rank;
+        let block = POWERS * self.rank;
         for (vectors, turned) in self
             .vectors
             .chunks(block)
             .zip(self.turned.chunks_mut(block))
         {
             for first in (0..self.rank).step_by(LANES) {
-                let mut sums = [[0.0f32; LANES]; VECTORS];
+                let mut sums = [[0.0f32; LANES]; POWERS];
                 for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
                     for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(self.rank)) {
                         for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
@@ -160,12 +160,14 @@ mod tests {
             for sign in 0..2 {
                 let first = sign * size + origin.solved * TERMS * channels;
                 for (reading, order) in orders[origin.symmetry].iter().enumerate() {
-                    let from = first + order;
-                    assert_eq!(
-                        terms.at(sign, place)[reading],
-                        (from % 8191) as f32,
-                        "{place} {reading}"
-                    );
+                    for radius in [0, RADII - 1] {
+                        let from = first + radius * POWERS * channels + order;
+                        assert_eq!(
+                            terms.at(sign, place, radius)[reading],
+                            (from % 8191) as f32,
+                            "{place} {reading}"
+                        );
+                    }
                 }
             }
         }

@@ -5,7 +5,7 @@
 
 use super::metric::{Metric, dot, energy};
 use crate::eit::ResponseTable;
-use crate::eit::response::{Response, TouchModel, strength_from_rise};
+use crate::eit::response::{TouchModel, strength_from_rise};
 use crate::pad::TouchSign;
 
 /// Largest degree of the polynomials.
@@ -101,7 +101,7 @@ fn patterns(table: &ResponseTable, size_mm: [f64; 2]) -> Vec<Vec<f32>> {
         polynomials.chain(edges).collect()
     };
     let mut sums = vec![vec![0.0f32; table.rank()]; weights([0.0; 2]).len()];
-    let mut response = Response::default();
+    let mut response = Vec::new();
     let log_radius = libm::log(table.radii_mm()[0]);
     for row in 0..=steps[1] {
         for column in 0..=steps[0] {
@@ -115,9 +115,9 @@ fn patterns(table: &ResponseTable, size_mm: [f64; 2]) -> Vec<Vec<f32>> {
                 strength: strength_from_rise(FAINT_RISE),
                 sign: TouchSign::Rise,
             };
-            table.respond(&touch, &mut response);
+            table.respond_value(&touch, &mut response);
             for (sum, weight) in sums.iter_mut().zip(weights(centre_mm)) {
-                for (total, value) in sum.iter_mut().zip(&response.value) {
+                for (total, value) in sum.iter_mut().zip(&response) {
                     *total += weight as f32 * value;
                 }
             }

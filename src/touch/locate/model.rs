@@ -93,6 +93,11 @@ impl LocatorModel {
         self.error_share * self.error_share * energy
     }
 
+    /// Whether channels are excluded: near their electrodes little is seen.
+    pub(super) fn is_blind(&self) -> bool {
+        self.metric.counted() < self.table.channels()
+    }
+
     /// A frame to fit touches to.
     pub(super) fn problem<'a>(&'a self, frame: &'a Whitened, bounds: &'a Bounds) -> Problem<'a> {
         Problem {

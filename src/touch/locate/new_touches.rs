@@ -260,11 +260,10 @@ impl Locator {
             .iter()
             .any(|touch| self.depth_mm(touch.centre_mm) < LEAST_DEPTH_MM);
         let fair = self.inside() * noise + self.model_error();
-        let is_blind = self.model.metric.counted() < self.model.table.channels();
         let gain = self.fit.cost - self.best.cost;
         at_edge
             && (energy(&self.best.residual) > EDGE_REST * fair
-                || is_blind && gain < BLIND_EDGE_GAINS * least_gain)
+                || self.model.is_blind() && gain < BLIND_EDGE_GAINS * least_gain)
     }
 
     /// Whether the two nearest touches of the best trial are rather one finger of odd shape.

@@ -3,7 +3,6 @@
 use super::fit::Bounds;
 use super::metric::{Metric, dot};
 use crate::eit::ResponseTable;
-use crate::eit::response::Response;
 use crate::pad::{Outline, TouchSign};
 use crate::types::PointMm;
 
@@ -53,21 +52,21 @@ impl Templates {
             places_mm: Vec::new(),
             responses: Vec::new(),
         };
-        let mut response = Response::default();
+        let mut response = Vec::new();
         for row in 0..=steps(height) {
             for column in 0..=steps(width) {
                 let place_mm = [column as f64 * pitch_mm, row as f64 * pitch_mm];
                 if !outline.contains(place_mm) {
                     continue;
                 }
-                table.respond(&bounds.typical(place_mm), &mut response);
-                metric.whiten_coordinates(&mut response.value);
-                let length = libm::sqrtf(dot(&response.value, &response.value));
+                table.respond_value(&bounds.typical(place_mm), &mut response);
+                metric.whiten_coordinates(&mut response);
+                let length = libm::sqrtf(dot(&response, &response));
                 if length > 0.0 {
                     templates.places_mm.push(place_mm);
                     templates
                         .responses
-                        .extend(response.value.iter().map(|value| value / length));
+                        .extend(response.iter().map(|value| value / length));
                 }
             }
         }

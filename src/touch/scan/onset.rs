@@ -6,7 +6,7 @@ use super::evidence::{Evidence, ONSET_PARTS};
 use super::fit::{FingerBounds, FitMemory, Fitted, fit};
 use super::readings::PartReadings;
 use crate::eit::ResponseTable;
-use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
+use crate::eit::response::{MOST_STRENGTH, TouchModel};
 use crate::pad::TouchSign;
 use crate::touch::{Detector, Locator};
 use crate::types::{PointMm, distance_mm};
@@ -67,7 +67,7 @@ impl OnsetModel {
             responses: Vec::new(),
             table,
         };
-        let mut response = Response::default();
+        let mut response = Vec::new();
         let mut changes = vec![0.0; model.table.channels()];
         let mut by_place = Vec::new();
         for row in 0..=steps[1] {
@@ -77,8 +77,8 @@ impl OnsetModel {
                     centre_mm,
                     ..typical
                 };
-                model.table.respond(&touch, &mut response);
-                model.table.expand(&response.value, &mut changes);
+                model.table.respond_value(&touch, &mut response);
+                model.table.expand(&response, &mut changes);
                 if changes.iter().any(|change| *change != 0.0) {
                     model.places_mm.push(centre_mm);
                     by_place.extend_from_slice(&changes);
