@@ -8,6 +8,7 @@ mod bytes;
 mod derived;
 mod interpolate;
 mod learned;
+mod once_slots;
 mod places;
 mod quantized;
 mod scatter;

@@ -5,11 +5,10 @@
 //!
 //! Invariant: the order of the sums is fixed, so a place has the same bits on every machine and whenever it is turned.
 
-use std::sync::OnceLock;
-
 use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
+use super::once_slots::OnceSlots;
 use super::places::RADII;
 use super::symmetry::Orbits;
 
@@ -29,8 +28,8 @@ pub(super) struct Terms {
     orbits: Orbits,
     /// What each symmetry does to coordinates: rank x rank, as columns.
     turns: Vec<Vec<f32>>,
-    /// Signs x places x radii; empty for solved places and for those that were not needed yet.
-    turned: Box<[OnceLock<Box<[f32]>>]>,
+    /// Signs x radii x places: places side by side, since most radii are never needed.
+    turned: OnceSlots,
     /// Values per place and radius.
     stride: usize,
 }
@@ -54,10 +53,10 @@ impl Terms {
         let of_sign = orbits.solved() * RADII * stride;
         let signs = solved.len() / of_sign.max(1);
         assert!((1..=SIGNS).contains(&signs) && solved.len() == signs * of_sign);
-        let turned = vec![OnceLock::new(); signs * orbits.len() * RADII];
+        let turned = OnceSlots::new(signs * RADII * orbits.len(), stride);
         Self {
             turns: orbits.turned_bases(basis),
-            turned: turned.into(),
+            turned,
             solved,
             orbits,
             stride,
@@ -82,15 +81,14 @@ impl Terms {
         if self.orbits.is_solved(place) {
             return vectors;
         }
-        self.turned[(sign * self.orbits.len() + place) * RADII + radius].get_or_init(|| {
-            let mut turned = vec![0.0; self.stride].into_boxed_slice();
+        let slot = (sign * RADII + radius) * self.orbits.len() + place;
+        self.turned.get_or_write(slot, |turned| {
             Arch::new().dispatch(Turning {
                 vectors,
                 columns: &self.turns[origin.symmetry],
                 rank: self.stride / POWERS,
-                turned: &mut turned,
+                turned,
             });
-            turned
         })
     }
 }
