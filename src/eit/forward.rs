@@ -67,7 +67,9 @@ pub struct ForwardModel {
     pattern: SymbolicSparseColMat<Index>,
     /// The part of each entry that comes from the contacts.
     contact_values: Vec<f64>,
-    elements: Vec<Element>,
+    /// For each triangle, its entries of the matrix, in the order of [`CORNER_PAIRS`].
+    entries: Vec<[Index; 6]>,
+    thickness_m: f64,
     symbolic: SymbolicLlt<Index>,
 }
 
@@ -75,18 +77,17 @@ pub struct ForwardModel {
 /// counts in the window, whose simulated pad keeps them.
 type Index = u32;
 
-#[derive(Clone, Debug)]
-struct Element {
+/// A triangle as the matrix takes it: computed where it is needed, since storing all of them takes megabytes.
+pub(super) struct Element {
     /// Gradients of the three shape functions, 1/mm.
     gradients: [[f64; 2]; 3],
     /// Area x thickness, mm2 m: factor of the stiffness.
     weight: f64,
-    /// Its entries of the matrix, in the order of [`CORNER_PAIRS`].
-    entries: [Index; 6],
 }
 
 impl Element {
-    fn stiffness(&self, i: usize, j: usize) -> f64 {
+    /// Stiffness between two corners (0 to 2) for a unit conductivity, siemens.
+    pub(super) fn stiffness(&self, i: usize, j: usize) -> f64 {
         let (gi, gj) = (self.gradients[i], self.gradients[j]);
         self.weight * (gi[0] * gj[0] + gi[1] * gj[1])
     }
@@ -167,15 +168,11 @@ impl ForwardModel {
         for (row, column, value) in &terms {
             contact_values[lower.entry(*row, *column)] += value;
         }
-        let elements = (0..mesh.triangles.len())
-            .map(|index| {
-                let triangle = mesh.triangles[index];
-                Element {
-                    gradients: shape_gradients(&mesh, index),
-                    weight: mesh.area_mm2(index) * contacts.thickness_m,
-                    entries: CORNER_PAIRS
-                        .map(|(i, j)| lower.entry(triangle[i], triangle[j]) as Index),
-                }
+        let entries = mesh
+            .triangles
+            .iter()
+            .map(|triangle| {
+                CORNER_PAIRS.map(|(i, j)| lower.entry(triangle[i], triangle[j]) as Index)
             })
             .collect();
         let pattern = lower.into_pattern();
@@ -185,7 +182,8 @@ impl ForwardModel {
             pattern,
             mesh,
             contact_values,
-            elements,
+            entries,
+            thickness_m: contacts.thickness_m,
         })
     }
 
@@ -253,10 +251,12 @@ impl ForwardModel {
     }
 
     fn factorise(&self, conductivity_s_per_m: &[f64]) -> Result<Llt<Index, f64>, ForwardError> {
-        assert_eq!(conductivity_s_per_m.len(), self.elements.len());
+        assert_eq!(conductivity_s_per_m.len(), self.entries.len());
         let mut values = self.contact_values.clone();
-        for (element, sigma) in self.elements.iter().zip(conductivity_s_per_m) {
-            for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(element.entries) {
+        let triangles = self.entries.iter().zip(conductivity_s_per_m);
+        for (triangle, (entries, sigma)) in triangles.enumerate() {
+            let element = self.element(triangle);
+            for ((i, j), entry) in CORNER_PAIRS.into_iter().zip(*entries) {
                 values[entry as usize] += sigma * element.stiffness(i, j);
             }
         }
@@ -274,23 +274,26 @@ impl ForwardModel {
     /// # Errors
     /// As [`Self::solve`].
     pub fn solve_even(&self, conductivity_s_per_m: f64) -> Result<Fields, ForwardError> {
-        self.solve(&vec![conductivity_s_per_m; self.elements.len()])
+        self.solve(&vec![conductivity_s_per_m; self.entries.len()])
     }
 
-    /// Stiffness between two corners (0 to 2) of a triangle for a unit conductivity, siemens.
-    pub(super) fn stiffness(&self, triangle: usize, i: usize, j: usize) -> f64 {
-        self.elements[triangle].stiffness(i, j)
+    /// A triangle of the mesh.
+    pub(super) fn element(&self, triangle: usize) -> Element {
+        Element {
+            gradients: shape_gradients(&self.mesh, triangle),
+            weight: self.mesh.area_mm2(triangle) * self.thickness_m,
+        }
     }
 
     /// Area x thickness of a triangle, mm2 m.
     pub(super) fn weight(&self, triangle: usize) -> f64 {
-        self.elements[triangle].weight
+        self.element(triangle).weight
     }
 
     /// Gradients of all fields in one triangle, V/A/mm: x and y components, one value per field.
     pub(super) fn gradients(&self, fields: &Fields, triangle: usize, x: &mut [f64], y: &mut [f64]) {
         let corners = self.mesh.triangles[triangle];
-        let shape = self.elements[triangle].gradients;
+        let shape = self.element(triangle).gradients;
         for (field, (gx, gy)) in x.iter_mut().zip(y).enumerate() {
             let column = fields.potentials.col(field);
             let u = corners.map(|node| column[node]);

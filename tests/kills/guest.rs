@@ -4,7 +4,7 @@
 //! `GELPAD_GUEST_ENDINGS` sets how many are drawn.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -62,15 +62,18 @@ pub fn killed() -> Result<()> {
         .args(["--timeout", &limit])
         .arg(std::env::current_exe()?)
         .arg("--inside-the-guest")
-        .output()
+        // What it says is seen while it runs.
+        .stdout(std::io::stderr())
+        .stderr(Stdio::piped())
+        .spawn()
+        .and_then(Child::wait_with_output)
         .context(SCRIPT)?;
-    let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_end().to_owned();
-    eprintln!("\n{}", said(&output.stdout));
+    let said = String::from_utf8_lossy(&output.stderr);
     ensure!(
         output.status.success(),
         "{}: {}",
         output.status,
-        said(&output.stderr)
+        said.trim_end()
     );
     Ok(())
 }
@@ -92,6 +95,9 @@ pub fn inside() -> Result<()> {
             let said = std::fs::read_to_string(folder.path().join("gelpad.said"));
             format!("ending {round}, {kind:?}: {}", said.unwrap_or_default())
         })?);
+        if times.len().is_multiple_of(100) {
+            println!("in the guest: {} endings", times.len());
+        }
     }
     println!("in the guest: {}", summary(&mut times));
     Ok(())

@@ -122,9 +122,10 @@ impl Scatterer {
             if siemens == 0.0 {
                 continue;
             }
+            let element = model.element(*triangle);
             for i in 0..3 {
                 for j in 0..3 {
-                    let entry = siemens * model.stiffness(*triangle, i, j);
+                    let entry = siemens * element.stiffness(i, j);
                     entries.push((places[i], places[j], entry));
                 }
             }
