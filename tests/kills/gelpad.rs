@@ -47,6 +47,8 @@ impl Gelpad {
         let pad = folder.join("small-pad.toml");
         fs::write(&pad, include_str!("small-pad.toml")).context("the pad")?;
         let mut command = play_command(folder, "gamepad", script, profile)?;
+        // A checkout under /tmp is read-only in a guest: the pad would be solved at each start.
+        command.env("GELPAD_CACHE", folder.join("cache"));
         Self::start(command.arg("--pad").arg(pad))
     }
 
