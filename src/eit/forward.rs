@@ -73,8 +73,8 @@ pub struct ForwardModel {
     symbolic: SymbolicLlt<Index>,
 }
 
-/// Numbers of unknowns and of entries of the matrix: a mesh with more of them than 2^32 fits into no memory, and half the size
-/// counts in the window, whose simulated pad keeps them.
+/// Numbers of unknowns and of entries of the matrix. Meshes stay far below 2^32 of them, and the window keeps a model for its simulated
+/// pad, so half the size counts.
 type Index = u32;
 
 /// A triangle as the matrix takes it: computed where it is needed, since storing all of them takes megabytes.
@@ -281,13 +281,13 @@ impl ForwardModel {
     pub(super) fn element(&self, triangle: usize) -> Element {
         Element {
             gradients: shape_gradients(&self.mesh, triangle),
-            weight: self.mesh.area_mm2(triangle) * self.thickness_m,
+            weight: self.weight(triangle),
         }
     }
 
     /// Area x thickness of a triangle, mm2 m.
     pub(super) fn weight(&self, triangle: usize) -> f64 {
-        self.element(triangle).weight
+        self.mesh.area_mm2(triangle) * self.thickness_m
     }
 
     /// Gradients of all fields in one triangle, V/A/mm: x and y components, one value per field.

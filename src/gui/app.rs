@@ -432,10 +432,10 @@ impl App {
             ("✖", palette.bad, "stopped")
         } else if playing.view.paused {
             ("⏸", palette.warn, "paused")
-        } else if playing.view.frames == 0 && !playing.is_silent() {
-            ("…", palette.warn, "waiting for the pad")
         } else if playing.is_silent() {
             ("○", palette.warn, "no data")
+        } else if playing.waits_for_frames() {
+            ("…", palette.warn, "waiting for the pad")
         } else {
             ("●", palette.good, "playing")
         };

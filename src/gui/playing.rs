@@ -118,6 +118,12 @@ impl Playing {
         self.is_running() && !self.view.paused && self.silent_s > SILENT_S
     }
 
+    /// Whether a game has started and no frame has come yet. A gamepad has no frames.
+    pub fn waits_for_frames(&self) -> bool {
+        let has_frames = self.request.source != SourceChoice::Gamepad;
+        self.is_running() && has_frames && self.view.frames == 0
+    }
+
     /// Frames per second; 0 while the source is silent.
     pub fn frames_per_s(&self) -> f64 {
         match self.is_silent() {

@@ -34,6 +34,22 @@ pub fn region_states(profile: &Profile, held: &[Output]) -> Vec<RegionState> {
     (0..profile.regions.len()).map(state).collect()
 }
 
+/// What a plain press of a region sends, such as `F`: no layers, chords or holds. Empty for a region that sends nothing so.
+pub fn press_outputs(profile: &Profile, region: &str) -> String {
+    let is_of_region = |binding: &&Binding| {
+        let mut regions = binding.regions.iter();
+        matches!(binding.gesture, Gesture::Press(_))
+            && binding.layer.is_none()
+            && regions.any(|index| profile.regions[*index].name == region)
+    };
+    let bindings = profile.bindings.iter().filter(is_of_region);
+    let mut all: Vec<String> = bindings
+        .flat_map(|binding| labels(profile, binding))
+        .collect();
+    all.dedup();
+    all.join(" ")
+}
+
 /// The outputs of a binding.
 pub fn outputs_of_binding<'a>(
     profile: &'a Profile,
@@ -108,6 +124,24 @@ mod tests {
         }
         let left = profile.regions.iter().position(|r| r.name == "left");
         assert_eq!(states[left.expect("a region")].outputs, "←");
+    }
+
+    #[test]
+    fn a_plain_press_sends_what_no_layer_or_chord_adds() {
+        let text = r#"
+            schema = 1
+            name = "two"
+            region = [{ name = "a", x = 0.0, y = 0.0, w = 0.5, h = 1.0 }, { name = "b", x = 0.5, y = 0.0, w = 0.5, h = 1.0 }]
+            binding = [
+                { region = "a", output = "key:f" },
+                { region = "a", layer = "other", output = "key:g" },
+                { region = ["a", "b"], gesture = "chord", output = "key:h" },
+                { region = "b", gesture = "tap", output = "layer:other" },
+            ]
+        "#;
+        let profile = Profile::from_toml("two", text).unwrap_or_else(|faulty| panic!("{faulty}"));
+        assert_eq!(press_outputs(&profile, "a"), "F");
+        assert_eq!(press_outputs(&profile, "b"), "");
     }
 
     #[test]

@@ -44,7 +44,7 @@ fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
 #[test]
 fn settings_with_fewer_unintended_presses_are_not_called_worse() {
     let stage = after_the_presses(Found::FewerUnintended);
-    let words = "correct presses: 100 % before, 83 % with these settings; unintended: 6 before, 0 with them";
+    let words = "correct presses: 100 % before, 83 % with these settings; unintended: 6 before, 0 with these";
     assert!(stage.shows(words), "{:?}", stage.window);
     assert!(stage.has_label("Save and use"));
     assert!(!stage.has_label("Keep what you have"));

@@ -48,7 +48,7 @@ fn each_quantity_is_chosen_by_name_and_explained() {
 #[test]
 fn the_signal_quality_is_shown() {
     let mut stage = measured();
-    for words in ["60 dB", "nothing touches", "208"] {
+    for words in ["60 dB", "no touch found", "208"] {
         assert!(stage.shows(words), "{words}: {:?}", stage.window);
     }
     stage.update_view(|view| view.touches = vec![touch(1, [50.0, 50.0], 0.5)]);

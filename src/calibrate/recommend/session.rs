@@ -91,6 +91,14 @@ impl PressSession {
         self.requests.get(number).map(|asked| (number, asked))
     }
 
+    /// Touches that were lifted since the current request began.
+    #[must_use]
+    pub fn lifts(&self) -> usize {
+        let lifted = self.open.iter();
+        let lifted = lifted.filter(|(_, touch)| touch.phase == Phase::Up);
+        lifted.count()
+    }
+
     /// Number of requests.
     #[must_use]
     pub fn request_count(&self) -> usize {

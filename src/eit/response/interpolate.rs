@@ -20,8 +20,8 @@ impl ResponseTable {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
     }
 
-    /// The value of [`ResponseTable::respond`] alone, to the bit, for many touches at places and of a radius of the table: only
-    /// terms that count are made.
+    /// The value of [`ResponseTable::respond`] alone, the same to the bit. Fast for touches at grid points with a radius of the
+    /// table: terms of weight 0 are not turned.
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
         value.resize(self.rank, 0.0);
@@ -299,16 +299,19 @@ mod tests {
 
         #[test]
         fn the_value_alone_has_the_same_bits(
-            x in 0.0..60.0f64, y in 0.0..40.0f64, log_radius in 0.5..3.0f64, is_on_grid in any::<bool>(),
+            x in -10.0..70.0f64, y in -10.0..50.0f64, log_radius in 0.5..3.0f64, strength in 0.1..0.7f64,
+            rises in any::<bool>(), is_on_grid in any::<bool>(),
         ) {
             let table = ResponseTable::small();
             let pitch_mm = table.places.pitch_mm;
             let snap = |at: f64| if is_on_grid { (at / pitch_mm).round() * pitch_mm } else { at };
             let log_radius = if is_on_grid { table.places.radii_mm()[2].ln() } else { log_radius };
-            let touch = TouchModel { centre_mm: [snap(x), snap(y)], log_radius, strength: 0.4, sign: TouchSign::Rise };
+            let sign = if rises { TouchSign::Rise } else { TouchSign::Fall };
+            let touch = TouchModel { centre_mm: [snap(x), snap(y)], log_radius, strength, sign };
             let mut alone = Vec::new();
             table.respond_value(&touch, &mut alone);
-            prop_assert_eq!(alone, value(&table, &touch));
+            let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&alone), bits(&value(&table, &touch)));
         }
 
         #[test]
@@ -339,6 +342,23 @@ mod tests {
                     prop_assert!(off < 0.02 * f64::from(largest) + 1e-4, "{k}: {slope} for {expected}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_touch_at_a_grid_point_has_one_weight() {
+        // As rounding makes them: a hair beside the second, third and last point.
+        for (at, first) in [(1.0, 0), (2.0 + 1e-12, 1), (2.0 - 1e-12, 1), (8.0, 6)] {
+            let cubic = Cubic::at(at, 10);
+            let ones = cubic.value.iter().filter(|weight| **weight == 1.0);
+            let zeros = cubic.value.iter().filter(|weight| **weight == 0.0);
+            assert_eq!(
+                (ones.count(), zeros.count()),
+                (1, 3),
+                "{at}: {:?}",
+                cubic.value
+            );
+            assert_eq!(cubic.first, first, "{at}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Equal slices of one block, each written once, when it is first asked for.
 //!
-//! The block is reserved at the start, but the system gives memory only to the pages that are written. So a frame allocates nothing,
-//! and slices that nobody asks for cost nothing.
+//! The block is reserved at the start, but the system gives memory only to the pages that are written. So a frame allocates nothing
+//! on the heap, and slices that nobody asks for cost nothing.
 //!
 //! Invariant: a slice is written by one thread before anybody sees it, and never again.
 
@@ -46,7 +46,7 @@ impl OnceSlots {
         self.written.len()
     }
 
-    /// The slice of a slot; `write` fills it, the first time, from zeros.
+    /// The slice of a slot. The first time, `write` fills it: it must set every value, and must not ask for the same slot.
     ///
     /// # Panics
     /// If there is no such slot.

@@ -93,9 +93,10 @@ impl Terms {
     }
 }
 
-/// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. A few
-/// sums of all vectors are kept in registers.
+/// Vectors times what a symmetry does to coordinates, dispatched by processor: only code inlined here is compiled for each. The
+/// sums of [`LANES`] dimensions of all vectors are kept in registers.
 struct Turning<'a> {
+    /// Powers x rank.
     vectors: &'a [f32],
     /// Rank x rank.
     columns: &'a [f32],
@@ -108,24 +109,17 @@ impl NullaryFnOnce for Turning<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let block = POWERS * self.rank;
-        for (vectors, turned) in self
-            .vectors
-            .chunks(block)
-            .zip(self.turned.chunks_mut(block))
-        {
-            for first in (0..self.rank).step_by(LANES) {
-                let mut sums = [[0.0f32; LANES]; POWERS];
-                for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
-                    for (sums, vector) in sums.iter_mut().zip(vectors.chunks_exact(self.rank)) {
-                        for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
-                            *sum += vector[index] * entry;
-                        }
+        for first in (0..self.rank).step_by(LANES) {
+            let mut sums = [[0.0f32; LANES]; POWERS];
+            for (index, column) in self.columns.chunks_exact(self.rank).enumerate() {
+                for (sums, vector) in sums.iter_mut().zip(self.vectors.chunks_exact(self.rank)) {
+                    for (sum, entry) in sums.iter_mut().zip(&column[first..first + LANES]) {
+                        *sum += vector[index] * entry;
                     }
                 }
-                for (turned, sums) in turned.chunks_exact_mut(self.rank).zip(&sums) {
-                    turned[first..first + LANES].copy_from_slice(sums);
-                }
+            }
+            for (turned, sums) in self.turned.chunks_exact_mut(self.rank).zip(&sums) {
+                turned[first..first + LANES].copy_from_slice(sums);
             }
         }
     }

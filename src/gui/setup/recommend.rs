@@ -17,10 +17,10 @@ use crate::calibrate::recommend::{
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
-use crate::gui::regions::region_states;
+use crate::gui::regions::press_outputs;
 use crate::gui::request::file_name;
 use crate::gui::theme;
-use crate::types::{NANOS_PER_MS, Phase, Touch};
+use crate::types::NANOS_PER_MS;
 
 /// The name of someone who types none: a mouse is enough.
 const NO_NAME: &str = "me";
@@ -35,6 +35,8 @@ pub(super) struct RecommendStep {
     changes: TouchChanges,
     search: Option<Receiver<Result<Recommendation, String>>>,
     recommendation: Option<Recommendation>,
+    /// With whose settings the presses were made.
+    person: Option<String>,
     notice: Option<String>,
     prompt: Prompt,
     /// What the step has led to: the saved file, or that nothing changed.
@@ -55,8 +57,8 @@ struct Prompt {
 }
 
 impl Prompt {
-    /// Takes the current request, what its region sends, and the touches that have changed.
-    fn take(&mut self, number: usize, asked: &PressRequest, outputs: &str, changed: &[Touch]) {
+    /// Takes the current request, what its region sends, and the touches that were lifted since it began.
+    fn take(&mut self, number: usize, asked: &PressRequest, outputs: &str, lifts: usize) {
         let region = match outputs {
             "" => asked.region.clone(),
             outputs => format!("{} ({outputs})", asked.region),
@@ -68,14 +70,13 @@ impl Prompt {
         .to_string();
         if self.number != number || self.words.is_empty() {
             self.is_again = number > 0 && self.words == words;
-            (self.number, self.words, self.lifts) = (number, words, 0);
+            (self.number, self.words) = (number, words);
         }
+        self.lifts = lifts;
         self.wanted_lifts = match asked.length {
             PressLength::Twice => 2,
             PressLength::Short | PressLength::Long => 1,
         };
-        let lifted = changed.iter().filter(|touch| touch.phase == Phase::Up);
-        self.lifts += lifted.count();
     }
 
     fn is_seen(&self) -> bool {
@@ -142,12 +143,8 @@ impl RecommendStep {
         if let Some(session) = &mut self.session {
             session.take_frame(playing.view.t_ns, &changed);
             if let Some((number, asked)) = session.current_request() {
-                let profile = &playing.view.profile;
-                let regions = profile.regions.iter().zip(region_states(profile, &[]));
-                let of_region = regions.filter(|(region, _)| region.name == asked.region);
-                let outputs: Vec<String> = of_region.map(|(_, state)| state.outputs).collect();
-                self.prompt
-                    .take(number, asked, &outputs.join(" "), &changed);
+                let outputs = press_outputs(&playing.view.profile, &asked.region);
+                self.prompt.take(number, asked, &outputs, session.lifts());
             }
         }
     }
@@ -258,6 +255,7 @@ impl RecommendStep {
         playing: &Playing,
         services: &Arc<dyn AppServices>,
     ) {
+        self.person = playing.request.user.as_deref().map(file_name);
         let (sender, receiver) = sync_channel(1);
         let (services, request) = (Arc::clone(services), playing.request.clone());
         let pad_mm = playing.pad.outline.size_mm();
@@ -281,8 +279,7 @@ impl RecommendStep {
         services: &dyn AppServices,
     ) -> Option<UiAction> {
         let palette = theme::palette_of(ui);
-        let person = playing.request.user.as_deref().map(file_name);
-        let words = recommended::outcome_words(found, person.as_deref());
+        let words = recommended::outcome_words(found, self.person.as_deref());
         let is_worse = found.is_worse();
         let helps_nothing = found.helps_nothing();
         let words = if is_worse {
@@ -423,30 +420,29 @@ mod tests {
             region: "jump".to_owned(),
             length,
         };
-        let up = Touch {
-            phase: Phase::Up,
-            ..crate::gui::still::touch(1, [50.0, 50.0], 0.5)
-        };
         let mut prompt = Prompt::default();
-        prompt.take(0, &asked(PressLength::Short), "F", &[]);
+        prompt.take(0, &asked(PressLength::Short), "F", 0);
         assert_eq!(prompt.instruction(), "tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(0, &asked(PressLength::Short), "F", &[up]);
+        prompt.take(0, &asked(PressLength::Short), "F", 1);
         let said = prompt.acknowledgement(24);
         assert!(
             said.starts_with("✔ press 1 of 24 seen. Leave the pad for 2 s"),
             "{said}"
         );
-        prompt.take(0, &asked(PressLength::Short), "F", &[up]);
+        prompt.take(0, &asked(PressLength::Short), "F", 2);
         let said = prompt.acknowledgement(24);
         assert!(said.contains("more came after it"), "{said}");
-        prompt.take(1, &asked(PressLength::Short), "F", &[]);
+        prompt.take(1, &asked(PressLength::Short), "F", 0);
         assert_eq!(prompt.instruction(), "again: tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(2, &asked(PressLength::Twice), "", &[up]);
+        prompt.take(2, &asked(PressLength::Twice), "", 1);
         assert_eq!(prompt.acknowledgement(24), "✔ first tap seen");
-        prompt.take(2, &asked(PressLength::Twice), "", &[up]);
+        prompt.take(2, &asked(PressLength::Twice), "", 2);
         assert!(prompt.is_seen());
+        prompt.take(23, &asked(PressLength::Short), "", 1);
+        let said = prompt.acknowledgement(24);
+        assert!(said.ends_with("then all are done."), "{said}");
     }
 
     #[test]

@@ -63,6 +63,7 @@ pub(super) fn outcome_words(found: &Recommendation, person: Option<&str>) -> Str
         Some(person) => format!("with the settings of {person}"),
         None => "before".to_owned(),
     };
+    let now = now.as_str();
     let mut words = format!(
         "correct presses: {:.0} % {now}, {:.0} % with these settings",
         percent(before),
@@ -70,7 +71,7 @@ pub(super) fn outcome_words(found: &Recommendation, person: Option<&str>) -> Str
     );
     if before.wrong > 0 || after.wrong > 0 {
         words.push_str(&format!(
-            "; unintended: {} before, {} with them",
+            "; unintended: {} {now}, {} with these",
             before.wrong, after.wrong
         ));
     }

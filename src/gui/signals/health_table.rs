@@ -86,7 +86,7 @@ fn figure_rows(playing: &Playing, figures: &Health) -> Vec<Row> {
         ("largest drift", percent(drift), None),
         (
             "not explained",
-            residual.map_or("nothing touches".to_owned(), |r| {
+            residual.map_or("no touch found".to_owned(), |r| {
                 format!("{:.0} % of the change", r * 100.0)
             }),
             None,

@@ -7,8 +7,8 @@ use super::motion::Motion;
 
 /// A deformation explains at least this many squared deviations: noise does once in minutes, and then it costs nothing.
 const LEAST_GAIN: f64 = 60.0;
-/// While channels are excluded, a reference that noise has moved is not seen to be wrong near the lost electrodes, and what is
-/// left there looks like a touch: it explains so much that noise does not in a day.
+/// While channels are excluded, a reference that noise has moved is wrong near the lost electrodes and looks like a touch there. So a
+/// deformation must explain more than noise does in a day.
 const LEAST_GAIN_BLIND: f64 = 85.0;
 /// Under touches it explains this share of their model error as well.
 const ERROR_SHARE: f64 = 0.25;
