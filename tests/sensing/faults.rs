@@ -115,6 +115,45 @@ fn a_short_between_neighbours_makes_no_touch_and_play_goes_on() {
 }
 
 #[test]
+fn a_pad_that_bends_is_followed_while_two_electrodes_are_lost() {
+    for seed in [1, 2, 3] {
+        let mut bench = Bench::located(60.0, seed);
+        assert_eq!(bench.play(&[], 100), (0, 0));
+        // Wider than any finger.
+        let volts = |fingers: &[Press]| bench.simulated.volts(fingers).expect("solvable");
+        let bent = volts(&[finger([20.0, 90.0], 90.0, 0.01)]);
+        let bends: Vec<f32> = bent
+            .iter()
+            .zip(volts(&[]))
+            .map(|(bent, rest)| (bent / rest - 1.0) as f32)
+            .collect();
+        let is_lost: Vec<bool> = bench
+            .pad
+            .protocol
+            .channels
+            .iter()
+            .map(|channel| {
+                let pairs = [channel.drive, channel.measure];
+                pairs
+                    .iter()
+                    .any(|pair| [8, 9].contains(&pair.0) || [8, 9].contains(&pair.1))
+            })
+            .collect();
+        bench.board = Box::new(move |channel, volt, frame| {
+            // Back and forth in three seconds.
+            let share = (std::f32::consts::TAU * frame as f32 / 300.0).sin();
+            match is_lost[channel] {
+                true => wild(channel, frame),
+                false => volt * (1.0 + share * bends[channel]),
+            }
+        });
+        let (downs, _) = bench.play(&[], 3000);
+        // A few in half a minute; a bend that is not followed makes dozens.
+        assert!(downs <= 6, "seed {seed}: {downs} touches");
+    }
+}
+
+#[test]
 fn a_board_that_repeats_one_frame_holds_no_touch() {
     let mut bench = Bench::located(60.0, 8);
     bench.play(&[], 200);

@@ -177,6 +177,23 @@ mod tests {
     }
 
     #[test]
+    fn the_lift_of_a_finger_that_lay_there_before_is_no_press() {
+        let requests = PressSession::default_requests(&profile("super-mario"), 2);
+        let mut session = PressSession::new(requests);
+        session.take_frame(0, &[touch(Phase::Up)]);
+        assert_eq!(session.lifts(), 0);
+        assert!(
+            !session.take_frame(2 * QUIET_NS, &[]),
+            "nothing was pressed"
+        );
+        session.take_frame(2 * QUIET_NS, &[touch(Phase::Down)]);
+        session.take_frame(2 * QUIET_NS, &[touch(Phase::Up)]);
+        assert_eq!(session.lifts(), 1);
+        assert!(session.take_frame(3 * QUIET_NS, &[]));
+        assert_eq!(session.lifts(), 0, "of the next request");
+    }
+
+    #[test]
     fn half_of_the_requests_are_in_regions_that_distinguish_lengths() {
         let asked = PressSession::default_requests(&profile("super-mario-classified"), 40);
         let jumps = asked.iter().filter(|asked| asked.region == "jump").count();

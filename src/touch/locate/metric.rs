@@ -257,6 +257,11 @@ impl Metric {
         self.counted
     }
 
+    /// Whether each channel counts: not an excluded one.
+    pub(super) fn are_counted(&self) -> impl Iterator<Item = bool> + '_ {
+        self.inverse_deviation.iter().map(|inverse| *inverse > 0.0)
+    }
+
     /// Whitens relative changes.
     pub(super) fn whiten(&self, changes: &[f32], whitened: &mut Whitened) {
         whitened.coordinates.clear();
