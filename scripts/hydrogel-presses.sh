@@ -1,6 +1,8 @@
 #!/bin/sh
 # Places two measured skins by their voltages: random splits, five seeds, `gelpad calibrate --evaluate` on each.
 #   scripts/hydrogel-presses.sh [SEEDS] [SIZES]        defaults: "1 2 3 4 5" and "50 500 2000"
+# SPREAD=1: the presses to learn from are not the first of the shuffled ones but, one after the other, that of the first 1000 which is
+# farthest from those before, as `gelpad calibrate` shows places. The test presses are all that follow the first 1000.
 # The data (no licence: not part of gelpad) is read from $GELPAD_DATA/hydrogel-presses, else ../shared/data; GELPAD names the
 # program to run. Needs awk and nothing else. Prints a JSON line a run, then the mean error of each skin and size.
 set -eu
@@ -16,8 +18,25 @@ for skin in noPattern parallel; do
     for size in $sizes; do
         for seed in $seeds; do
             # Fisher-Yates with awk's own generator: the same seed gives the same split. Metres become millimetres.
-            paste -d, "$data/out_$skin.csv" "$data/inp_$skin.csv" | awk -F, -v OFS=, -v seed="$seed" -v size="$size" \
+            paste -d, "$data/out_$skin.csv" "$data/inp_$skin.csv" | awk -F, -v OFS=, -v seed="$seed" -v size="$size" -v spread="${SPREAD:-}" \
                 -v train="$work/train.csv" -v test="$work/test.csv" '
+                # Brings the presses that are farthest from those before them to the front.
+                function spread_out(  i, k, far, d, least, t) {
+                    for (i = 1; i <= pool; i++) { split(row[i], v, ","); px[i] = v[1]; py[i] = v[2]; least[i] = 1e9 }
+                    for (k = 1; k < size; k++) {
+                        far = k + 1
+                        for (i = k + 1; i <= pool; i++) {
+                            d = (px[i] - px[k]) ^ 2 + (py[i] - py[k]) ^ 2
+                            if (d < least[i]) least[i] = d
+                            if (least[i] > least[far]) far = i
+                        }
+                        i = k + 1
+                        t = row[i]; row[i] = row[far]; row[far] = t
+                        t = px[i]; px[i] = px[far]; px[far] = t
+                        t = py[i]; py[i] = py[far]; py[far] = t
+                        t = least[i]; least[i] = least[far]; least[far] = t
+                    }
+                }
                 { row[NR] = $0 }
                 END {
                     header = "x_mm,y_mm"
@@ -26,7 +45,10 @@ for skin in noPattern parallel; do
                     print header > test
                     srand(seed * 1000 + 7)
                     for (i = NR; i > 1; i--) { j = 1 + int(rand() * i); t = row[i]; row[i] = row[j]; row[j] = t }
+                    pool = spread ? 1000 : size
+                    if (spread) spread_out()
                     for (i = 1; i <= NR; i++) {
+                        if (i > size && i <= pool) continue
                         n = split(row[i], v, ",")
                         line = sprintf("%.6f,%.6f", v[1] * 1000, v[2] * 1000)
                         for (d = 4; d <= n; d++) line = line "," v[d]

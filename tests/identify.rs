@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use gelpad::cache;
-use gelpad::eit::identify::{IdentifyError, identify};
+use gelpad::eit::identify::{IdentifyError, identify, one_by_one};
 use gelpad::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm, shipped_pad};
 use gelpad::source::{Noise, SimulatedPad};
 
@@ -65,7 +65,7 @@ fn conductance_and_electrodes_are_found_on_another_mesh_and_in_any_unit() {
     let as_drawn = drawing.with_deviations(Deviations::new(even.collect(), Vec::new()));
     let [cells_drawn, shifts_drawn] = errors(&as_drawn, &truth);
     let volts: Vec<f64> = rest(&truth).iter().map(|volt| 3.7e4 * volt).collect();
-    let found = identify(&drawing, &volts, &vec![1e-4; volts.len()]).expect("found");
+    let found = identify(&drawing, &volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
     let [cells, shifts] = errors(&found.pad, &truth);
     assert!(
         found.misfit[0] > 0.05 && found.misfit[1] < 0.002,
@@ -84,7 +84,7 @@ fn a_pad_as_drawn_stays_as_drawn_whatever_readings_are_lost() {
     volts[50] = 0.0;
     let mut deviations = vec![1e-4; volts.len()];
     deviations[7] = f64::INFINITY;
-    let found = identify(&drawing, &volts, &deviations).expect("found");
+    let found = identify(&drawing, &volts, &deviations, &one_by_one).expect("found");
     for (site, factor) in &found.pad.deviations.cells {
         assert!((factor - 1.0).abs() < 0.02, "{site:?}: {factor}");
     }
@@ -100,16 +100,16 @@ fn readings_of_another_pad_are_refused() {
     // Wires in another order.
     let mut shuffled = rest(&lattice);
     shuffled.rotate_left(13 * 5 + 4);
-    let error = identify(&lattice, &shuffled, &deviations).expect_err("another order");
+    let error = identify(&lattice, &shuffled, &deviations, &one_by_one).expect_err("another order");
     assert!(matches!(error, IdentifyError::OtherPad { .. }), "{error}");
     assert!(error.to_string().contains("wired in order"), "{error}");
     // A stuck board.
     let equal = vec![1.0; lattice.channels()];
-    let error = identify(&lattice, &equal, &deviations).expect_err("equal readings");
+    let error = identify(&lattice, &equal, &deviations, &one_by_one).expect_err("equal readings");
     assert!(matches!(error, IdentifyError::Uneven { .. }), "{error}");
     assert!(error.to_string().contains("stuck"), "{error}");
     let nothing = vec![0.0; lattice.channels()];
-    let error = identify(&lattice, &nothing, &deviations).expect_err("no reading");
+    let error = identify(&lattice, &nothing, &deviations, &one_by_one).expect_err("no reading");
     assert!(
         matches!(error, IdentifyError::TooFew { usable: 0, .. }),
         "{error}"

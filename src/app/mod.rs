@@ -4,6 +4,7 @@
 
 pub(crate) mod calibration;
 mod error;
+pub(crate) mod error_estimate;
 pub mod file_watch;
 pub mod focus_gate;
 pub(crate) mod folders;

@@ -49,11 +49,15 @@ impl Deviations {
     /// The index of the cell that holds a point; `None` for an even layer.
     #[must_use]
     pub fn cell_at(&self, [x, y]: PointMm) -> Option<usize> {
-        let distance = |index: &usize| {
-            let [sx, sy] = self.cells[*index].0;
-            (x - sx) * (x - sx) + (y - sy) * (y - sy)
-        };
-        (0..self.cells.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        // Every triangle of every mesh asks: each distance is computed once.
+        let (mut nearest, mut least) = (None, f64::INFINITY);
+        for (index, ([sx, sy], _)) in self.cells.iter().enumerate() {
+            let squared = (x - sx) * (x - sx) + (y - sy) * (y - sy);
+            if squared < least {
+                (nearest, least) = (Some(index), squared);
+            }
+        }
+        nearest
     }
 
     /// The factor of the conductivity at a point, 1 for an even layer.

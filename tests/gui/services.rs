@@ -203,7 +203,9 @@ impl AppServices for TestServices {
     }
 
     fn calibration_places(&self, _: &Pad, count: usize) -> Vec<PointMm> {
-        (0..count).map(|i| [10.0 + 3.0 * i as f64, 50.0]).collect()
+        (0..count)
+            .map(|i| [10.0 + 3.0 * i as f64, 30.0 + 20.0 * (i % 3) as f64])
+            .collect()
     }
 
     fn calibrate(&self, _: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {

@@ -1,5 +1,7 @@
 //! The setup wizard.
 
+use std::time::{Duration, Instant};
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 use gelpad::app::services::{OutputChoice, SourceChoice};
@@ -7,9 +9,13 @@ use gelpad::gui::Tab;
 use gelpad::gui::setup::Step;
 use gelpad::gui::still::touch;
 use gelpad::runtime::PlayCommand;
+use gelpad::types::Contact;
 
 use crate::services::{NO_OUTPUT, NO_START};
 use crate::{Stage, WIDE};
+
+/// Time limit for what runs beside the window.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 fn stage() -> Stage {
     Stage::with_view(Tab::SetUp, WIDE)
@@ -139,6 +145,43 @@ fn guided_presses_become_a_calibration() {
     stage.button("Use it");
     let last = stage.services.last_request().expect("a start");
     assert!(last.calibration.is_some());
+}
+
+#[test]
+fn presses_promise_an_error_and_are_enough_before_the_last() {
+    let mut stage = at(Step::Calibrate);
+    stage.button("Begin");
+    for press in 0..10 {
+        assert!(!stage.has_label("That is enough: learn from these") || press >= 8);
+        for _ in 0..10 {
+            stage.update_view(|view| {
+                view.touches = vec![touch(press, [50.0, 50.0], 0.5)];
+                view.signals.contacts = vec![Contact {
+                    centre_mm: [10.0 + 3.0 * press as f64, 30.0 + 20.0 * (press % 3) as f64],
+                    area_mm2: 100.0,
+                    force: 0.5,
+                    confidence: 1.0,
+                }];
+                view.signals.changes = (0..208)
+                    .map(|c| 0.01 * (1.0 + press as f32 + (c % 7) as f32 * (press % 3) as f32))
+                    .collect();
+            });
+        }
+        stage.update_view(|view| {
+            view.touches.clear();
+            view.signals.contacts.clear();
+        });
+    }
+    assert!(stage.shows("10 of 25"));
+    let begun = Instant::now();
+    while !stage.shows("expected error with 10 presses: ") {
+        assert!(begun.elapsed() < PATIENCE, "{:?}", stage.window);
+        std::thread::sleep(Duration::from_millis(5));
+        stage.steps(1);
+    }
+    stage.button("That is enough: learn from these");
+    assert_eq!(*stage.services.calibrated.lock().expect("no panic"), 10);
+    assert!(stage.shows("now by 1.0 mm"));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::kept::KeptPad;
 use super::untouched::{UntouchedFrames, UntouchedWindow};
-use super::{medians, text_with};
+use super::{beside_each_other, medians, text_with};
 use crate::app::pads::PadText;
 use crate::app::table_solver::{TableInProgress, low_priority_threads};
 use crate::cache;
@@ -187,7 +187,7 @@ impl Identification {
             );
             return Some(self.change_to(kept.pad, notice));
         }
-        let found = match identify(&self.drawing.pad, volts, deviations) {
+        let found = match identify(&self.drawing.pad, volts, deviations, &beside_each_other) {
             Ok(found) => found,
             Err(error) => {
                 let notice = format!("the pad is played as drawn: {error}");

@@ -7,6 +7,7 @@ mod untouched;
 pub(super) use in_play::Identification;
 pub(crate) use in_play::PadIdentifier;
 
+use rayon::prelude::*;
 use toml_edit::{Array, DocumentMut, Item, Table, Value, value};
 
 use super::AppError;
@@ -51,7 +52,7 @@ pub(crate) fn identify_pad(
         )));
     }
     let (volts, deviations) = medians(&read);
-    let found = identify(&drawing.pad, &volts, &deviations)
+    let found = identify(&drawing.pad, &volts, &deviations, &beside_each_other)
         .map_err(|error| AppError::Unsuitable(error.to_string()))?;
     let toml = text_with(&drawing.toml, &found.pad)
         .ok_or_else(|| AppError::Unsuitable("the pad's text has no tables".to_owned()))?;
@@ -60,6 +61,11 @@ pub(crate) fn identify_pad(
         toml,
         frames: read.len(),
     })
+}
+
+/// Runs jobs on the threads of the present pool.
+fn beside_each_other(count: usize, job: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(job);
 }
 
 fn read_frames(source: &mut dyn Source, wanted: usize) -> Result<Vec<Vec<f32>>, AppError> {

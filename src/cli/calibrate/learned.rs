@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::bail;
 
 use super::super::args::CalibrateArgs;
-use super::error_text;
+use super::{error_text, say_next_places};
 use crate::app::calibration::is_pad_file;
 use crate::app::learned_pad::{check_presses, pad_without_drawing, with_maps};
 use crate::app::pads::{PadText, load_pad};
+use crate::app::places::pressable_places;
 use crate::app::texts::as_pad_argument;
 use crate::calibrate::{LearnedErrors, Presses, learn_maps, learned_errors};
 use crate::cli::exit::Ending;
@@ -51,6 +52,7 @@ pub(super) fn learn_pad(
         "{found} of {tried} presses that were left out are found: {}",
         error_text(places)
     ));
+    say_next_places(presses, &pressable_places(&drawing.pad));
     say(&format!(
         "saved: {}\nuse it: gelpad play --pad {}",
         output.display(),

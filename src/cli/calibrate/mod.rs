@@ -17,20 +17,24 @@ use super::progress::{Spinner, solve_pad};
 use crate::app::calibration::{default_path, is_pad_file, load_presses, save};
 use crate::app::learned_pad::check_presses;
 use crate::app::pads::load_pad;
-use crate::app::places::calibration_places;
+use crate::app::places::{calibration_places, pressable_places};
 use crate::app::services::SourceChoice;
 use crate::calibrate::{
     FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction,
-    learning_curve, presses_csv,
+    learning_curve, next_places, places_between, presses_csv,
 };
 use crate::files;
 use crate::pad::Pad;
 use crate::platform::signals::Signals;
 use crate::touch::Detector;
+use crate::types::PointMm;
 use record::Presser;
 
 /// Twice as many presses are recommended if they reduce the error by at least this fraction.
 const WORTHWHILE_GAIN: f64 = 0.1;
+
+/// Places that are named for more presses.
+const NEXT_PLACES: usize = 3;
 
 pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
     if let (Some(name), Some(source)) = (&args.recommend, &args.source) {
@@ -145,6 +149,7 @@ fn learn(args: &CalibrateArgs, presses: &Presses, pad: Option<Pad>) -> anyhow::R
     })?;
     drop(spinner);
     say(&curve_text(&curve));
+    say_next_places(presses, &places_between(&places_of(presses)));
     say(
         "nothing is saved: to learn a pad that plays from these presses, add --size WIDTHxHEIGHT -o FILE.toml",
     );
@@ -180,6 +185,7 @@ fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyho
         error_text(fitted.several)
     ));
     say(&curve_text(&curve));
+    say_next_places(presses, &pressable_places(pad));
     say(&format!(
         "saved: {}\nuse it: gelpad play --pad {} --calibration {}",
         path.display(),
@@ -187,6 +193,25 @@ fn learn_correction(args: &CalibrateArgs, pad: &Pad, presses: &Presses) -> anyho
         path.display()
     ));
     Ok(Ending::Done)
+}
+
+/// Says where more presses would teach most.
+fn say_next_places(presses: &Presses, candidates_mm: &[PointMm]) {
+    let next = next_places(&places_of(presses), candidates_mm, NEXT_PLACES);
+    let Some(widest) = next.first() else { return };
+    let places: Vec<String> = next
+        .iter()
+        .map(|next| format!("({:.0}, {:.0})", next.place_mm[0], next.place_mm[1]))
+        .collect();
+    say(&format!(
+        "more presses teach most at {} mm: nothing was pressed within {:.0} mm of the first",
+        places.join(", "),
+        widest.gap_mm
+    ));
+}
+
+fn places_of(presses: &Presses) -> Vec<PointMm> {
+    presses.list().iter().map(|press| press.place_mm).collect()
 }
 
 fn error_text(errors: PlaceErrors) -> String {

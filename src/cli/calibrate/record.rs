@@ -2,6 +2,7 @@
 
 use anyhow::bail;
 
+use crate::app::error_estimate::ErrorEstimate;
 use crate::calibrate::{Press, PressRecorder, RecordedPress, Touching};
 use crate::cli::map::Map;
 use crate::cli::message::say;
@@ -39,11 +40,15 @@ pub(super) fn record(
     let mut recorder = DetectedPresses::new(detector);
     let (mut index, mut refused) = (0, 0);
     let mut log = SkipLog::default();
+    let mut estimate = ErrorEstimate::default();
     say("do not touch the pad for a moment, then press each place once, as you usually do");
     show(pad, places, index);
     while index < places.len() {
         if let Some(signal) = interrupted() {
             return Ok(Some(signal));
+        }
+        if let Some(expected) = estimate.poll() {
+            say(&expected.to_string());
         }
         let before = index;
         match source.read()? {
@@ -58,6 +63,7 @@ pub(super) fn record(
                     }
                     RecordedPress::Complete(press) => {
                         presses.push(press);
+                        estimate.begin(presses, pad.outline.size_mm());
                         // The terminal's bell: the person looks at the pad.
                         say("\u{7}taken");
                         index += 1;

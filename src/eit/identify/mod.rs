@@ -45,6 +45,14 @@ const MOST_STRETCH: f64 = 0.5;
 /// Cells conduct at most e^3 = 20 times more or less than drawn.
 const MOST_LOG: f64 = 3.0;
 
+/// Runs the jobs 0, 1, ... up to a number, in any order, beside each other or not, and returns when all are done.
+pub type RunJobs<'a> = dyn Fn(usize, &(dyn Fn(usize) + Sync)) + 'a;
+
+/// Runs jobs one after another: a [`RunJobs`] without threads.
+pub fn one_by_one(count: usize, job: &(dyn Fn(usize) + Sync)) {
+    (0..count).for_each(job);
+}
+
 /// A pad as found.
 #[derive(Clone, Debug)]
 pub struct IdentifiedPad {
@@ -95,7 +103,7 @@ pub enum IdentifyError {
 }
 
 /// Finds the pad that has these readings at rest (any unit), whose relative standard deviations are given; infinite for readings
-/// to leave out. What the drawing says of the conductance is ignored.
+/// to leave out. What the drawing says of the conductance is ignored. Half of the time goes into jobs that `run` may run beside each other.
 ///
 /// # Errors
 /// See [`IdentifyError`].
@@ -106,6 +114,7 @@ pub fn identify(
     drawing: &Pad,
     volts: &[f64],
     deviations: &[f64],
+    run: &RunJobs<'_>,
 ) -> Result<IdentifiedPad, IdentifyError> {
     let channels = drawing.channels();
     assert_eq!([volts.len(), deviations.len()], [channels; 2]);
@@ -119,7 +128,7 @@ pub fn identify(
         });
     }
     let search = Search::new(drawing.drawing(), volts, &usable, deviations);
-    let (estimate, misfit) = search.run()?;
+    let (estimate, misfit) = search.run(run)?;
     let cells = &estimate.values[..search.sites.len()];
     let square: f64 = cells.iter().map(|log| log * log).sum();
     let unevenness = libm::sqrt(square / cells.len().max(1) as f64);
@@ -180,10 +189,10 @@ impl<'a> Search<'a> {
     }
 
     /// The most likely estimate, and the misfits of the drawing and of the estimate.
-    fn run(&self) -> Result<(Estimate, [f64; 2]), ForwardError> {
+    fn run(&self, run: &RunJobs<'_>) -> Result<(Estimate, [f64; 2]), ForwardError> {
         let mut best = Trial::new(self, Estimate::none(&self.prior))?;
         let drawn = best.compared.misfit();
-        let mut electrode_slopes = sensitivity::of_electrodes(&best.pad)?;
+        let mut electrode_slopes = sensitivity::of_electrodes(&best.pad, run)?;
         for round in 1..=MOST_ROUNDS {
             let before = best.compared.misfit();
             let Some(next) = self.step(&best, &electrode_slopes)? else {
@@ -196,7 +205,7 @@ impl<'a> Search<'a> {
                 break;
             }
             if round < ELECTRODE_ROUNDS {
-                electrode_slopes = sensitivity::of_electrodes(&best.pad)?;
+                electrode_slopes = sensitivity::of_electrodes(&best.pad, run)?;
             }
         }
         let found = best.compared.misfit();

@@ -1,8 +1,10 @@
 //! Derivatives of the readings by the unknowns of a pad.
 
+use std::sync::OnceLock;
+
 use faer::Mat;
 
-use super::Solved;
+use super::{RunJobs, Solved};
 use crate::eit::jacobian::cell_jacobian;
 use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Electrode, ElectrodeDeviation, Pad};
@@ -34,42 +36,71 @@ pub(super) fn of_cells(solved: &Solved, pad: &Pad, cells: usize) -> Mat<f64> {
 }
 
 /// Channels x (shifts, stretches) of a pad's electrodes: relative change of a reading per mm. Zero for an electrode that has no room to
-/// move.
-pub(super) fn of_electrodes(pad: &Pad) -> Result<Mat<f64>, ForwardError> {
+/// move. Each electrode is moved, and each stretched, in a job of its own.
+pub(super) fn of_electrodes(pad: &Pad, run: &RunJobs<'_>) -> Result<Mat<f64>, ForwardError> {
     let count = pad.electrodes.len();
-    let rest = volts_with(pad, pad.electrodes.clone())?;
+    let moves: Vec<Move> = moves(pad);
+    let as_they_are = moves.len();
+    let solved: Vec<OnceLock<Result<Vec<f64>, ForwardError>>> =
+        (0..=moves.len()).map(|_| OnceLock::new()).collect();
+    run(moves.len() + 1, &|job| {
+        let mut electrodes = pad.electrodes.clone();
+        if let Some(Move { index, moved, .. }) = moves.get(job) {
+            electrodes[*index] = *moved;
+        }
+        let _ = solved[job].set(volts_with(pad, electrodes));
+    });
+    let mut solved = solved
+        .into_iter()
+        .map(|volts| volts.into_inner().expect("every job was run"))
+        .collect::<Result<Vec<_>, _>>()?;
+    let rest = solved.remove(as_they_are);
     let mut slopes = Mat::zeros(pad.channels(), 2 * count);
-    for (index, electrode) in pad.electrodes.iter().enumerate() {
-        let ways = [
-            ElectrodeDeviation {
-                shift_mm: STEP_MM,
-                stretch_mm: 0.0,
-            },
-            ElectrodeDeviation {
-                shift_mm: 0.0,
-                stretch_mm: STEP_MM,
-            },
-        ];
-        for (way, deviation) in ways.into_iter().enumerate() {
-            let moved = deviation.applied_to(electrode);
-            if bends(pad, &moved) {
-                continue;
-            }
-            let mut electrodes = pad.electrodes.clone();
-            electrodes[index] = moved;
-            let volts = volts_with(pad, electrodes)?;
-            let column = slopes.col_mut(way * count + index);
-            for (slope, (volt, rest)) in column.iter_mut().zip(volts.iter().zip(&rest)) {
-                // A reading that is 0 by symmetry has no relative change.
-                *slope = if *rest == 0.0 {
-                    0.0
-                } else {
-                    (volt - rest) / (rest * STEP_MM)
-                };
-            }
+    for (Move { column, .. }, volts) in moves.iter().zip(&solved) {
+        let slopes = slopes.col_mut(*column);
+        for (slope, (volt, rest)) in slopes.iter_mut().zip(volts.iter().zip(&rest)) {
+            // A reading that is 0 by symmetry has no relative change.
+            *slope = if *rest == 0.0 {
+                0.0
+            } else {
+                (volt - rest) / (rest * STEP_MM)
+            };
         }
     }
     Ok(slopes)
+}
+
+/// An electrode that is moved or stretched.
+struct Move {
+    /// Column of its slopes.
+    column: usize,
+    index: usize,
+    moved: Electrode,
+}
+
+/// A shift and a stretch of each electrode that has room for it.
+fn moves(pad: &Pad) -> Vec<Move> {
+    let shift = ElectrodeDeviation {
+        shift_mm: STEP_MM,
+        stretch_mm: 0.0,
+    };
+    let stretch = ElectrodeDeviation {
+        shift_mm: 0.0,
+        stretch_mm: STEP_MM,
+    };
+    let count = pad.electrodes.len();
+    let moved = |way: usize, deviation: ElectrodeDeviation| {
+        let electrodes = pad.electrodes.iter().enumerate();
+        electrodes.map(move |(index, electrode)| Move {
+            column: way * count + index,
+            index,
+            moved: deviation.applied_to(electrode),
+        })
+    };
+    moved(0, shift)
+        .chain(moved(1, stretch))
+        .filter(|each| !bends(pad, &each.moved))
+        .collect()
 }
 
 /// Whether an electrode would bend round a corner.

@@ -4,8 +4,9 @@ use egui::Ui;
 
 use super::presses::ViewPresses;
 use super::{draw_notice, draw_success, paragraph};
+use crate::app::error_estimate::{ErrorEstimate, ExpectedError};
 use crate::app::services::{AppServices, PlayRequest};
-use crate::calibrate::{Press, RecordedPress};
+use crate::calibrate::{FEWEST_PRESSES, Press, RecordedPress};
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::request::GameContext;
@@ -22,6 +23,9 @@ pub(super) struct CalibrationStep {
     places: Vec<PointMm>,
     presses: Vec<Press>,
     recorder: ViewPresses,
+    estimate: ErrorEstimate,
+    /// The error to expect with the presses so far.
+    expected: Option<ExpectedError>,
     notice: Option<String>,
     /// What the last calibration has learned.
     learned: Option<String>,
@@ -35,6 +39,8 @@ impl Default for CalibrationStep {
             places: Vec::new(),
             presses: Vec::new(),
             recorder: ViewPresses::default(),
+            estimate: ErrorEstimate::default(),
+            expected: None,
             notice: None,
             learned: None,
             saved: None,
@@ -49,6 +55,7 @@ impl CalibrationStep {
         playing: &Playing,
         services: &dyn AppServices,
     ) -> Option<PointMm> {
+        self.expected = self.estimate.poll().or(self.expected);
         let place = *self.places.get(self.presses.len())?;
         match self.recorder.take_view(&playing.view, place) {
             RecordedPress::Pending => {}
@@ -56,6 +63,8 @@ impl CalibrationStep {
             RecordedPress::Complete(press) => {
                 self.notice = None;
                 self.presses.push(press);
+                let size_mm = playing.pad.outline.size_mm();
+                self.estimate.begin(&self.presses, size_mm);
                 if self.presses.len() == self.places.len() {
                     self.learn(playing, services);
                 }
@@ -64,10 +73,15 @@ impl CalibrationStep {
         self.places.get(self.presses.len()).copied()
     }
 
+    /// Learns from the presses so far. If nothing can be learned from them, more may follow.
     fn learn(&mut self, playing: &Playing, services: &dyn AppServices) {
-        let presses = std::mem::take(&mut self.presses);
-        self.places.clear();
-        match services.calibrate(&playing.pad, presses) {
+        let is_last = self.presses.len() == self.places.len();
+        let learned = services.calibrate(&playing.pad, self.presses.clone());
+        if learned.is_ok() || is_last {
+            self.places.clear();
+            self.presses.clear();
+        }
+        match learned {
             Ok((path, summary)) => {
                 self.saved = Some(path);
                 self.learned = Some(summary);
@@ -89,16 +103,26 @@ impl CalibrationStep {
                 self.places = services.calibration_places(&playing.pad, self.place_count);
                 self.presses.clear();
                 self.saved = None;
+                (self.estimate, self.expected) = (ErrorEstimate::default(), None);
                 (self.notice, self.learned) = (None, None);
             }
         } else {
             let done = self.presses.len() as f32 / self.places.len() as f32;
             let text = format!("{} of {}", self.presses.len(), self.places.len());
             ui.add(egui::ProgressBar::new(done).text(text));
-            if ui.button("Stop").clicked() {
-                self.places.clear();
-                self.presses.clear();
+            if let Some(expected) = &self.expected {
+                ui.label(expected.to_string());
             }
+            ui.horizontal(|ui| {
+                let is_enough = self.presses.len() >= FEWEST_PRESSES;
+                if is_enough && ui.button("That is enough: learn from these").clicked() {
+                    self.learn(playing, services);
+                }
+                if ui.button("Stop").clicked() {
+                    self.places.clear();
+                    self.presses.clear();
+                }
+            });
         }
         if let Some(path) = &self.saved
             && playing.request.calibration.as_ref() != Some(path)

@@ -14,7 +14,7 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind};
 use super::score::{REACH_MM, Score};
 use super::sensing::Sensing;
-use crate::eit::identify::{IdentifyError, identify};
+use crate::eit::identify::{IdentifyError, identify, one_by_one};
 use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
 use crate::stats::mean;
@@ -287,7 +287,7 @@ fn locate_on_pad(
     let frames = instrument.frames(&built.specimen.rest, draws.seed(), REST_FRAMES);
     let means = channel_means(&frames);
     let noise = super::noise::share(SNR_DB) / libm::sqrt(REST_FRAMES as f64);
-    let identified = identify(drawing, &means, &vec![noise; means.len()]);
+    let identified = identify(drawing, &means, &vec![noise; means.len()], &one_by_one);
     // As in play, a pad that is not found is played with its drawing.
     let (found, misfit) = match &identified {
         Ok(identified) => (&identified.pad, identified.misfit),
