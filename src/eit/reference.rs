@@ -8,6 +8,7 @@
 //! A touch in one corner does not change channels far away. These are still measured, and their common drift corrects the
 //! others. The noise of each channel is estimated along the way.
 
+mod retake;
 mod start;
 
 use super::kalman::Covariance;
@@ -388,6 +389,24 @@ mod tests {
         }
         assert!(reference.is_ready());
         assert!((reference.volts()[0] - 4.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_level_is_taken_again_from_few_frames_of_which_one_is_odd() {
+        let mut reference = played(100, 0.0, |_| false);
+        let noise = reference.change_noise();
+        let lifted = [1.3, 1.1, 1.1].map(|factor| {
+            let volts = reading(0, 0.0).iter().map(|volt| volt * factor).collect();
+            (2_000_000_000, volts)
+        });
+        reference.retake_level(&lifted);
+        assert!(reference.is_ready());
+        for (volt, expected) in reference.volts().iter().zip(&lifted[1].1) {
+            assert!((volt / f64::from(*expected) - 1.0).abs() < 1e-6);
+        }
+        let doubt = reference.doubt();
+        assert!((1.1..1.5).contains(&doubt), "of three frames: {doubt}");
+        assert!((0.9..1.5).contains(&(reference.change_noise() / noise)));
     }
 
     #[test]

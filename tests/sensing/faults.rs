@@ -263,6 +263,25 @@ fn a_finger_that_lies_there_at_the_start_and_slides_away_leaves_no_ghost() {
     }
 }
 
+#[test]
+fn a_press_right_after_the_lift_of_a_finger_that_lay_there_at_the_start_is_one_press() {
+    for frames_between in [4, 6, 8, 10, 12] {
+        for place_mm in [[13.0, 55.0], [67.0, 80.0], [80.0, 20.0]] {
+            let mut bench = Bench::located(60.0, 11);
+            let resting = finger([37.0, 55.0], 7.0, 1.2);
+            // A press beside it shows the sign of touches.
+            for fingers in [vec![], vec![finger([80.0, 48.0], 7.0, 1.2)], vec![]] {
+                bench.play(&[vec![resting], fingers].concat(), 60);
+            }
+            bench.play(&[], frames_between);
+            let press = bench.play(&[finger(place_mm, 7.0, 1.2)], 50);
+            let after = bench.play(&[], 200);
+            let what = format!("{frames_between} frames later at {place_mm:?}");
+            assert_eq!((press, after), ((1, 0), (0, 1)), "{what}");
+        }
+    }
+}
+
 /// The first press of a session, which may look like the lift of a finger of the other sign: a very wide finger, or two close together.
 #[test]
 fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {

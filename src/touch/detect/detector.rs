@@ -220,11 +220,15 @@ impl Detector {
         if self.is_hung(frame, changed) {
             return;
         }
-        if !self.reference.is_ready()
-            && (self.is_between || !self.is_back_at_old_reference(frame, changed))
-        {
-            self.take_reference_frame(frame);
-            return;
+        if !self.reference.is_ready() {
+            if self.is_between {
+                // It shares readings with others: as one of the first frames it would hide their noise.
+                return;
+            }
+            if !self.is_back_at_old_reference(frame, changed) {
+                self.take_reference_frame(frame);
+                return;
+            }
         }
         self.frames += 1;
         self.reference.advance(frame.t_ns);

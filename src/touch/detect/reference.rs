@@ -2,7 +2,7 @@
 
 use super::Detector;
 use super::sign::Judged;
-use crate::eit::{FirstFrames, Reference, median, quantization_step};
+use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, median, quantization_step};
 use crate::types::{Frame, Image, Nanos};
 
 /// A finger that lay on the pad from the start has lifted if, with no touch down, the mean change against a touch's
@@ -112,10 +112,23 @@ impl Detector {
         true
     }
 
-    /// Takes the reference again, beginning with these frames (time in ns, volts).
+    /// Takes the reference again, beginning with these frames (time in ns, volts). If they are enough and their noise is the one that is
+    /// known, touches are found from the next frame on: one that follows a lift by a tenth of a second must not get into the reference.
     pub(super) fn retake_reference(&mut self, frames: &[(Nanos, Vec<f32>)]) {
         self.references_retaken += 1;
+        let is_enough = frames.len() >= REBOUND_FRAMES
+            && self.frames.saturating_sub(self.referenced_at) >= REFERENCE_FRAMES as u64
+            && !self.noise_is_unknown
+            && self.reference.explains_noise_of(frames);
+        let known = (is_enough && self.reference.is_ready()).then(|| self.reference.clone());
         self.reset();
+        if let (Some(mut reference), Some((t_ns, _))) = (known, frames.last()) {
+            reference.retake_level(frames);
+            self.reference = reference;
+            self.explained_ns = *t_ns;
+            self.referenced_at = self.frames;
+            return;
+        }
         for (t_ns, volts) in frames {
             self.take_reference_frame(&Frame {
                 t_ns: *t_ns,
@@ -165,7 +178,7 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    use crate::eit::{REFERENCE_FRAMES, Reconstruction};
+    use crate::eit::Reconstruction;
     use crate::pad::{DEFAULT_PAD, Pad, shipped_pad};
     use crate::touch::Sensing;
     use crate::types::{Method, NANOS_PER_MS, Nanos};

@@ -1,0 +1,51 @@
+//! The level taken again from a few frames, with the noise that is known: when a finger that lay on the pad has lifted.
+
+use super::{Covariance, FIRST_COMMON_RATE_PER_S, FIRST_RATE_PER_S, Reference, SETTLE_FRAMES};
+use crate::eit::median;
+
+/// Variance of the median of few readings as a multiple of that of their mean.
+const MEDIAN_VARIANCE: f64 = 1.5;
+/// Readings of two frames differ by at most this many standard deviations of their noise.
+const ODD_DEVIATIONS: f64 = 8.0;
+
+impl Reference {
+    /// Whether the last two of some frames (time in ns, volts) differ by no more than the noise of the channels, as those of a board do on
+    /// which no wire is loose.
+    #[must_use]
+    pub fn explains_noise_of(&self, frames: &[(u64, Vec<f32>)]) -> bool {
+        let [.., (_, before), (_, last)] = frames else {
+            return false;
+        };
+        let limit = ODD_DEVIATIONS * ODD_DEVIATIONS;
+        (0..self.volts.len())
+            .filter(|c| self.is_live(*c))
+            .all(|channel| {
+                let change = f64::from(last[channel] - before[channel]) / self.volts[channel];
+                let noise =
+                    self.noise[channel] + self.rounding[channel] + self.shared_noise().of_mean();
+                change * change <= limit * 2.0 * noise
+            })
+    }
+
+    /// Takes the level again as the median of a few frames of the untouched pad (time in ns, volts), of which one may be odd. The noise of
+    /// the channels stays as it was learned.
+    pub fn retake_level(&mut self, frames: &[(u64, Vec<f32>)]) {
+        let mut volts = Vec::with_capacity(frames.len());
+        for channel in 0..self.volts.len() {
+            volts.clear();
+            let readings = frames.iter().map(|(_, volts)| f64::from(volts[channel]));
+            volts.extend(readings.filter(|volt| volt.is_finite()));
+            let Some(level) = median(&mut volts) else {
+                continue;
+            };
+            self.volts[channel] = level;
+            self.rates[channel] = 0.0;
+            let covariance = &mut self.covariances[channel];
+            *covariance = Covariance::from_rate(FIRST_RATE_PER_S);
+            covariance.level = MEDIAN_VARIANCE * self.noise[channel] / volts.len() as f64;
+        }
+        self.common = Covariance::from_rate(FIRST_COMMON_RATE_PER_S);
+        self.quiet_frames = SETTLE_FRAMES;
+        self.last_ns = frames.last().map_or(self.last_ns, |(t_ns, _)| *t_ns);
+    }
+}
