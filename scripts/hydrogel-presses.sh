@@ -1,8 +1,8 @@
 #!/bin/sh
 # Places two measured skins by their voltages: random splits, five seeds, `gelpad calibrate --evaluate` on each.
 #   scripts/hydrogel-presses.sh [SEEDS] [SIZES]        defaults: "1 2 3 4 5" and "50 500 2000"
-# SPREAD=1: the presses to learn from are not the first of the shuffled ones but, one after the other, that of the first 1000 which is
-# farthest from those before, as `gelpad calibrate` shows places. The test presses are all that follow the first 1000.
+# SPREAD=1 with sizes up to 1000: each next press to learn from is the one of the first 1000 shuffled presses that is farthest from all chosen
+# so far. The test presses are those after the first 1000.
 # The data (no licence: not part of gelpad) is read from $GELPAD_DATA/hydrogel-presses, else ../shared/data; GELPAD names the
 # program to run. Needs awk and nothing else. Prints a JSON line a run, then the mean error of each skin and size.
 set -eu
@@ -11,6 +11,12 @@ data=${GELPAD_DATA:-$here/../shared/data}/hydrogel-presses
 gelpad=${GELPAD:-$here/target/release/gelpad}
 seeds=${1:-1 2 3 4 5}
 sizes=${2:-50 500 2000}
+for size in $sizes; do
+    if [ -n "${SPREAD:-}" ] && [ "$size" -gt 1000 ]; then
+        echo "$0: SPREAD=1 chooses from 1000 presses: $size is too many" >&2
+        exit 1
+    fi
+done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

@@ -56,7 +56,7 @@ pub fn next_places(
     next
 }
 
-/// Candidates within the box around presses, for a pad of which nothing else is known; none if the box has no area.
+/// Candidates between presses (within their convex hull), for a pad of which nothing else is known.
 #[must_use]
 pub fn places_between(pressed_mm: &[PointMm]) -> Vec<PointMm> {
     let side = |axis: usize| {
@@ -73,7 +73,23 @@ pub fn places_between(pressed_mm: &[PointMm]) -> Vec<PointMm> {
     (0..=steps[0])
         .flat_map(|column| (0..=steps[1]).map(move |row| [column, row]))
         .map(|at| [0, 1].map(|k| sides[k].0 + step_mm * at[k] as f64))
+        .filter(|place_mm| is_between(*place_mm, pressed_mm))
         .collect()
+}
+
+/// Whether presses surround a place: seen from it, no half of the horizon is empty.
+fn is_between(place_mm: PointMm, pressed_mm: &[PointMm]) -> bool {
+    let mut directions: Vec<f64> = pressed_mm
+        .iter()
+        .map(|p| libm::atan2(p[1] - place_mm[1], p[0] - place_mm[0]))
+        .collect();
+    directions.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (directions.first(), directions.last()) else {
+        return false;
+    };
+    let round = first + std::f64::consts::TAU - last;
+    let widest = directions.windows(2).map(|pair| pair[1] - pair[0]);
+    widest.fold(round, f64::max) <= std::f64::consts::PI + 1e-9
 }
 
 #[cfg(test)]
@@ -101,6 +117,24 @@ mod tests {
     fn a_single_press_has_no_box() {
         assert_eq!(places_between(&[[5.0, 5.0]]), Vec::<PointMm>::new());
         assert_eq!(places_between(&[]), Vec::<PointMm>::new());
+    }
+
+    #[test]
+    fn places_off_a_round_pad_are_not_asked_for() {
+        let round: Vec<PointMm> = (0..24)
+            .map(|k| f64::from(k) * std::f64::consts::TAU / 24.0)
+            .map(|angle| {
+                [
+                    50.0 + 40.0 * libm::cos(angle),
+                    50.0 + 40.0 * libm::sin(angle),
+                ]
+            })
+            .collect();
+        let candidates = places_between(&round);
+        let off = |place: &PointMm| distance_mm(*place, [50.0, 50.0]);
+        assert!(candidates.iter().all(|place| off(place) < 40.1));
+        let next = next_places(&round, &candidates, 1);
+        assert!(off(&next[0].place_mm) < 5.0, "{next:?}");
     }
 
     #[test]

@@ -410,6 +410,27 @@ mod tests {
     }
 
     #[test]
+    fn a_wire_that_came_loose_is_no_noise_that_is_known() {
+        let reference = played(100, 0.0, |_| false);
+        let frame = |index: u64| (index * FRAME_NS, reading(index, 0.0).to_vec());
+        assert!(reference.explains_noise_of(&[frame(101), frame(102)]));
+        assert!(
+            !reference.explains_noise_of(&[frame(101)]),
+            "one tells nothing"
+        );
+        let mut loose = frame(102);
+        loose.1[1] *= 1.5;
+        assert!(!reference.explains_noise_of(&[frame(101), loose.clone()]));
+        // Of a channel that is muted, nothing is expected, and its level stays.
+        let mut muted = reference.clone();
+        muted.mute(1, true, 0.0);
+        let frames = [frame(101), loose.clone(), loose];
+        assert!(muted.explains_noise_of(&frames));
+        muted.retake_level(&frames);
+        assert!((muted.volts()[1] - reference.volts()[1]).abs() < 1e-12);
+    }
+
+    #[test]
     fn drift_is_predicted_during_a_hold() {
         // 2 % per minute; measured for ten seconds, held for five.
         let drift = 0.02 / 60.0;

@@ -34,6 +34,8 @@ pub struct TestServices {
     pub started: Mutex<Vec<PlayRequest>>,
     /// Number of presses of the last calibration.
     pub calibrated: Mutex<usize>,
+    /// Why nothing can be learned from presses, if so.
+    pub calibration_error: Mutex<Option<String>>,
     pub tape: Mutex<Option<RecordingTimeline>>,
     /// Games start and read this board.
     pub board: Mutex<Option<TestBoard>>,
@@ -126,6 +128,7 @@ impl TestServices {
             ports: Mutex::new(Vec::new()),
             started: Mutex::new(Vec::new()),
             calibrated: Mutex::new(0),
+            calibration_error: Mutex::new(None),
             tape: Mutex::new(None),
             board: Mutex::new(None),
             broken_output: Mutex::new(None),
@@ -209,6 +212,9 @@ impl AppServices for TestServices {
     }
 
     fn calibrate(&self, _: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
+        if let Some(why) = self.calibration_error.lock().expect("no panic").clone() {
+            return Err(why);
+        }
         *self.calibrated.lock().expect("no panic") = presses.len();
         Ok((
             self.folder.path().join("pad.calibration.json"),

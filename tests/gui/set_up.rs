@@ -121,6 +121,17 @@ fn zero_warns_while_the_pad_is_touched() {
     assert!(stage.shows("is the pad free?"));
 }
 
+/// Makes a press at the place that is shown, long enough to count.
+fn press_the_shown_place(stage: &mut Stage, press: u64) {
+    for _ in 0..10 {
+        stage.update_view(|view| {
+            view.touches = vec![touch(press, [50.0, 50.0], 0.5)];
+            view.signals.changes = vec![0.01; 208];
+        });
+    }
+    stage.update_view(|view| view.touches.clear());
+}
+
 #[test]
 fn guided_presses_become_a_calibration() {
     let mut stage = at(Step::Calibrate);
@@ -132,19 +143,37 @@ fn guided_presses_become_a_calibration() {
     stage.button("Begin");
     for press in 0..12 {
         assert!(stage.shows(&format!("{press} of 12")), "press {press}");
-        for _ in 0..10 {
-            stage.update_view(|view| {
-                view.touches = vec![touch(press, [50.0, 50.0], 0.5)];
-                view.signals.changes = vec![0.01; 208];
-            });
-        }
-        stage.update_view(|view| view.touches.clear());
+        press_the_shown_place(&mut stage, press);
     }
     assert_eq!(*stage.services.calibrated.lock().expect("no panic"), 12);
     assert!(stage.shows("now by 1.0 mm"));
     stage.button("Use it");
     let last = stage.services.last_request().expect("a start");
     assert!(last.calibration.is_some());
+}
+
+#[test]
+fn presses_that_teach_nothing_are_kept_and_more_places_follow() {
+    let mut stage = at(Step::Calibrate);
+    *stage.services.calibration_error.lock().expect("no panic") = Some("they disagree".to_owned());
+    stage
+        .window
+        .get_by_role_and_label(Role::Slider, "places")
+        .set_value_accesskit(12.0);
+    stage.steps(2);
+    stage.button("Begin");
+    for press in 0..9 {
+        press_the_shown_place(&mut stage, press);
+    }
+    stage.button("That is enough: learn from these");
+    assert!(stage.shows("they disagree") && stage.shows("9 of 12"));
+    for press in 9..12 {
+        press_the_shown_place(&mut stage, press);
+    }
+    assert!(stage.shows("they disagree") && stage.shows("12 of 20"));
+    *stage.services.calibration_error.lock().expect("no panic") = None;
+    stage.button("That is enough: learn from these");
+    assert_eq!(*stage.services.calibrated.lock().expect("no panic"), 12);
 }
 
 #[test]

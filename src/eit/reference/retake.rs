@@ -17,21 +17,27 @@ impl Reference {
             return false;
         };
         let limit = ODD_DEVIATIONS * ODD_DEVIATIONS;
+        let shared = self.shared_noise();
         (0..self.volts.len())
             .filter(|c| self.is_live(*c))
             .all(|channel| {
                 let change = f64::from(last[channel] - before[channel]) / self.volts[channel];
-                let noise =
-                    self.noise[channel] + self.rounding[channel] + self.shared_noise().of_mean();
+                let own = self.noise[channel] + self.rounding[channel];
+                let noise = own + shared.gain + shared.drive;
                 change * change <= limit * 2.0 * noise
             })
     }
 
     /// Takes the level again as the median of a few frames of the untouched pad (time in ns, volts), of which one may be odd. The noise of
-    /// the channels stays as it was learned.
+    /// the channels stays as it was learned, and so do the levels of muted ones.
     pub fn retake_level(&mut self, frames: &[(u64, Vec<f32>)]) {
+        let shared = self.shared_noise();
         let mut volts = Vec::with_capacity(frames.len());
         for channel in 0..self.volts.len() {
+            // A loose wire reads anything.
+            if self.muted[channel] {
+                continue;
+            }
             volts.clear();
             let readings = frames.iter().map(|(_, volts)| f64::from(volts[channel]));
             volts.extend(readings.filter(|volt| volt.is_finite()));
@@ -42,9 +48,11 @@ impl Reference {
             self.rates[channel] = 0.0;
             let covariance = &mut self.covariances[channel];
             *covariance = Covariance::from_rate(FIRST_RATE_PER_S);
-            covariance.level = MEDIAN_VARIANCE * self.noise[channel] / volts.len() as f64;
+            let noise = self.noise[channel] + shared.drive;
+            covariance.level = MEDIAN_VARIANCE * noise / volts.len() as f64;
         }
         self.common = Covariance::from_rate(FIRST_COMMON_RATE_PER_S);
+        self.common.level = MEDIAN_VARIANCE * shared.gain / frames.len().max(1) as f64;
         self.quiet_frames = SETTLE_FRAMES;
         self.last_ns = frames.last().map_or(self.last_ns, |(t_ns, _)| *t_ns);
     }

@@ -16,6 +16,8 @@ use crate::types::PointMm;
 /// Numbers of places that can be chosen.
 const PLACES: std::ops::RangeInclusive<usize> = 12..=60;
 const DEFAULT_PLACES: usize = 25;
+/// Places that follow if nothing can be learned from the chosen number.
+const MORE_PLACES: usize = 8;
 
 /// State of the step.
 pub(super) struct CalibrationStep {
@@ -73,20 +75,22 @@ impl CalibrationStep {
         self.places.get(self.presses.len()).copied()
     }
 
-    /// Learns from the presses so far. If nothing can be learned from them, more may follow.
+    /// Learns from the presses so far. If nothing can be learned from them, they are kept, and more places follow.
     fn learn(&mut self, playing: &Playing, services: &dyn AppServices) {
-        let is_last = self.presses.len() == self.places.len();
-        let learned = services.calibrate(&playing.pad, self.presses.clone());
-        if learned.is_ok() || is_last {
-            self.places.clear();
-            self.presses.clear();
-        }
-        match learned {
+        match services.calibrate(&playing.pad, self.presses.clone()) {
             Ok((path, summary)) => {
+                self.places.clear();
+                self.presses.clear();
                 self.saved = Some(path);
                 self.learned = Some(summary);
             }
-            Err(why) => self.notice = Some(why),
+            Err(why) => {
+                self.notice = Some(why);
+                if self.presses.len() == self.places.len() {
+                    let more = self.places.len() + MORE_PLACES;
+                    self.places = services.calibration_places(&playing.pad, more);
+                }
+            }
         }
     }
 
