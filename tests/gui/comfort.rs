@@ -170,3 +170,22 @@ fn turn_the_wheel(stage: &mut Stage, at: egui::Pos2) {
     });
     stage.steps(3);
 }
+
+#[test]
+fn a_press_that_nothing_flashes_for_repaints_nothing_more() {
+    let mut stage = Stage::with_view(Tab::Play, WIDE);
+    stage.steps(8);
+    let delay_after_press = |stage: &mut Stage| {
+        stage.update_view(|view| view.held.clear());
+        stage.update_view(|view| {
+            view.held = vec!["key:f".parse().expect("a key")];
+            view.events_so_far += 1;
+        });
+        stage.window.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
+    };
+    let plain = delay_after_press(&mut stage);
+    assert!(plain.as_millis() > 500, "{plain:?} until the next repaint");
+    stage.app().comfort.preferences.flash = true;
+    let flashing = delay_after_press(&mut stage);
+    assert!((20..=40).contains(&flashing.as_millis()), "{flashing:?}");
+}

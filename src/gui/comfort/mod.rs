@@ -9,6 +9,7 @@ pub mod preferences;
 
 use std::io::Write as _;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use egui::{Align2, Color32, FontId, Rect, Stroke, ThemePreference, Ui};
 
@@ -25,6 +26,9 @@ use crate::app::services::AppServices;
 
 /// What a button beside the text size adds, %.
 const TEXT_STEP_PERCENT: f32 = 10.0;
+
+/// Time between repaints while the edge flashes, s.
+const FADE_STEP_S: f64 = 0.033;
 
 /// Keyboard shortcuts.
 const SHORTCUTS: [&str; 5] = [
@@ -111,8 +115,13 @@ impl Comfort {
         let Some((alert, age)) = self.feedback.shown(now_s) else {
             return;
         };
-        if age < 1.0 {
-            ui.ctx().request_repaint();
+        // The pad itself shows each press; only the flash repeats it.
+        let has_text = self.preferences.large_alerts
+            && (*alert != Alert::Accepted || self.preferences.flash);
+        if age < 1.0 && (self.preferences.flash || has_text) {
+            let to_end = feedback::SHOWN_S * f64::from(1.0 - age);
+            let next_s = if self.preferences.flash { to_end.min(FADE_STEP_S) } else { to_end };
+            ui.ctx().request_repaint_after(Duration::from_secs_f64(next_s));
         }
         let palette = theme::palette_of(ui);
         let colour = match alert {
@@ -130,8 +139,7 @@ impl Comfort {
             );
             painter.rect_stroke(ui.max_rect(), 0.0, line, egui::StrokeKind::Inside);
         }
-        // The pad itself shows each press; only the flash repeats it.
-        if self.preferences.large_alerts && (*alert != Alert::Accepted || self.preferences.flash) {
+        if has_text {
             draw_alert(&painter, ui.max_rect(), palette.card, alert.text(), colour);
         }
     }
