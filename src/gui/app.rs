@@ -136,6 +136,7 @@ impl App {
                 if let Some(waker) = waker {
                     waker.unpark();
                 }
+                crate::platform::memory::trim_heaps();
             });
         match spawned {
             Ok(_) => self.starting = Some((request, receiver)),

@@ -10,3 +10,10 @@ pub fn return_freed_blocks() {
     // SAFETY: `mallopt` only sets a parameter of malloc.
     let _ = unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, THRESHOLD) };
 }
+
+/// Returns what is free inside the heaps now. Takes a few milliseconds: for a thread that nothing waits for.
+#[allow(unsafe_code, reason = "no safe interface trims the heaps of malloc")]
+pub fn trim_heaps() {
+    // SAFETY: `malloc_trim` has no preconditions; it takes the locks of the heaps itself.
+    let _ = unsafe { libc::malloc_trim(0) };
+}
