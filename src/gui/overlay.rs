@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui, Vec2};
 use super::history::Stroke as TouchStroke;
 use super::place::PadTransform;
 use super::playing::Playing;
-use super::regions::RegionState;
+use super::regions::{RegionState, region_title};
 use super::theme;
 use crate::pad::Outline;
 use crate::profile::Profile;
@@ -109,7 +109,7 @@ pub(super) fn region(
     } else {
         painter.add(PathShape::closed_line(corners, PathStroke::from(line)));
     }
-    region_label(painter, bounds, &region.name, state);
+    region_label(painter, bounds, &region_title(profile, index), state);
 }
 
 fn is_box(corners: &[Pos2]) -> bool {
@@ -120,16 +120,20 @@ fn is_box(corners: &[Pos2]) -> bool {
     })
 }
 
-/// The name of a region, and below it its outputs: as large as the region allows.
-fn region_label(painter: &egui::Painter, bounds: Rect, name: &str, state: &RegionState) {
-    let letters = name.chars().count().max(1) as f32;
-    let size = (bounds.width() / letters * 1.6)
+/// The title of a region, and below it its outputs where they are not the title: as large as the region allows.
+fn region_label(painter: &egui::Painter, bounds: Rect, title: &str, state: &RegionState) {
+    let letters = title.chars().count().max(1) as f32;
+    let one_line = (bounds.width() / letters * 1.6)
         .min(bounds.height() * 0.4)
         .min(17.0);
+    let has_outputs = !state.outputs.is_empty() && state.outputs != title;
+    // Both lines, with half a line of room above and below.
+    let shared = one_line.min(bounds.height() / 3.2);
+    let two_lines = has_outputs && shared >= MIN_TEXT;
+    let size = if two_lines { shared } else { one_line };
     if size < MIN_TEXT {
         return;
     }
-    let two_lines = !state.outputs.is_empty() && bounds.height() > 2.6 * size;
     let colour = if state.held {
         Color32::WHITE
     } else {
@@ -137,9 +141,9 @@ fn region_label(painter: &egui::Painter, bounds: Rect, name: &str, state: &Regio
     };
     let at = bounds.center() - Vec2::new(0.0, if two_lines { size * 0.6 } else { 0.0 });
     let text = if state.held {
-        format!("▼ {name}")
+        format!("▼ {title}")
     } else {
-        name.to_owned()
+        title.to_owned()
     };
     theme::centred_text(painter, at, text, size, colour);
     if two_lines {

@@ -113,15 +113,19 @@ impl Playing {
         self.running.is_some()
     }
 
-    /// Whether a running game gets no data from its source.
-    pub fn is_silent(&self) -> bool {
-        self.is_running() && !self.view.paused && self.silent_s > SILENT_S
+    /// Whether a game runs whose source sends frames all the time. A gamepad at rest sends nothing.
+    fn expects_frames(&self) -> bool {
+        self.is_running() && self.request.source != SourceChoice::Gamepad
     }
 
-    /// Whether a game has started and no frame has come yet. A gamepad has no frames.
+    /// Whether a running game gets no data from its source.
+    pub fn is_silent(&self) -> bool {
+        self.expects_frames() && !self.view.paused && self.silent_s > SILENT_S
+    }
+
+    /// Whether a game has started and no frame has come yet.
     pub fn waits_for_frames(&self) -> bool {
-        let has_frames = self.request.source != SourceChoice::Gamepad;
-        self.is_running() && has_frames && self.view.frames == 0
+        self.expects_frames() && self.view.frames == 0
     }
 
     /// Frames per second; 0 while the source is silent.

@@ -50,6 +50,18 @@ pub fn press_outputs(profile: &Profile, region: &str) -> String {
     all.join(" ")
 }
 
+/// What players call a region: its name, or for a cell of a grid its outputs.
+pub fn region_title(profile: &Profile, index: usize) -> String {
+    let region = &profile.regions[index];
+    if region.is_cell {
+        let outputs = press_outputs(profile, &region.name);
+        if !outputs.is_empty() {
+            return outputs;
+        }
+    }
+    region.name.clone()
+}
+
 /// The outputs of a binding.
 pub fn outputs_of_binding<'a>(
     profile: &'a Profile,
@@ -142,6 +154,19 @@ mod tests {
         let profile = Profile::from_toml("two", text).unwrap_or_else(|faulty| panic!("{faulty}"));
         assert_eq!(press_outputs(&profile, "a"), "F");
         assert_eq!(press_outputs(&profile, "b"), "");
+    }
+
+    #[test]
+    fn a_cell_of_a_grid_is_called_by_its_outputs() {
+        let shipped = crate::profile::SHIPPED_PROFILES.iter();
+        let large = shipped.filter(|shipped| shipped.name == "large-buttons");
+        let profiles: Vec<Profile> = large
+            .map(|shipped| Profile::from_toml(shipped.name, shipped.toml).expect("sound"))
+            .collect();
+        let titles: Vec<String> = (0..4).map(|i| region_title(&profiles[0], i)).collect();
+        assert_eq!(titles, ["←", "→", "enter", "space"]);
+        let mario = still::profile();
+        assert_eq!(region_title(&mario, 0), mario.regions[0].name);
     }
 
     #[test]

@@ -85,12 +85,22 @@ pub(super) const SETTINGS: [TimingSetting; 7] = [
     },
 ];
 
+/// Where the explanation of a setting stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum HintPlace {
+    /// Shown while the pointer is over the label.
+    Hover,
+    /// In small letters below the slider.
+    Below,
+}
+
 /// Draws a slider with buttons; the wheel turns it too. Returns its value and whether a change has ended.
 pub(super) fn draw_slider(
     ui: &mut Ui,
     setting: &TimingSetting,
     value: f64,
     live: Option<f64>,
+    hint: HintPlace,
 ) -> (f64, bool) {
     let unit = if setting.key.ends_with("_mm") {
         " mm"
@@ -98,16 +108,17 @@ pub(super) fn draw_slider(
         " ms"
     };
     ui.horizontal(|ui| {
-        ui.label(setting.label).on_hover_text(setting.hint);
+        let label = ui.label(setting.label);
+        if hint == HintPlace::Hover {
+            label.on_hover_text(setting.hint);
+        }
         if let Some(live) = live {
             let side = if live >= value { "above" } else { "below" };
             let text = format!("you: {live:.0}{}, {side}", unit);
             let text = egui::RichText::new(text)
                 .small()
                 .color(theme::palette_of(ui).weak);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(text);
-            });
+            ui.label(text);
         }
     });
     let step = if unit == " mm" { 0.5 } else { 1.0 };
@@ -129,6 +140,10 @@ pub(super) fn draw_slider(
         wanted = (wanted + by).clamp(0.0, setting.max);
         (wanted, response.drag_stopped() || by != 0.0)
     });
+    if hint == HintPlace::Below {
+        let text = egui::RichText::new(setting.hint).small().weak();
+        ui.add(egui::Label::new(text).wrap());
+    }
     row.inner
 }
 

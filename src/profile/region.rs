@@ -74,6 +74,8 @@ pub struct Region {
     pub footprint: f64,
     /// Whether touches that begin in it are ignored.
     pub rest: bool,
+    /// Whether it is a cell of a grid, whose name is a number that players need not know.
+    pub is_cell: bool,
 }
 
 /// A region on a pad of a known size, mm.

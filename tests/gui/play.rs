@@ -315,6 +315,22 @@ fn a_silent_board_is_reported_and_a_game_that_is_replaced_is_not_disconnected() 
 }
 
 #[test]
+fn a_gamepad_that_rests_is_neither_silent_nor_awaited() {
+    let services = crate::services::TestServices::new();
+    *services.board.lock().expect("no panic") = Some(crate::services::TestBoard::Silent);
+    let mut stage = Stage::with_services(std::sync::Arc::new(services), Tab::Play, WIDE);
+    let mut request = stage.app().last_game();
+    request.source = gelpad::app::services::SourceChoice::Gamepad;
+    stage.app().play(request);
+    stage.wait_for_start();
+    stage.steps(8);
+    assert!(stage.app().playing.is_running());
+    assert!(stage.shows("playing"), "{:?}", stage.window);
+    assert!(!stage.shows("No data from"));
+    assert!(!stage.shows("Taking the first frames"));
+}
+
+#[test]
 fn a_press_before_practice_opens_does_not_jump_there() {
     let mut stage = stage();
     press(&mut stage, "key:f");

@@ -116,12 +116,17 @@ impl Comfort {
             return;
         };
         // The pad itself shows each press; only the flash repeats it.
-        let has_text = self.preferences.large_alerts
-            && (*alert != Alert::Accepted || self.preferences.flash);
+        let has_text =
+            self.preferences.large_alerts && (*alert != Alert::Accepted || self.preferences.flash);
         if age < 1.0 && (self.preferences.flash || has_text) {
             let to_end = feedback::SHOWN_S * f64::from(1.0 - age);
-            let next_s = if self.preferences.flash { to_end.min(FADE_STEP_S) } else { to_end };
-            ui.ctx().request_repaint_after(Duration::from_secs_f64(next_s));
+            let next_s = if self.preferences.flash {
+                to_end.min(FADE_STEP_S)
+            } else {
+                to_end
+            };
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(next_s));
         }
         let palette = theme::palette_of(ui);
         let colour = match alert {

@@ -14,7 +14,7 @@ use crate::gui::edit::write_atomically;
 use crate::gui::playing::Playing;
 use crate::gui::request::{UiAction, file_name};
 use crate::gui::theme;
-use crate::gui::timing_settings::{SETTINGS, draw_slider};
+use crate::gui::timing_settings::{HintPlace, SETTINGS, draw_slider};
 
 /// The file of a player without a name.
 const UNNAMED: &str = "me";
@@ -57,9 +57,7 @@ impl PersonSettings {
             let dragged = self.dragged.filter(|(key, _)| *key == setting.key);
             let shown = dragged.map_or(saved, |(_, value)| value);
             let live = (setting.live)(playing);
-            let (wanted, is_final) = draw_slider(ui, setting, shown, live);
-            let hint = egui::RichText::new(setting.hint).small().weak();
-            ui.add(egui::Label::new(hint).wrap());
+            let (wanted, is_final) = draw_slider(ui, setting, shown, live, HintPlace::Below);
             ui.add_space(6.0);
             if (wanted - shown).abs() > 1e-9 {
                 self.dragged = Some((setting.key, wanted));

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::{EditView, GameContext};
 use crate::gui::theme;
-use crate::gui::timing_settings::{SETTINGS, draw_slider};
+use crate::gui::timing_settings::{HintPlace, SETTINGS, draw_slider};
 
 impl EditView {
     pub(super) fn draw_timing(&mut self, ui: &mut Ui, game: GameContext<'_>) {
@@ -15,7 +15,7 @@ impl EditView {
         for setting in &SETTINGS {
             let value = (setting.value)(&settings);
             let live = (setting.live)(game.playing);
-            let (wanted, is_final) = draw_slider(ui, setting, value, live);
+            let (wanted, is_final) = draw_slider(ui, setting, value, live, HintPlace::Hover);
             if (wanted - value).abs() > 1e-9 {
                 self.change(game, |document| {
                     document.set_number(setting.key, wanted);

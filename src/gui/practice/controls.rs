@@ -1,5 +1,6 @@
 //! Maps the outputs of a profile to actions in the level.
 
+use crate::gui::regions::region_title;
 use crate::profile::{Profile, Target};
 use crate::types::{Axis, Output};
 
@@ -97,8 +98,7 @@ impl Controls {
             if let (Some(action), Some(region)) = (action, binding.regions.first())
                 && self.region(action).is_none()
             {
-                let name = profile.regions[*region].name.clone();
-                self.regions.push((action, name));
+                self.regions.push((action, region_title(profile, *region)));
             }
         }
     }

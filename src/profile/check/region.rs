@@ -132,6 +132,7 @@ impl Reader {
         let exclusive = self.flag(entries, &EXCLUSIVE);
         let footprint = self.number_or_default(entries, &FOOTPRINT);
         let rest = self.flag(entries, &REST);
+        let is_cell = shape == "grid";
         self.shapes(entries, shape, name, place)
             .into_iter()
             .map(|(name, shape)| Region {
@@ -143,6 +144,7 @@ impl Reader {
                 slide,
                 footprint,
                 rest,
+                is_cell,
             })
             .collect()
     }
