@@ -2,7 +2,8 @@
 //!
 //! A touch changes many readings in a known pattern. Readings that no touch explains point to an electrode: each
 //! unexplained frame suspects the electrode whose readings deviate most, and two such frames in a row exclude it. The
-//! readings of a lost electrode are watched: once they are steady, it counts again, from the level that they have then.
+//! readings of a lost electrode are watched: once they are steady, it counts again, from the level that they have then. If its earlier
+//! level says nothing (`reconnected`), they must also be those of a connected electrode.
 //!
 //! ```text
 //!        suspected                suspected again
@@ -11,6 +12,8 @@
 //! ```
 
 use super::noise::median;
+use super::reconnected::{LikeReadings, Reconnection};
+use super::reference::Reference;
 use crate::pad::Protocol;
 
 /// The fault is not that of a single electrode if the median channel deviates by this share of the worst electrode's mean.
@@ -48,6 +51,8 @@ pub struct ElectrodeMonitor {
     states: Vec<ElectrodeState>,
     /// Running mean of the relative change of each channel of a lost electrode.
     means: Vec<f64>,
+    like: LikeReadings,
+    reconnections: Vec<Reconnection>,
 }
 
 impl ElectrodeMonitor {
@@ -68,6 +73,11 @@ impl ElectrodeMonitor {
         Self {
             states: vec![ElectrodeState::Sound; protocol.electrodes],
             means: vec![0.0; protocol.channels.len()],
+            like: LikeReadings::new(protocol),
+            reconnections: channels
+                .iter()
+                .map(|own| Reconnection::new(own.len()))
+                .collect(),
             channels,
         }
     }
@@ -240,6 +250,54 @@ impl ElectrodeMonitor {
             }
         }
         recovered
+    }
+
+    /// Watches the lost electrodes without their earlier levels: `reading` is the present reading of a channel without the change by
+    /// touches, V. Returns an electrode that is connected again, and the level of each of its channels that no other lost electrode
+    /// spoils, V.
+    pub fn find_reconnected(
+        &mut self,
+        reading: impl Fn(usize) -> f64,
+        reference: &Reference,
+    ) -> Option<(usize, Vec<(usize, f64)>)> {
+        for electrode in 0..self.states.len() {
+            if !self.is_lost(electrode) {
+                continue;
+            }
+            let own = &self.channels[electrode];
+            let readings = own.iter().map(|channel| reading(*channel));
+            if !self.reconnections[electrode].take_frame(readings) {
+                continue;
+            }
+            let is_spoiled = |channel: usize| {
+                (0..self.states.len()).any(|other| {
+                    other != electrode
+                        && self.is_lost(other)
+                        && self.channels[other].contains(&channel)
+                })
+            };
+            let window = &self.reconnections[electrode];
+            let is_connected = self.like.are_connected(
+                window,
+                own,
+                |channel| !is_spoiled(channel),
+                |channel| !self.excludes(channel) && !reference.is_muted(channel),
+                |channel| reference.volts()[channel],
+                |channel| {
+                    libm::sqrt(reference.variances(channel)[0]) * reference.volts()[channel].abs()
+                },
+            );
+            if is_connected {
+                let levels = own.iter().enumerate();
+                let levels = levels
+                    .filter(|(_, channel)| !is_spoiled(**channel))
+                    .map(|(index, channel)| (*channel, window.mean(index)))
+                    .collect();
+                self.states[electrode] = ElectrodeState::Sound;
+                return Some((electrode, levels));
+            }
+        }
+        None
     }
 
     fn is_lost(&self, electrode: usize) -> bool {

@@ -15,6 +15,7 @@ mod noise;
 pub mod order;
 mod press;
 mod quantization;
+mod reconnected;
 pub mod reconstruct;
 mod reference;
 pub mod response;

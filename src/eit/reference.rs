@@ -12,6 +12,7 @@ mod retake;
 mod start;
 
 use super::kalman::Covariance;
+use super::noise::NoiseModel;
 use super::shared_noise::{SharedNoise, SharedNoiseEstimator};
 
 /// The first reference is the mean of this many frames.
@@ -291,6 +292,28 @@ impl Reference {
     pub fn mute(&mut self, channel: usize, muted: bool, corrected_by: f64) {
         self.muted[channel] = muted;
         self.volts[channel] *= 1.0 + corrected_by;
+    }
+
+    /// Takes a muted channel back at a level, V, as one of which nothing was known before: its noise is
+    /// expected to be that of the others.
+    pub fn reconnect(&mut self, channel: usize, volt: f64) {
+        let live = (0..self.volts.len()).filter(|other| self.is_live(*other));
+        let (volts, variances): (Vec<f64>, Vec<f64>) = live
+            .map(|other| {
+                let volt = self.volts[other];
+                (volt, self.noise[other] * volt * volt)
+            })
+            .unzip();
+        let square = volt * volt;
+        let noise = NoiseModel::from_variances(&volts, &variances).variance(square) / square;
+        self.muted[channel] = false;
+        self.volts[channel] = volt;
+        self.rates[channel] = 0.0;
+        self.noise[channel] = noise.max(LEAST_NOISE * LEAST_NOISE);
+        self.rounding[channel] = self.step * self.step / 12.0 / square;
+        let covariance = &mut self.covariances[channel];
+        *covariance = Covariance::from_rate(FIRST_RATE_PER_S);
+        covariance.level = noise / REFERENCE_FRAMES as f64;
     }
 
     /// Whether a channel is muted.

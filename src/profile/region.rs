@@ -258,6 +258,7 @@ mod tests {
             slide: Slide::Keep,
             footprint: 0.0,
             rest: false,
+            is_cell: false,
         };
         region.placed(PAD_MM, &Area::PAD)
     }

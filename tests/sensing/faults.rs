@@ -24,6 +24,50 @@ fn an_electrode_that_is_off_at_the_start_is_excluded_and_reported() {
 }
 
 #[test]
+fn an_electrode_that_is_off_at_the_start_counts_once_it_is_plugged_in() {
+    type Read = fn(usize, u64) -> f32;
+    let reads: [(&str, Read); 3] = [
+        ("wild", wild),
+        ("zero", |_, _| 0.0),
+        ("the end of its range", |channel, frame| match frame {
+            0..30 => wild(channel, frame),
+            _ => 2.5,
+        }),
+    ];
+    for (name, read) in reads {
+        for lost in [&[7][..], &[0], &[3, 4], &[2, 13]] {
+            let mut bench = Bench::located(60.0, 1);
+            let protocol = bench.pad.protocol.clone();
+            let uses = |channel: &gelpad::pad::Channel| {
+                let pairs = [channel.drive, channel.measure];
+                pairs
+                    .iter()
+                    .any(|pair| lost.contains(&pair.0) || lost.contains(&pair.1))
+            };
+            let is_lost: Vec<bool> = protocol.channels.iter().map(uses).collect();
+            bench.board = Box::new(move |channel, volt, frame| match is_lost[channel] {
+                true => read(channel, frame),
+                false => volt,
+            });
+            bench.play(&[], 50);
+            assert_eq!(bench.detector.lost_electrodes(), lost, "{name}");
+            assert_eq!(bench.play(&[], 300), (0, 0), "{name}, {lost:?}");
+            assert_eq!(bench.detector.lost_electrodes(), lost, "{name}: still off");
+            bench.board = Box::new(|_, volt, _| volt);
+            bench.play(&[], 150);
+            let now = bench.detector.lost_electrodes();
+            assert!(now.is_empty(), "{name}, {lost:?}: {now:?} stay lost");
+            assert!(bench.detector.muted_channels().is_empty());
+            // A finger beside the electrode that was lost.
+            assert_eq!(bench.play(&[finger([12.0, 60.0], 7.0, 1.0)], 40), (1, 0));
+            let [x, y] = bench.down()[0].contact.centre_mm;
+            assert!((x - 12.0).hypot(y - 60.0) < 1.0, "({x:.1}, {y:.1})");
+            assert_eq!(bench.play(&[], 60), (0, 1), "{name}, {lost:?}");
+        }
+    }
+}
+
+#[test]
 fn a_loose_electrode_is_excluded_during_a_touch_and_recovers() {
     for electrode in [0, 5, 10, 15] {
         let mut bench = Bench::located(60.0, 2);

@@ -74,8 +74,27 @@ impl Detector {
                     self.reference.mute(channel, false, level_change);
                 }
             }
+        } else if !self.is_between {
+            self.find_reconnected_electrode(frame);
         }
         self.request_for_lost_channels();
+    }
+
+    /// Takes back a lost electrode whose readings are those of a connected one, whatever its level was.
+    fn find_reconnected_electrode(&mut self, frame: &Frame) {
+        let Some(electrodes) = &mut self.electrodes else {
+            return;
+        };
+        let explained = &self.explained;
+        let reading = |channel: usize| {
+            let volt = f64::from(frame.volts[channel]);
+            volt / (1.0 + f64::from(explained[channel]))
+        };
+        if let Some((_, levels)) = electrodes.find_reconnected(reading, &self.reference) {
+            for (channel, volt) in levels {
+                self.reference.reconnect(channel, volt);
+            }
+        }
     }
 
     /// Requests other weights if the channels in use are not those of the sensing.
