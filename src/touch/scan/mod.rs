@@ -354,12 +354,11 @@ impl Scan {
         }
         self.run_ns = t_ns;
         let down = detector.frame_touches().down;
+        let has_any = |phase| changed.iter().any(|touch| touch.phase == phase);
         match run {
-            Run::Whole | Run::Moved => self.drift.take(t_ns, down),
-            Run::Landing => self.drift.clear(),
-            Run::Between | Run::Lift if changed.iter().any(|touch| touch.phase == Phase::Up) => {
-                self.drift.clear();
-            }
+            Run::Landing if has_any(Phase::Down) || has_any(Phase::Up) => self.drift.clear(),
+            Run::Whole | Run::Moved | Run::Landing => self.drift.take(t_ns, down),
+            Run::Between | Run::Lift if has_any(Phase::Up) => self.drift.clear(),
             Run::Between | Run::Lift => {}
         }
         if self.landing.is_active() {
