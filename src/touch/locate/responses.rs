@@ -33,26 +33,41 @@ impl Locator {
         }
     }
 
-    /// How fast the response of all touches changes, 1/s by channel, while they move with the given velocities, mm/s.
-    pub(in crate::touch) fn explained_rates(
+    /// The response of the touches that move with the given velocities, mm/s, and how fast it changes, 1/s, some time from now: one value
+    /// per channel.
+    pub(in crate::touch) fn moving_responses(
         &self,
         velocity_at: impl Fn(PointMm) -> Option<[f64; 2]>,
+        ahead_s: f64,
+        changes: &mut Vec<f32>,
         rates: &mut Vec<f32>,
     ) {
         let table = self.table();
-        let mut sum = vec![0.0; table.rank()];
+        let mut sums = [vec![0.0; table.rank()], vec![0.0; table.rank()]];
         let mut response = Response::default();
         for touch in &self.fit.touches {
-            let Some([vx, vy]) = velocity_at(touch.centre_mm) else {
+            let Some(velocity) = velocity_at(touch.centre_mm) else {
                 continue;
             };
-            table.respond(touch, &mut response);
+            let mut touch = *touch;
+            for (at_mm, (mm_per_s, size_mm)) in touch
+                .centre_mm
+                .iter_mut()
+                .zip(velocity.iter().zip(self.bounds.size_mm))
+            {
+                *at_mm = (*at_mm + ahead_s * mm_per_s).clamp(0.0, size_mm);
+            }
+            table.respond(&touch, &mut response);
             let [by_x, by_y, ..] = &response.derivatives;
-            for (sum, (x, y)) in sum.iter_mut().zip(by_x.iter().zip(by_y)) {
-                *sum += vx as f32 * x + vy as f32 * y;
+            let [vx, vy] = velocity.map(|mm_per_s| mm_per_s as f32);
+            for (k, value) in response.value.iter().enumerate() {
+                sums[0][k] += value;
+                sums[1][k] += vx * by_x[k] + vy * by_y[k];
             }
         }
-        rates.resize(table.channels(), 0.0);
-        table.expand(&sum, rates);
+        for (sum, out) in sums.iter().zip([changes, rates]) {
+            out.resize(table.channels(), 0.0);
+            table.expand(sum, out);
+        }
     }
 }

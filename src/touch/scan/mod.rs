@@ -18,7 +18,7 @@ mod release;
 
 use crate::touch::Detector;
 use crate::types::{Frame, Nanos, Part, Phase, Touch};
-use drift::Drift;
+use drift::{Drift, Ways};
 use evidence::{Candidate, Evidence};
 use fit::{FitMemory, Fitted};
 use landing::Landing;
@@ -42,8 +42,8 @@ pub struct Scan {
     is_current: Vec<bool>,
     /// The relative change of each channel by the touches that are down, at the time of the last run, ...
     expected: Vec<f32>,
-    /// ... its rate of change while they move, 1/s, or empty, ...
-    rates: Vec<f32>,
+    /// ... how it changes while they move, ...
+    ways: Ways,
     drift: Drift,
     /// ... and the time of that run.
     run_ns: Nanos,
@@ -175,7 +175,7 @@ impl Scan {
             } else {
                 0
             };
-            let is_moving = !self.rates.is_empty();
+            let is_moving = !self.ways.is_empty();
             let is_mixed = !self.is_current.iter().all(|is_current| *is_current);
             match self.unclear_frames {
                 1 if !is_touched => {}
@@ -186,7 +186,7 @@ impl Scan {
                 _ if is_moving => self.run(detector, t_ns, Run::Moved, changed),
                 _ => self.run(detector, t_ns, Run::Whole, changed),
             }
-        } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.rates.is_empty())
+        } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.ways.is_empty())
         {
             self.run(detector, t_ns, Run::Between, changed);
         }
@@ -246,10 +246,9 @@ impl Scan {
         let Some(model) = &self.onsets else {
             return;
         };
-        let elapsed_s = part.t_ns.saturating_sub(self.run_ns) as f32 * 1e-9;
         let expected = |channel: usize| {
-            let rate = self.rates.get(channel).copied().unwrap_or(0.0);
-            self.expected[channel] + elapsed_s * rate
+            let moved = self.ways.change(channel, self.run_ns, part.t_ns);
+            self.expected[channel] + moved
         };
         self.evidence
             .add(detector, model.responses(), part, expected);
@@ -319,11 +318,8 @@ impl Scan {
                 0.0
             } else if !self.is_current[channel] {
                 self.expected[channel] - self.contained[channel]
-            } else if let Some(rate) = self.rates.get(channel) {
-                let age_s = t_ns.saturating_sub(self.read_ns[channel]) as f32 * 1e-9;
-                rate * age_s
             } else {
-                0.0
+                self.ways.change(channel, self.read_ns[channel], t_ns)
             };
             if moved != 0.0 {
                 *volt += reference[channel] as f32 * moved;
@@ -362,9 +358,9 @@ impl Scan {
             Run::Between | Run::Lift => {}
         }
         if self.landing.is_active() {
-            self.rates.clear();
+            self.ways.clear();
         } else if run.is_at_end() {
-            self.drift.rates(detector.locator(), &mut self.rates);
+            self.drift.ways(detector.locator(), &mut self.ways);
         }
         if run.is_at_end() {
             self.has_failed_lift = false;
