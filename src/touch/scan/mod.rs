@@ -75,6 +75,8 @@ enum Run {
     Whole,
     /// The same, brought to the present with a moving finger: nothing is learned from it.
     Moved,
+    /// The same, amid a change that is not yet clear: no touch begins. One that does is found by its own parts.
+    Unclear,
     /// Readings of two frames, with the touches that are known.
     Between,
     /// The same, in which a finger has lifted.
@@ -86,7 +88,10 @@ enum Run {
 impl Run {
     /// Whether it is at the end of a frame, or starts anew with a finger that has landed.
     fn is_at_end(self) -> bool {
-        matches!(self, Self::Whole | Self::Moved | Self::Landing)
+        matches!(
+            self,
+            Self::Whole | Self::Moved | Self::Unclear | Self::Landing
+        )
     }
 }
 
@@ -180,7 +185,7 @@ impl Scan {
             match self.unclear_frames {
                 1 if !is_touched => {}
                 // A moving finger that lifts looks like two for a moment.
-                1 if is_moving => self.run(detector, t_ns, Run::Between, changed),
+                1..=UNCLEAR_FRAMES if is_moving => self.run(detector, t_ns, Run::Unclear, changed),
                 1..=UNCLEAR_FRAMES => self.run(detector, t_ns, Run::Landing, changed),
                 _ if is_mixed => self.run(detector, t_ns, Run::Landing, changed),
                 _ if is_moving => self.run(detector, t_ns, Run::Moved, changed),
@@ -332,7 +337,7 @@ impl Scan {
         self.complete(detector, t_ns);
         match run {
             Run::Whole => detector.process_frame(&self.completed, changed),
-            Run::Between | Run::Lift => {
+            Run::Between | Run::Lift | Run::Unclear => {
                 detector.process_between(&self.completed, 0, changed);
             }
             Run::Landing | Run::Moved => {
@@ -351,11 +356,11 @@ impl Scan {
         self.run_ns = t_ns;
         let down = detector.frame_touches().down;
         let has_any = |phase| changed.iter().any(|touch| touch.phase == phase);
-        match run {
-            Run::Landing if has_any(Phase::Down) || has_any(Phase::Up) => self.drift.clear(),
-            Run::Whole | Run::Moved | Run::Landing => self.drift.take(t_ns, down),
-            Run::Between | Run::Lift if has_any(Phase::Up) => self.drift.clear(),
-            Run::Between | Run::Lift => {}
+        if has_any(Phase::Up) || (run == Run::Landing && has_any(Phase::Down)) {
+            self.drift.clear();
+            self.ways.clear();
+        } else if run.is_at_end() {
+            self.drift.take(t_ns, down);
         }
         if self.landing.is_active() {
             self.ways.clear();
