@@ -456,6 +456,44 @@ fn the_mouse_alone_chooses_a_key() {
 }
 
 #[test]
+fn unsaved_changes_go_along_with_a_new_name_and_into_a_duplicate() {
+    let (mut stage, path) = stage();
+    stage.app().edit.select_region("jump");
+    stage.steps(2);
+    stage.button("Choose …");
+    stage.steps(10);
+    stage.button("key space");
+    assert!(stage.shows("not saved"));
+    let before = std::fs::read_to_string(&path).expect("a file");
+    stage.button("Duplicate");
+    let copy = path.with_file_name("mine-2.toml");
+    let text = std::fs::read_to_string(&copy).expect("a file");
+    assert!(text.contains("output = \"key:space\""), "{text}");
+    assert_eq!(std::fs::read_to_string(&path).expect("a file"), before);
+    // Back to the first one, which is still not saved.
+    let mut request = stage.services.last_request().expect("a start");
+    request.profile = path.display().to_string();
+    stage.app().play(request);
+    stage.wait_for_start();
+    stage.steps(4);
+    assert!(stage.shows("not saved"));
+    stage.button("Rename");
+    stage.steps(10);
+    stage.window.event(egui::Event::Text("other".to_owned()));
+    stage.steps(2);
+    stage.key(egui::Key::Enter);
+    stage.wait_for_start();
+    stage.steps(4);
+    let other = path.with_file_name("other.toml");
+    assert!(other.exists() && !path.exists());
+    assert!(stage.shows("not saved"), "{:?}", stage.window);
+    stage.button("Save");
+    let text = std::fs::read_to_string(&other).expect("a file");
+    assert!(text.contains("output = \"key:space\""), "{text}");
+    assert!(text.contains("name = \"other\""), "{text}");
+}
+
+#[test]
 fn an_own_profile_is_renamed_duplicated_and_deleted() {
     let (mut stage, path) = stage();
     stage.button("Duplicate");

@@ -21,7 +21,7 @@ pub(super) struct OpenProfile {
     pub(super) argument: String,
     pub(super) document: Document,
     /// The text last loaded or saved.
-    saved: String,
+    pub(super) saved: String,
     pub(super) checked: Result<Checked, SourceErrors>,
 }
 

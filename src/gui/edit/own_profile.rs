@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Context, Ui};
 
 use super::document::Document;
-use super::file::write_atomically;
+use super::file::{OpenProfile, write_atomically};
 use super::{EditView, GameContext};
 use crate::app::services::PlayRequest;
 use crate::app::texts::is_path;
@@ -38,7 +38,8 @@ impl EditView {
         if !row.inner {
             return None;
         }
-        match duplicate(&path) {
+        let edited = self.opened.as_ref().filter(|opened| opened.is_unsaved());
+        match duplicate(&path, edited.map(|opened| opened.document.text())) {
             Ok(copy) => Some(play(&copy.display().to_string(), game)),
             Err(why) => {
                 self.notice = Some(why);
@@ -54,18 +55,39 @@ impl EditView {
         game: GameContext<'_>,
     ) -> Option<UiAction> {
         let (_, change) = self.dialog.show(ctx)?;
-        // Its unsaved changes would be written to the old file.
-        (self.opened, self.watcher) = (None, None);
+        self.watcher = None;
+        // Unsaved changes would be written to the old file.
+        let opened = self.opened.take();
         match change {
             FileChange::Renamed(path) => {
-                if let Err(why) = name_after_file(&path) {
-                    self.notice = Some(why);
+                let argument = path.display().to_string();
+                match name_after_file(&path) {
+                    Ok(saved) => self
+                        .drafts
+                        .keep(opened.map(|opened| moved(opened, &path, saved))),
+                    Err(why) => {
+                        self.drafts.keep(opened);
+                        self.notice = Some(why);
+                    }
                 }
-                Some(play(&path.display().to_string(), game))
+                Some(play(&argument, game))
             }
             FileChange::Deleted => Some(play(DEFAULT_PROFILE, game)),
         }
     }
+}
+
+/// A profile with its unsaved changes and their history, after its file was renamed and has a new text.
+fn moved(mut opened: OpenProfile, path: &Path, saved: String) -> OpenProfile {
+    opened.document.rename(&stem_of(path));
+    opened.argument = path.display().to_string();
+    opened.saved = saved;
+    opened
+}
+
+fn stem_of(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
 }
 
 fn play(profile: &str, game: GameContext<'_>) -> UiAction {
@@ -75,8 +97,8 @@ fn play(profile: &str, game: GameContext<'_>) -> UiAction {
     })
 }
 
-/// Copies a profile beside itself, as `NAME-2`, `NAME-3`, ...
-fn duplicate(path: &Path) -> Result<PathBuf, String> {
+/// Copies a profile beside itself, as `NAME-2`, `NAME-3`, ...: as it is in the file, or with unsaved changes.
+fn duplicate(path: &Path, edited: Option<String>) -> Result<PathBuf, String> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let base = match stem.rsplit_once('-') {
         Some((base, number)) if number.parse::<u32>().is_ok() => base,
@@ -86,21 +108,27 @@ fn duplicate(path: &Path) -> Result<PathBuf, String> {
         .map(|number| path.with_file_name(format!("{base}-{number}.toml")))
         .find(|copy| !copy.exists())
         .unwrap_or_default();
-    std::fs::copy(path, &copy).map_err(|error| format!("{}: {error}", copy.display()))?;
+    match edited {
+        Some(text) => write_atomically(&copy, &text).map_err(|error| error.to_string())?,
+        None => {
+            std::fs::copy(path, &copy).map_err(|error| format!("{}: {error}", copy.display()))?;
+        }
+    }
     name_after_file(&copy)?;
     Ok(copy)
 }
 
-/// Writes the name of the file into the text. A text with mistakes stays as it is.
-fn name_after_file(path: &Path) -> Result<(), String> {
+/// Writes the name of the file into the text, and returns it. A text with mistakes stays as it is.
+fn name_after_file(path: &Path) -> Result<String, String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(path).map_err(failed)?;
     let Ok(mut document) = Document::parse(&text) else {
-        return Ok(());
+        return Ok(text);
     };
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    document.rename(&stem);
-    write_atomically(path, &document.text()).map_err(|error| error.to_string())
+    document.rename(&stem_of(path));
+    let text = document.text();
+    write_atomically(path, &text).map_err(|error| error.to_string())?;
+    Ok(text)
 }
 
 #[cfg(test)]
@@ -115,7 +143,7 @@ mod tests {
         let mario = shipped_profile("super-mario").expect("shipped").toml;
         std::fs::write(&path, mario).expect("written");
         for name in ["mine-2", "mine-3"] {
-            let copy = duplicate(&path).expect("copied");
+            let copy = duplicate(&path, None).expect("copied");
             assert_eq!(copy, folder.path().join(format!("{name}.toml")));
             let text = std::fs::read_to_string(&copy).expect("a file");
             assert_eq!(Profile::from_toml("p", &text).expect("valid").name, name);
