@@ -5,5 +5,6 @@ mod parts {
     mod latency;
     mod play;
     mod recording;
+    mod slide;
     mod wire;
 }
