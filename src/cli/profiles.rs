@@ -77,7 +77,12 @@ fn list(stdout: &mut impl Write) -> anyhow::Result<()> {
         let profile = Profile::from_toml(shipped.name, shipped.toml)?;
         writeln!(stdout, "{:24} {}", profile.name, profile.about)?;
     }
-    let users: Vec<&str> = SHIPPED_USERS.iter().map(|user| user.name).collect();
+    let shipped = SHIPPED_USERS.iter().map(|user| user.name.to_owned());
+    let own = own_texts("users").into_iter().map(|path| {
+        let name = Path::new(&path).file_stem().unwrap_or_default();
+        format!("{} (yours)", printable(&name.to_string_lossy()))
+    });
+    let users: Vec<String> = own.chain(shipped).collect();
     writeln!(stdout, "\nwith --user: {}", users.join(", "))?;
     Ok(())
 }

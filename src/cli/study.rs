@@ -113,14 +113,17 @@ fn pad(common: &StudyArgs) -> anyhow::Result<(String, String)> {
 fn print_estimate(study: &Thickness) -> anyhow::Result<()> {
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let estimate = study.estimate(workers)?;
+    let time = match estimate.seconds {
+        seconds if seconds < 60.0 => "less than a minute".to_owned(),
+        seconds => format!("about {:.0} minutes", (seconds / 60.0).ceil()),
+    };
     let mut stderr = std::io::stderr().lock();
     writeln!(
         stderr,
-        "{} cases of up to {} unknowns: about {:.1} GiB for {workers} in parallel, about {} minutes",
+        "{} cases of up to {} unknowns: about {:.1} GiB for {workers} in parallel, {time}",
         study.cases().len(),
         estimate.unknowns,
         estimate.bytes / f64::from(1 << 30),
-        (estimate.seconds / 60.0).ceil()
     )?;
     Ok(())
 }

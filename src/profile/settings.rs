@@ -98,6 +98,8 @@ pub struct Settings {
     pub assist: Assist,
     /// Larger contacts are ignored, mm2.
     pub rest_area_mm2: Option<f64>,
+    /// Whether modifier keys stay down until another press is over; bindings of them have [`super::Mode::Sticky`] then.
+    pub sticky_keys: bool,
     /// This many contacts at once release everything and pause.
     pub panic_contacts: Option<usize>,
     /// The force range of the person: force that counts as none, and as full.

@@ -136,6 +136,15 @@ fn a_persons_settings_are_changed_here_and_a_shipped_person_is_copied() {
 }
 
 #[test]
+fn sticky_keys_are_switched_for_a_person() {
+    let mut stage = Stage::with_view(Tab::Comfort, [1240.0, 1600.0]);
+    stage.click(Role::CheckBox, "Sticky keys");
+    let own = stage.services.folder.path().join("users/me.toml");
+    let text = std::fs::read_to_string(own).expect("a file");
+    assert_eq!(text, "sticky_keys = true\n");
+}
+
+#[test]
 fn the_wheel_turns_a_slider_only_after_a_click() {
     let mut stage = Stage::with_view(Tab::Comfort, WIDE);
     let slider = stage

@@ -19,6 +19,16 @@ use crate::gui::timing_settings::{HintPlace, SETTINGS, draw_slider};
 /// The file of a player without a name.
 const UNNAMED: &str = "me";
 
+/// The key of the only switch among the settings.
+const STICKY_KEYS: &str = "sticky_keys";
+
+/// A changed setting.
+#[derive(Clone, Copy)]
+enum Setting {
+    Number(f64),
+    Flag(bool),
+}
+
 /// State of the card.
 #[derive(Default)]
 pub(super) struct PersonSettings {
@@ -68,9 +78,16 @@ impl PersonSettings {
                 && (is_final || !is_dragged)
             {
                 self.dragged = None;
-                change = Some((key, value));
+                change = Some((key, Setting::Number(value)));
             }
         }
+        let mut sticky_keys = settings.sticky_keys;
+        let label = "Sticky keys";
+        if ui.checkbox(&mut sticky_keys, label).changed() {
+            change = Some((STICKY_KEYS, Setting::Flag(sticky_keys)));
+        }
+        let hint = "Shift, Ctrl, Alt and Meta stay down until another press is over: one finger is enough for both.";
+        ui.add(egui::Label::new(egui::RichText::new(hint).small().weak()).wrap());
         if let Some(why) = &self.notice {
             ui.colored_label(theme::palette_of(ui).bad, format!("✖ {why}"));
         }
@@ -95,7 +112,7 @@ impl PersonSettings {
 /// Writes a change into the person's own file; returns its path.
 fn save(
     user: Option<&str>,
-    (key, value): (&str, f64),
+    (key, value): (&str, Setting),
     services: &dyn AppServices,
 ) -> Result<PathBuf, String> {
     let folder = services.own_folder();
@@ -103,7 +120,10 @@ fn save(
     let folder = folder.join("users");
     let text = user.map_or(Ok(String::new()), |user| services.user_text(user))?;
     let mut document = Document::parse(&text).map_err(|error| error.to_string())?;
-    document.set_number(key, value);
+    match value {
+        Setting::Number(number) => document.set_number(key, number),
+        Setting::Flag(flag) => document.set_flag(key, flag),
+    }
     let path = own_file(user, &folder);
     write_atomically(&path, &document.text()).map_err(|error| error.to_string())?;
     Ok(path)

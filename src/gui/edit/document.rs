@@ -78,6 +78,12 @@ impl Document {
         }
     }
 
+    /// Sets a switch at the top level, such as `sticky_keys`.
+    pub fn set_flag(&mut self, key: &str, flag: bool) {
+        self.record_undo(key);
+        set_value(self.document.as_table_mut(), key, Value::from(flag));
+    }
+
     /// Gives the profile another name, which no undo takes back.
     pub fn rename(&mut self, name: &str) {
         self.current_change = None;

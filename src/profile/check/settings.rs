@@ -112,6 +112,7 @@ impl Reader {
             activate: self.choice_or_default(top, &ACTIVATE),
             assist: self.choice_or_default(top, &ASSIST),
             rest_area_mm2: self.number(top, &REST_AREA_MM2),
+            sticky_keys: self.flag(top, &STICKY_KEYS),
             panic_contacts: (panic_contacts > 0).then_some(panic_contacts),
             force_range: self.force_range(top),
             mirror: self.choice_or_default(top, &MIRROR),
