@@ -1,10 +1,7 @@
 //! Files of the player: recordings and own texts, listed, renamed and deleted.
 
-use std::io::{Read as _, Seek as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
-
-use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
+use std::time::SystemTime;
 
 /// A file in a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,30 +12,6 @@ pub struct OwnFile {
     pub bytes: u64,
     /// When it was written last.
     pub modified: Option<SystemTime>,
-}
-
-/// The length of a finished recording, from the index at its end; none for a file without one.
-#[must_use]
-pub fn recording_length(path: &Path) -> Option<Duration> {
-    let mut file = std::fs::File::open(path).ok()?;
-    let mut reader = SummaryReader::new();
-    while let Some(event) = reader.next_event() {
-        match event.ok()? {
-            SummaryReadEvent::ReadRequest(bytes) => {
-                let read = file.read(reader.insert(bytes)).ok()?;
-                reader.notify_read(read);
-            }
-            SummaryReadEvent::SeekRequest(to) => {
-                let position = file.seek(to).ok()?;
-                reader.notify_seeked(position);
-            }
-        }
-    }
-    let statistics = reader.finish()?.stats?;
-    let length_ns = statistics
-        .message_end_time
-        .checked_sub(statistics.message_start_time)?;
-    Some(Duration::from_nanos(length_ns))
 }
 
 /// The files of a folder with an extension, the newest first; none if there is no such folder.

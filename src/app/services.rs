@@ -179,6 +179,15 @@ pub trait AppServices: Send + Sync {
     /// The folder of the player's own profiles and users.
     fn own_folder(&self) -> Option<PathBuf>;
 
+    /// Shows a folder in the desktop's file manager.
+    ///
+    /// # Errors
+    /// There is no file manager: the reason, for the player.
+    fn show_folder(&self, folder: &Path) -> Result<(), String> {
+        let shown = open::that_detached(folder);
+        shown.map_err(|error| format!("no file manager opens {}: {error}", folder.display()))
+    }
+
     /// The folder of recordings, which are data and no settings.
     fn recordings_folder(&self) -> Option<PathBuf> {
         self.own_folder().map(|folder| folder.join("recordings"))

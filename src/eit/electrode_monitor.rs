@@ -2,8 +2,9 @@
 //!
 //! A touch changes many readings in a known pattern. Readings that no touch explains point to an electrode: each
 //! unexplained frame suspects the electrode whose readings deviate most, and two such frames in a row exclude it. The
-//! readings of a lost electrode are watched: once they are steady, it counts again, from the level that they have then. If its earlier
-//! level says nothing (`reconnected`), they must also be those of a connected electrode.
+//! readings of a lost electrode are watched: once they are steady near their earlier level, it counts again, from the level that they have
+//! then. An electrode that was never sound since the reference was taken has no such level: it counts again once its readings are those of
+//! a connected one (`reconnected`).
 //!
 //! ```text
 //!        suspected                suspected again
@@ -13,7 +14,6 @@
 
 use super::noise::median;
 use super::reconnected::{LikeReadings, Reconnection};
-use super::reference::Reference;
 use crate::pad::Protocol;
 
 /// The fault is not that of a single electrode if the median channel deviates by this share of the worst electrode's mean.
@@ -51,6 +51,8 @@ pub struct ElectrodeMonitor {
     states: Vec<ElectrodeState>,
     /// Running mean of the relative change of each channel of a lost electrode.
     means: Vec<f64>,
+    /// Electrodes that were lost before their levels were known.
+    has_no_level: Vec<bool>,
     like: LikeReadings,
     reconnections: Vec<Reconnection>,
 }
@@ -73,6 +75,7 @@ impl ElectrodeMonitor {
         Self {
             states: vec![ElectrodeState::Sound; protocol.electrodes],
             means: vec![0.0; protocol.channels.len()],
+            has_no_level: vec![false; protocol.electrodes],
             like: LikeReadings::new(protocol),
             reconnections: channels
                 .iter()
@@ -86,6 +89,7 @@ impl ElectrodeMonitor {
     pub fn reset(&mut self) {
         self.states.fill(ElectrodeState::Sound);
         self.means.fill(0.0);
+        self.has_no_level.fill(false);
     }
 
     /// Lost electrodes, ascending, counted from 0.
@@ -131,7 +135,7 @@ impl ElectrodeMonitor {
                 .filter(|channel| is_muted(**channel))
                 .count();
             if !channels.is_empty() && 5 * muted >= 4 * channels.len() {
-                self.states[electrode] = ElectrodeState::Lost { steady_frames: 0 };
+                self.lose(electrode);
                 lost.push(electrode);
             }
         }
@@ -185,7 +189,7 @@ impl ElectrodeMonitor {
             self.states[electrode] = ElectrodeState::Suspect(frames);
             return None;
         }
-        self.states[electrode] = ElectrodeState::Lost { steady_frames: 0 };
+        self.lose(electrode);
         Some(electrode)
     }
 
@@ -252,21 +256,37 @@ impl ElectrodeMonitor {
         recovered
     }
 
-    /// Watches the lost electrodes without their earlier levels: `reading` is the present reading of a channel without the change by
-    /// touches, V. Returns an electrode that is connected again, and the level of each of its channels that no other lost electrode
-    /// spoils, V.
+    /// The reference was taken: the levels of the electrodes that are lost now are not known.
+    pub fn forget_levels_of_lost(&mut self) {
+        for electrode in 0..self.states.len() {
+            self.has_no_level[electrode] = self.is_lost(electrode);
+        }
+    }
+
+    /// The frame is not explained, so the readings of lost electrodes may contain a touch.
+    pub fn skip_frame(&mut self) {
+        for reconnection in &mut self.reconnections {
+            reconnection.restart();
+        }
+    }
+
+    /// Watches the lost electrodes whose levels are not known: `reading` is the present reading of a channel without the change by
+    /// touches, V, `sound` the level of a sound channel, V, and the variance of its readings, V^2. Returns the channels of an electrode that
+    /// is connected again, each with its level, V.
     pub fn find_reconnected(
         &mut self,
         reading: impl Fn(usize) -> f64,
-        reference: &Reference,
-    ) -> Option<(usize, Vec<(usize, f64)>)> {
+        sound: impl Fn(usize) -> Option<(f64, f64)>,
+    ) -> Option<Vec<(usize, f64)>> {
+        let mut found = None;
         for electrode in 0..self.states.len() {
-            if !self.is_lost(electrode) {
+            if !self.is_lost(electrode) || !self.has_no_level[electrode] {
                 continue;
             }
             let own = &self.channels[electrode];
             let readings = own.iter().map(|channel| reading(*channel));
-            if !self.reconnections[electrode].take_frame(readings) {
+            let is_due = self.reconnections[electrode].take_frame(readings);
+            if !is_due || found.is_some() {
                 continue;
             }
             let is_spoiled = |channel: usize| {
@@ -277,27 +297,24 @@ impl ElectrodeMonitor {
                 })
             };
             let window = &self.reconnections[electrode];
-            let is_connected = self.like.are_connected(
-                window,
-                own,
-                |channel| !is_spoiled(channel),
-                |channel| !self.excludes(channel) && !reference.is_muted(channel),
-                |channel| reference.volts()[channel],
-                |channel| {
-                    libm::sqrt(reference.variances(channel)[0]) * reference.volts()[channel].abs()
-                },
-            );
-            if is_connected {
-                let levels = own.iter().enumerate();
-                let levels = levels
-                    .filter(|(_, channel)| !is_spoiled(**channel))
-                    .map(|(index, channel)| (*channel, window.mean(index)))
-                    .collect();
-                self.states[electrode] = ElectrodeState::Sound;
-                return Some((electrode, levels));
+            let is_sound = |channel: usize| !self.excludes(channel);
+            let sound = |channel: usize| sound(channel).filter(|_| is_sound(channel));
+            if let Some(connected) = self.like.connected(window, own, is_spoiled, sound) {
+                let levels = connected
+                    .iter()
+                    .map(|index| (own[*index], window.mean(*index)));
+                found = Some((electrode, levels.collect()));
             }
         }
-        None
+        let (electrode, levels) = found?;
+        self.states[electrode] = ElectrodeState::Sound;
+        self.has_no_level[electrode] = false;
+        Some(levels)
+    }
+
+    fn lose(&mut self, electrode: usize) {
+        self.states[electrode] = ElectrodeState::Lost { steady_frames: 0 };
+        self.reconnections[electrode].restart();
     }
 
     fn is_lost(&self, electrode: usize) -> bool {

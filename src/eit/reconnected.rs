@@ -1,5 +1,4 @@
-//! Whether a lost electrode is connected again, decided by its readings alone: the level from before it was lost may be that of a
-//! loose wire.
+//! Whether a lost electrode is connected again, decided by its readings alone, where no level from before it was lost is known.
 //!
 //! A loose wire can be steady: an open input reads zero, one end of its range or what couples into it. On a regular pad, readings depend
 //! on the places of drive and measurement relative to each other much more than on where around the pad they lie, and exchanging drive
@@ -18,6 +17,10 @@ const RECIPROCITY_SHARE: f64 = 0.15;
 const AGREEING_SHARE: f64 = 0.9;
 /// Readings of the window spread at most this many times as widely as those that are alike.
 const STEADY_FACTOR: f64 = 3.0;
+/// An electrode is judged by at least so many readings, ...
+const LEAST_JUDGED: usize = 4;
+/// ... and by this share of its readings.
+const LEAST_JUDGED_SHARE: f64 = 0.2;
 /// Fewer sound readings that are alike say nothing.
 const LEAST_ALIKE: usize = 2;
 
@@ -48,8 +51,7 @@ impl Reconnection {
     /// Takes a frame: the readings of the electrode's channels without the change by touches, V. Returns whether a decision is due.
     pub(super) fn take_frame(&mut self, readings: impl Iterator<Item = f64>) -> bool {
         if self.frames == WINDOW_FRAMES {
-            self.frames = 0;
-            self.windows.fill(Window::default());
+            self.restart();
         }
         self.frames += 1;
         let share = 1.0 / f64::from(self.frames);
@@ -59,6 +61,12 @@ impl Reconnection {
             window.squares += off * (reading - window.mean);
         }
         self.frames == WINDOW_FRAMES
+    }
+
+    /// Begins the window again.
+    pub(super) fn restart(&mut self) {
+        self.frames = 0;
+        self.windows.fill(Window::default());
     }
 
     /// Mean reading of a channel in the window, V; the channel counted among those of the electrode.
@@ -113,39 +121,40 @@ impl LikeReadings {
         }
     }
 
-    /// Whether the readings that a lost electrode had in a window are those of a connected one. `channels` are those of the electrode,
-    /// `is_sound` whether no electrode of a channel is lost, `level` and `deviation` the reading of a sound channel and its standard
-    /// deviation, V.
-    pub(super) fn are_connected(
+    /// The readings of a window that nothing speaks against, as numbers among `channels`, those of the electrode; none if the electrode is
+    /// not connected. `is_spoiled` tells whether another lost electrode spoils a channel, `sound` gives the reading of a
+    /// sound channel, V, and its variance, V^2.
+    pub(super) fn connected(
         &self,
         window: &Reconnection,
         channels: &[usize],
-        is_judged: impl Fn(usize) -> bool,
-        is_sound: impl Fn(usize) -> bool,
-        level: impl Fn(usize) -> f64,
-        deviation: impl Fn(usize) -> f64,
-    ) -> bool {
+        is_spoiled: impl Fn(usize) -> bool,
+        sound: impl Fn(usize) -> Option<(f64, f64)>,
+    ) -> Option<Vec<usize>> {
         let (mut judged, mut agreeing) = (0usize, 0usize);
+        let mut credible = Vec::new();
         let (mut spread, mut expected) = (0.0, 0.0);
         for (index, channel) in channels.iter().enumerate() {
-            if !is_judged(*channel) {
+            if is_spoiled(*channel) {
+                continue;
+            }
+            let alike = self.members[self.groups[*channel]].iter();
+            let (mut levels, mut variances): (Vec<f64>, Vec<f64>) = alike
+                .filter_map(|other| sound(*other))
+                .map(|(level, variance)| (level.abs(), variance))
+                .unzip();
+            if levels.len() < LEAST_ALIKE {
+                credible.push(index);
                 continue;
             }
             judged += 1;
-            let alike = self.members[self.groups[*channel]].iter();
-            let sound: Vec<usize> = alike.copied().filter(|other| is_sound(*other)).collect();
-            if sound.len() < LEAST_ALIKE {
-                continue;
-            }
-            let mut levels: Vec<f64> = sound.iter().map(|other| level(*other).abs()).collect();
-            let mut variances: Vec<f64> = sound
-                .iter()
-                .map(|other| deviation(*other) * deviation(*other))
-                .collect();
             let usual = median(&mut levels).unwrap_or(0.0);
             let mean = window.mean(index);
-            let is_alike = mean.abs() <= ALIKE_FACTOR * usual && mean.abs() * ALIKE_FACTOR >= usual;
-            if is_alike && usual > 0.0 && self.is_reciprocal(window, channels, *channel, mean) {
+            let is_alike = usual > 0.0
+                && mean.abs() <= ALIKE_FACTOR * usual
+                && mean.abs() * ALIKE_FACTOR >= usual;
+            if is_alike && self.is_reciprocal(window, channels, *channel, mean) {
+                credible.push(index);
                 agreeing += 1;
                 spread += window.variance(index);
                 // Noise that grows with the reading, and noise that does not.
@@ -153,9 +162,11 @@ impl LikeReadings {
                 expected += share * share * median(&mut variances).unwrap_or(0.0);
             }
         }
-        agreeing > 0
+        let is_connected = judged >= LEAST_JUDGED
+            && judged as f64 >= LEAST_JUDGED_SHARE * channels.len() as f64
             && agreeing as f64 >= AGREEING_SHARE * judged as f64
-            && spread <= STEADY_FACTOR * STEADY_FACTOR * expected
+            && spread <= STEADY_FACTOR * STEADY_FACTOR * expected;
+        is_connected.then_some(credible)
     }
 
     fn is_reciprocal(
@@ -229,14 +240,13 @@ mod tests {
             let is_due = window.take_frame(readings);
             assert_eq!(is_due, frame + 1 == WINDOW_FRAMES);
         }
-        LikeReadings::new(&pad.protocol).are_connected(
-            &window,
-            &own,
-            |_| true,
-            |channel| !uses(channel),
-            |channel| volts[channel],
-            |channel| 1e-3 * volts[channel].abs(),
-        )
+        let sound = |channel: usize| {
+            let noise = 1e-3 * volts[channel];
+            (!uses(channel)).then_some((volts[channel], noise * noise))
+        };
+        LikeReadings::new(&pad.protocol)
+            .connected(&window, &own, |_| false, sound)
+            .is_some()
     }
 
     #[test]

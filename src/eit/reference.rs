@@ -294,9 +294,20 @@ impl Reference {
         self.volts[channel] *= 1.0 + corrected_by;
     }
 
-    /// Takes a muted channel back at a level, V, as one of which nothing was known before: its noise is
-    /// expected to be that of the others.
-    pub fn reconnect(&mut self, channel: usize, volt: f64) {
+    /// Relative variance of the readings of a channel: its own noise, that which channels share, and rounding.
+    #[must_use]
+    pub fn reading_variance(&self, channel: usize) -> f64 {
+        let shared = self.shared_noise();
+        self.noise[channel] + self.rounding[channel] + shared.gain + shared.drive
+    }
+
+    /// Takes a muted channel back at a level, V, as one of which nothing was known before: its noise is expected to be that of the others.
+    /// `touched` is the relative change by touches that was removed from the level. A level of zero is none: the channel stays muted.
+    pub fn reconnect(&mut self, channel: usize, volt: f64, touched: f32) {
+        let square = volt * volt;
+        if !square.is_normal() {
+            return;
+        }
         let live = (0..self.volts.len()).filter(|other| self.is_live(*other));
         let (volts, variances): (Vec<f64>, Vec<f64>) = live
             .map(|other| {
@@ -304,16 +315,17 @@ impl Reference {
                 (volt, self.noise[other] * volt * volt)
             })
             .unzip();
-        let square = volt * volt;
         let noise = NoiseModel::from_variances(&volts, &variances).variance(square) / square;
+        let noise = noise.max(LEAST_NOISE * LEAST_NOISE);
         self.muted[channel] = false;
         self.volts[channel] = volt;
         self.rates[channel] = 0.0;
-        self.noise[channel] = noise.max(LEAST_NOISE * LEAST_NOISE);
+        self.noise[channel] = noise;
         self.rounding[channel] = self.step * self.step / 12.0 / square;
+        let error = TOUCH_ERROR * f64::from(touched);
         let covariance = &mut self.covariances[channel];
         *covariance = Covariance::from_rate(FIRST_RATE_PER_S);
-        covariance.level = noise / REFERENCE_FRAMES as f64;
+        covariance.level = noise / REFERENCE_FRAMES as f64 + error * error;
     }
 
     /// Whether a channel is muted.

@@ -18,6 +18,7 @@ mod records;
 mod recover;
 mod schema;
 mod setup;
+mod summary;
 pub mod volts;
 mod write;
 
@@ -28,4 +29,5 @@ pub use message::{
 pub use read::{ReadError, Reader};
 pub use recover::{CopyError, RecoveryReport, Restore, pack, recover};
 pub use setup::{Setup, SetupParts, SlimNames, VERSION, slim_name};
+pub use summary::RecordingSummary;
 pub use write::{WriteError, Writer};

@@ -181,7 +181,7 @@ fn turn_the_wheel(stage: &mut Stage, at: egui::Pos2) {
 }
 
 #[test]
-fn a_press_that_nothing_flashes_for_repaints_nothing_more() {
+fn a_press_without_a_flash_does_not_keep_repainting() {
     let mut stage = Stage::with_view(Tab::Play, WIDE);
     stage.steps(8);
     let delay_after_press = |stage: &mut Stage| {

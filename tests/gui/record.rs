@@ -197,6 +197,14 @@ fn recordings_are_listed_renamed_and_deleted() {
     stage.steps(12);
     assert!(stage.shows("session-001"), "{:?}", stage.window);
     assert!(stage.shows("2.0 MB"));
+    stage.button("Show folder");
+    let shown = stage
+        .services
+        .shown_folders
+        .lock()
+        .expect("no panic")
+        .clone();
+    assert_eq!(shown, std::slice::from_ref(&folder));
     stage.button("Rename session-001");
     stage
         .window

@@ -43,6 +43,8 @@ pub struct TestServices {
     pub broken_output: Mutex<Option<OutputChoice>>,
     /// What the recommended settings make of the presses.
     pub found: Mutex<Found>,
+    /// Folders that were shown.
+    pub shown_folders: Mutex<Vec<PathBuf>>,
 }
 
 /// What recommended settings make of presses.
@@ -133,6 +135,7 @@ impl TestServices {
             board: Mutex::new(None),
             broken_output: Mutex::new(None),
             found: Mutex::new(Found::Same),
+            shown_folders: Mutex::new(Vec::new()),
         }
     }
 
@@ -167,6 +170,12 @@ impl AppServices for TestServices {
             }
             _ => Err(StartError::of_game(NO_START)),
         }
+    }
+
+    fn show_folder(&self, folder: &Path) -> Result<(), String> {
+        let mut shown = self.shown_folders.lock().expect("no panic");
+        shown.push(folder.to_owned());
+        Ok(())
     }
 
     fn profiles(&self) -> Vec<String> {

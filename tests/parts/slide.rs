@@ -14,7 +14,7 @@ const PART_NS: Nanos = 625_000;
 const MM_PER_S: f64 = 300.0;
 /// Parts before the finger lands, while it slides and after it has lifted.
 const PARTS: [usize; 3] = [480, 280, 160];
-/// A finger lands at rest: its velocity is known three frames later.
+/// A finger lands at rest: its velocity is known some frames later.
 const SETTLED_PARTS: usize = 80;
 
 /// Lag along the way at each part, mm, and the touches that were seen.
@@ -64,6 +64,7 @@ fn slide(seed: u64, from_mm: PointMm, direction: [f64; 2]) -> (Vec<f64>, Vec<u64
             lags_mm.push(direction[0] * (finger_mm[0] - x) + direction[1] * (finger_mm[1] - y));
         }
     }
+    assert!(engine.touches().down.is_empty(), "it has lifted");
     (lags_mm, ids)
 }
 
@@ -79,6 +80,8 @@ fn slides_at_300_mm_per_s_hardly_lag() {
         let held = PARTS[1] - SETTLED_PARTS - 1;
         assert_eq!(lags_mm.len(), held, "held all the way");
         assert_eq!(ids.len(), 1, "one finger is one touch: {ids:?}");
+        let furthest_mm = lags_mm.iter().fold(0.0f64, |most, lag| most.max(lag.abs()));
+        assert!(furthest_mm < 3.0, "{furthest_mm:.1} mm off");
         all_mm.extend(lags_mm);
     }
     let mean_mm = all_mm.iter().sum::<f64>() / all_mm.len() as f64;

@@ -11,7 +11,7 @@ use std::thread;
 
 use anyhow::{Context, Result, ensure};
 use gelpad::engine::Input;
-use gelpad::session::{Message, Reader, Setup};
+use gelpad::session::{Message, Reader, RecordingSummary, Setup};
 use gelpad::source::{FramesCsv, RoundedSource, Source, SourceError, SourcePace, SourceReading};
 use gelpad::tape::{EngineConfig, SessionWriter};
 use gelpad::touch::correction::Component;
@@ -377,6 +377,13 @@ fn recorded_size(setup: &Setup, mut source: Box<dyn Source>) -> Result<(u64, u64
         step(&mut engine, &Input::Frame(frame), &mut writer)?;
     }
     writer.finish()?;
+    let summary = RecordingSummary::read(&path).expect("an index");
+    let first_and_last = frames.first().zip(frames.last()).expect("frames");
+    let length_ns = first_and_last.1.t_ns - first_and_last.0.t_ns;
+    // The frames of a block share the time of the first.
+    let shorter_ns = length_ns - summary.length.as_nanos() as u64;
+    assert!(shorter_ns < 500_000_000, "{:?}", summary.length);
+    assert_eq!(summary.profile.as_deref(), Some("super-mario"));
     let (mut reader, _) = Reader::open(BufReader::new(File::open(&path)?))?;
     let mut back = Vec::new();
     while let Some(message) = reader.next()? {

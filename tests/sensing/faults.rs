@@ -35,7 +35,7 @@ fn an_electrode_that_is_off_at_the_start_counts_once_it_is_plugged_in() {
         }),
     ];
     for (name, read) in reads {
-        for lost in [&[7][..], &[0], &[3, 4], &[2, 13]] {
+        for lost in [&[7][..], &[0], &[3, 4], &[2, 13], &[3, 7], &[0, 8]] {
             let mut bench = Bench::located(60.0, 1);
             let protocol = bench.pad.protocol.clone();
             let uses = |channel: &gelpad::pad::Channel| {
@@ -54,7 +54,7 @@ fn an_electrode_that_is_off_at_the_start_counts_once_it_is_plugged_in() {
             assert_eq!(bench.play(&[], 300), (0, 0), "{name}, {lost:?}");
             assert_eq!(bench.detector.lost_electrodes(), lost, "{name}: still off");
             bench.board = Box::new(|_, volt, _| volt);
-            bench.play(&[], 150);
+            bench.play(&[], 250);
             let now = bench.detector.lost_electrodes();
             assert!(now.is_empty(), "{name}, {lost:?}: {now:?} stay lost");
             assert!(bench.detector.muted_channels().is_empty());

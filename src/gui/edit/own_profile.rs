@@ -39,6 +39,10 @@ impl EditView {
             return None;
         }
         let edited = self.opened.as_ref().filter(|opened| opened.is_unsaved());
+        if edited.is_some_and(|opened| opened.checked.is_err()) || self.text_editor.is_some() {
+            self.notice = Some("not duplicated: correct or save the text first".to_owned());
+            return None;
+        }
         match duplicate(&path, edited.map(|opened| opened.document.text())) {
             Ok(copy) => Some(play(&copy.display().to_string(), game)),
             Err(why) => {
@@ -66,7 +70,11 @@ impl EditView {
                         .drafts
                         .keep(opened.map(|opened| moved(opened, &path, saved))),
                     Err(why) => {
-                        self.drafts.keep(opened);
+                        let moved = |opened: OpenProfile| {
+                            let saved = opened.saved.clone();
+                            moved(opened, &path, saved)
+                        };
+                        self.drafts.keep(opened.map(moved));
                         self.notice = Some(why);
                     }
                 }

@@ -10,6 +10,7 @@ use crate::app::own_files::{self, OwnFile};
 use crate::app::services::AppServices;
 use crate::gui::file_dialog::FileDialog;
 use crate::gui::theme;
+use crate::session::RecordingSummary;
 
 /// How often the folder is read again while the list is shown, s.
 const REFRESH_S: f64 = 2.0;
@@ -18,11 +19,13 @@ const REFRESH_S: f64 = 2.0;
 #[derive(Default)]
 pub(super) struct RecordingList {
     files: Vec<OwnFile>,
-    /// Lengths of these files: a file is read again when it was written again.
-    lengths: HashMap<(PathBuf, Option<SystemTime>), Option<Duration>>,
+    /// What the index of each file says: a file is read again when it was written again.
+    summaries: HashMap<(PathBuf, Option<SystemTime>), Option<RecordingSummary>>,
     /// When the folder was read last, egui time, s.
     read_at_s: Option<f64>,
     dialog: FileDialog,
+    /// Why the folder was not shown.
+    notice: Option<String>,
 }
 
 impl RecordingList {
@@ -32,11 +35,25 @@ impl RecordingList {
         if self.read_at_s.is_none_or(|at| now_s - at > REFRESH_S) {
             let folder = services.recordings_folder();
             self.files = folder.map_or(Vec::new(), |folder| own_files::list(&folder, "mcap"));
-            self.measure_lengths();
+            self.read_summaries();
             self.read_at_s = Some(now_s);
         }
         if self.dialog.show(ui.ctx()).is_some() {
             self.read_at_s = None;
+        }
+        if let Some(folder) = services
+            .recordings_folder()
+            .filter(|_| !self.files.is_empty())
+        {
+            ui.horizontal_wrapped(|ui| {
+                if theme::small_button(ui, "Show folder").clicked() {
+                    self.notice = services.show_folder(&folder).err();
+                }
+                ui.weak(folder.display().to_string());
+            });
+        }
+        if let Some(why) = &self.notice {
+            ui.colored_label(theme::palette_of(ui).bad, format!("✖ {why}"));
         }
         let mut open = None;
         let now = now();
@@ -53,10 +70,17 @@ impl RecordingList {
                         open = Some(file.path.clone());
                     }
                     let key = (file.path.clone(), file.modified);
-                    match self.lengths.get(&key).copied().flatten() {
-                        Some(length) => ui.label(length_in_words(length)),
-                        None => ui.weak("not finished"),
-                    };
+                    match self.summaries.get(&key).and_then(Option::as_ref) {
+                        Some(summary) => {
+                            ui.label(length_in_words(summary.length));
+                            if let Some(profile) = &summary.profile {
+                                ui.label(profile.trim_end_matches(".toml"));
+                            }
+                        }
+                        None => {
+                            ui.weak("not finished");
+                        }
+                    }
                     ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
                     if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
                         ui.weak(age_in_words(age));
@@ -77,14 +101,14 @@ impl RecordingList {
         open
     }
 
-    /// Reads the lengths of files that are new or were written again, and forgets those of others.
-    fn measure_lengths(&mut self) {
-        let mut known = std::mem::take(&mut self.lengths);
+    /// Reads the index of files that are new or were written again, and forgets those of others.
+    fn read_summaries(&mut self) {
+        let mut known = std::mem::take(&mut self.summaries);
         for file in &self.files {
             let key = (file.path.clone(), file.modified);
-            let length = known.remove(&key);
-            let length = length.unwrap_or_else(|| own_files::recording_length(&file.path));
-            self.lengths.insert(key, length);
+            let summary = known.remove(&key);
+            let summary = summary.unwrap_or_else(|| RecordingSummary::read(&file.path));
+            self.summaries.insert(key, summary);
         }
     }
 

@@ -11,7 +11,7 @@ pub fn return_freed_blocks() {
     let _ = unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, THRESHOLD) };
 }
 
-/// Returns what is free inside the heaps now. Takes a few milliseconds: for a thread that nothing waits for.
+/// Returns what is free inside the heaps now. Takes a few milliseconds, and other threads wait for a heap while it is trimmed.
 #[allow(unsafe_code, reason = "no safe interface trims the heaps of malloc")]
 pub fn trim_heaps() {
     // SAFETY: `malloc_trim` has no preconditions; it takes the locks of the heaps itself.

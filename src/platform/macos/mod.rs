@@ -37,6 +37,7 @@ pub mod desktop {
 pub mod memory {
     /// The system's allocator returns large blocks.
     pub fn return_freed_blocks() {}
+    /// The heap of macOS trims itself.
     pub fn trim_heaps() {}
 }
 

@@ -358,6 +358,7 @@ impl Detector {
         if self.is_between {
             return;
         }
+        self.find_reconnected_electrode(frame);
         // What the touches leave must not become part of the reference.
         let held_ns = frame.t_ns.saturating_sub(self.down_changed_ns);
         let is_explained = rest < POLLUTING_REST;
@@ -448,6 +449,7 @@ impl Detector {
         }
         if self.tracker.down().is_empty() && is_quiet {
             self.watch_lost_electrodes(frame);
+            self.find_reconnected_electrode(frame);
             self.reference.update(&frame.volts, &self.explained);
         } else {
             self.reference.skip_frame();

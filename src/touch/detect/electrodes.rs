@@ -49,6 +49,7 @@ impl Detector {
                 self.reference.mute(*channel, true, 0.0);
             }
         }
+        electrodes.skip_frame();
         self.request_for_lost_channels();
         self.watch_lost_electrodes(frame);
     }
@@ -74,26 +75,31 @@ impl Detector {
                     self.reference.mute(channel, false, level_change);
                 }
             }
-        } else if !self.is_between {
-            self.find_reconnected_electrode(frame);
         }
         self.request_for_lost_channels();
     }
 
-    /// Takes back a lost electrode whose readings are those of a connected one, whatever its level was.
-    fn find_reconnected_electrode(&mut self, frame: &Frame) {
-        let Some(electrodes) = &mut self.electrodes else {
+    /// Takes back an electrode that was lost before its level was known, in a frame that is explained.
+    pub(super) fn find_reconnected_electrode(&mut self, frame: &Frame) {
+        let Some(electrodes) = self.electrodes.as_mut().filter(|all| all.any_lost()) else {
             return;
         };
-        let explained = &self.explained;
+        let (reference, explained) = (&self.reference, &self.explained);
         let reading = |channel: usize| {
             let volt = f64::from(frame.volts[channel]);
             volt / (1.0 + f64::from(explained[channel]))
         };
-        if let Some((_, levels)) = electrodes.find_reconnected(reading, &self.reference) {
+        let sound = |channel: usize| {
+            let volt = reference.volts()[channel];
+            let is_sound = !reference.is_muted(channel);
+            is_sound.then(|| (volt, reference.reading_variance(channel) * volt * volt))
+        };
+        if let Some(levels) = electrodes.find_reconnected(reading, sound) {
             for (channel, volt) in levels {
-                self.reference.reconnect(channel, volt);
+                self.reference
+                    .reconnect(channel, volt, self.explained[channel]);
             }
+            self.request_for_lost_channels();
         }
     }
 

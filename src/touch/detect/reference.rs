@@ -168,6 +168,9 @@ impl Detector {
         self.by_image.set_noise(peaks);
         self.image = Image::blank(self.image.grid);
         self.find_dead_electrodes();
+        if let Some(electrodes) = &mut self.electrodes {
+            electrodes.forget_levels_of_lost();
+        }
         self.request_for_lost_channels();
         self.request_for_noise();
     }

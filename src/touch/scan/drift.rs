@@ -1,8 +1,8 @@
 //! How fast the touches move, by the ends of whole frames, and how the readings change along their ways.
 //!
-//! A reading of a moving finger is brought to another time by the difference of the responses at the places where the finger is at both times. A
-//! cubic through the responses a frame before, at, and a frame after the last whole frame gives them for each channel: a finger that
-//! crosses a channel of the pad within a frame changes a reading far from evenly.
+//! A reading of a moving finger is brought to another time by the difference of the responses at the places where the finger is at both
+//! times. A cubic through the responses a frame before, at, and a frame after the present gives them for each channel: a finger that crosses
+//! a channel of the pad within a frame changes a reading far from evenly.
 //!
 //! Completed frames already contain the velocity that was assumed, so places between two whole frames would confirm it
 //! whatever it is: only places a whole frame apart are compared, which makes errors of the velocity die out.
@@ -26,7 +26,7 @@ pub(super) struct Drift {
     /// Time between the last two whole frames, s.
     period_s: f64,
     places: Vec<(TouchId, PointMm)>,
-    moving: Vec<(PointMm, [f64; 2])>,
+    moving: Vec<(TouchId, PointMm, [f64; 2])>,
 }
 
 impl Drift {
@@ -43,7 +43,7 @@ impl Drift {
             let velocity = [(at_mm[0] - x) / elapsed_s, (at_mm[1] - y) / elapsed_s];
             let mm_per_s = libm::hypot(velocity[0], velocity[1]);
             if (MOVING_MM_PER_S..FASTEST_MM_PER_S).contains(&mm_per_s) {
-                self.moving.push((at_mm, velocity));
+                self.moving.push((touch.id, at_mm, velocity));
             }
         }
         self.at_ns = t_ns;
@@ -53,20 +53,26 @@ impl Drift {
             .extend(down.iter().map(|touch| (touch.id, touch.contact.centre_mm)));
     }
 
-    /// A touch went down or lifted: what is known is out of date.
+    /// Forgets a touch that has lifted.
+    pub(super) fn forget(&mut self, gone: &Touch) {
+        self.places.retain(|(id, _)| *id != gone.id);
+        self.moving.retain(|(id, ..)| *id != gone.id);
+    }
+
+    /// A touch went down: what is known is out of date.
     pub(super) fn clear(&mut self) {
         self.places.clear();
         self.moving.clear();
     }
 
-    /// How the readings change along the ways of the touches; empty if every touch rests.
-    pub(super) fn ways(&self, locator: Option<&Locator>, ways: &mut Ways) {
+    /// How the readings change along the ways of the touches, which are located at this time; empty if every touch rests.
+    pub(super) fn ways(&self, t_ns: Nanos, locator: Option<&Locator>, ways: &mut Ways) {
         ways.clear();
         let Some(locator) = locator.filter(|_| !self.moving.is_empty()) else {
             return;
         };
         let velocity_at = |[x, y]: PointMm| {
-            let near = self.moving.iter().map(|(at, velocity)| {
+            let near = self.moving.iter().map(|(_, at, velocity)| {
                 let distance_mm = libm::hypot(at[0] - x, at[1] - y);
                 (distance_mm, *velocity)
             });
@@ -75,8 +81,8 @@ impl Drift {
                 .map(|(_, velocity)| velocity)
         };
         let speeds = self.moving.iter();
-        let fastest = speeds.fold(0.0, |most: f64, (_, [x, y])| most.max(libm::hypot(*x, *y)));
-        ways.at_ns = self.at_ns;
+        let fastest = speeds.fold(0.0, |most: f64, (.., [x, y])| most.max(libm::hypot(*x, *y)));
+        ways.at_ns = t_ns;
         ways.period_s = self.period_s as f32;
         let [linear, square, cubic] = &mut ways.terms;
         let mut now = Vec::new();
@@ -130,7 +136,7 @@ impl Ways {
         self.since(channel, to_ns) - self.since(channel, from_ns)
     }
 
-    /// The relative change of a channel since the last whole frame.
+    /// The relative change of a channel since the time at which the touches were located.
     fn since(&self, channel: usize, t_ns: Nanos) -> f32 {
         let time_s = (t_ns as f64 - self.at_ns as f64) as f32 * 1e-9;
         // Beyond the cubic, the change goes on as fast as in the middle.

@@ -355,17 +355,23 @@ impl Scan {
         }
         self.run_ns = t_ns;
         let down = detector.frame_touches().down;
-        let has_any = |phase| changed.iter().any(|touch| touch.phase == phase);
-        if has_any(Phase::Up) || (run == Run::Landing && has_any(Phase::Down)) {
+        let ups = changed.iter().filter(|touch| touch.phase == Phase::Up);
+        let mut is_fewer = false;
+        for gone in ups {
+            self.drift.forget(gone);
+            is_fewer = true;
+        }
+        let has_landed = changed.iter().any(|touch| touch.phase == Phase::Down);
+        if self.landing.is_active() || (run == Run::Landing && has_landed) {
             self.drift.clear();
             self.ways.clear();
-        } else if run.is_at_end() {
-            self.drift.take(t_ns, down);
-        }
-        if self.landing.is_active() {
-            self.ways.clear();
-        } else if run.is_at_end() {
-            self.drift.ways(detector.locator(), &mut self.ways);
+        } else {
+            if run.is_at_end() && !is_fewer {
+                self.drift.take(t_ns, down);
+            }
+            if run.is_at_end() || is_fewer {
+                self.drift.ways(t_ns, detector.locator(), &mut self.ways);
+            }
         }
         if run.is_at_end() {
             self.has_failed_lift = false;
