@@ -24,6 +24,16 @@ press() {
   xdotool mousemove $(at 0.48 0.39) mousedown 1; sleep 0.4
 }
 
+# Two recordings for the list.
+export XDG_DATA_HOME=$work/data
+mkdir -p "$work/data/gelpad/recordings"
+printf 't:600 down 1 80 50\nt:1100 up 1\nt:1500 end\n' >"$work/press.txt"
+for recording in "level-1 super-mario" "menu large-buttons"; do
+  read -r name profile <<<"$recording"
+  "$gelpad" play "$profile" --source "simulated:$work/press.txt" --output trace --headless \
+    --record "$work/data/gelpad/recordings/$name.mcap" >/dev/null 2>&1
+done
+
 for theme in ${THEMES:-dark light}; do
   for scale in ${SCALES:-100 200}; do
     printf 'theme = "%s"\ntext = %s\n' "$theme" "$(awk "BEGIN{print $scale / 100}")" >"$work/gelpad/window.toml"

@@ -45,12 +45,10 @@ impl RecordingList {
             .recordings_folder()
             .filter(|_| !self.files.is_empty())
         {
-            ui.horizontal_wrapped(|ui| {
-                if theme::small_button(ui, "Show folder").clicked() {
-                    self.notice = services.show_folder(&folder).err();
-                }
-                ui.weak(folder.display().to_string());
-            });
+            let button = theme::small_button(ui, "Show folder");
+            if button.on_hover_text(folder.display().to_string()).clicked() {
+                self.notice = services.show_folder(&folder).err();
+            }
         }
         if let Some(why) = &self.notice {
             ui.colored_label(theme::palette_of(ui).bad, format!("✖ {why}"));
