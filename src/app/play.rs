@@ -25,7 +25,7 @@ use crate::runtime::{self, RunningGame};
 use crate::source::serial::serial_number;
 use crate::source::{LiveFingers, Source};
 use crate::tape::EngineConfig;
-use crate::touch::SensingBuilder;
+use crate::touch::{Correction, SensingBuilder};
 use crate::types::{Method, SourceErrors};
 
 /// A game whose source and output are open; nothing plays yet.
@@ -81,6 +81,9 @@ pub(crate) struct Game {
     pub identifier: Option<PadIdentifier>,
 }
 
+/// Builder of matrices, the engine's configuration, and a table that is not ready yet.
+type EngineSetUp = ((SensingBuilder, EngineConfig), Option<Arc<TableInProgress>>);
+
 impl PreparedGame {
     /// Opens everything that a request names.
     pub(crate) fn prepare(
@@ -104,36 +107,11 @@ impl PreparedGame {
         if let Some(missing) = abilities.missing_for(&profile) {
             return Err(AppError::Unsuitable(missing));
         }
-        let reload = match argument {
-            Some(argument) => {
-                let matcher = request
-                    .match_programs
-                    .then(|| ProfileMatcher::new(&argument));
-                let user = request.user.clone();
-                let reload = ProfileReload::start(argument, user, &profile, matcher, abilities);
-                Some(reload.map_err(AppError::Thread)?)
-            }
-            None => None,
-        };
+        let reload = start_reload(request, argument, &profile, abilities)?;
         let method = choose_method(request.method, &profile, &pad.pad);
-        let ((builder, config), table) = match first_use {
-            FirstUse::PlayAtOnce(solver) if request.record.is_none() => {
-                let (builder, table) = begin_at_once(solver, &pad.pad, method)?;
-                (
-                    config_with_builder(pad, profile, correction, builder)?,
-                    table,
-                )
-            }
-            FirstUse::PlayAtOnce(solver) => {
-                solver.wait(&pad.pad);
-                let config = engine_config(pad, profile, method, correction, &|_, _| ())?;
-                (config, None)
-            }
-            FirstUse::Wait(progress) => {
-                let config = engine_config(pad, profile, method, correction, progress)?;
-                (config, None)
-            }
-        };
+        let is_recorded = request.record.is_some();
+        let ((builder, config), table) =
+            set_up_engine(first_use, is_recorded, (pad, profile, correction), method)?;
         let mut listeners = Listeners::start(request, &config, method)?;
         let mut identifier = None;
         if let Some(identification) = identification {
@@ -202,6 +180,50 @@ impl PreparedGame {
             table: self.table,
             identifier: self.identifier,
         })
+    }
+}
+
+/// Watches the profile's files, unless the profile is no file.
+fn start_reload(
+    request: &PlayRequest,
+    argument: Option<String>,
+    profile: &Profile,
+    abilities: OutputAbilities,
+) -> Result<Option<ProfileReload>, AppError> {
+    let Some(argument) = argument else {
+        return Ok(None);
+    };
+    let matcher = request
+        .match_programs
+        .then(|| ProfileMatcher::new(&argument));
+    let user = request.user.clone();
+    let reload = ProfileReload::start(argument, user, profile, matcher, abilities);
+    reload.map(Some).map_err(AppError::Thread)
+}
+
+/// What an engine starts from, and the table that is still being solved: a recording waits for it, since its events must not depend on
+/// when it is ready.
+fn set_up_engine(
+    first_use: &FirstUse<'_>,
+    is_recorded: bool,
+    (pad, profile, correction): (PadText, Arc<Profile>, Option<Correction>),
+    method: Method,
+) -> Result<EngineSetUp, AppError> {
+    match first_use {
+        FirstUse::PlayAtOnce(solver) if !is_recorded => {
+            let (builder, table) = begin_at_once(solver, &pad.pad, method)?;
+            let config = config_with_builder(pad, profile, correction, builder)?;
+            Ok((config, table))
+        }
+        FirstUse::PlayAtOnce(solver) => {
+            solver.wait(&pad.pad);
+            let config = engine_config(pad, profile, method, correction, &|_, _| ())?;
+            Ok((config, None))
+        }
+        FirstUse::Wait(progress) => {
+            let config = engine_config(pad, profile, method, correction, progress)?;
+            Ok((config, None))
+        }
     }
 }
 

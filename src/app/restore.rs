@@ -8,7 +8,7 @@ use super::recording::complete_slim;
 use super::{AppError, Progress};
 use crate::pad::{DEFAULT_PAD, Pad};
 use crate::profile::DEFAULT_PROFILE;
-use crate::session::{Message, Restore, Setup, SetupParts};
+use crate::session::{Message, ProfileTexts, Restore, Setup, SetupParts};
 use crate::tape::{EngineConfig, ReplayCheck, profile_texts, texts_from_message};
 use crate::touch::{Correction, CorrectionData};
 
@@ -37,33 +37,8 @@ impl<'a> Restorer<'a> {
     }
 
     fn complete(&mut self, parts: SetupParts) -> Result<Setup, AppError> {
-        let pad = match parts.pad.as_deref().map(|toml| Pad::from_toml("pad", toml)) {
-            Some(Ok(pad)) => {
-                self.is_pad_ignored = self.named_pad.is_some();
-                PadText {
-                    pad,
-                    toml: parts.pad.clone().unwrap_or_default(),
-                }
-            }
-            _ => {
-                let pad = self.named_pad.unwrap_or(DEFAULT_PAD);
-                let note = format!(
-                    "the pad cannot be read: {pad} is assumed (`gelpad recover --pad` names another)"
-                );
-                self.replaced.push(note);
-                load_pad(pad)?
-            }
-        };
-        let profile = match &parts.profile {
-            Some(texts) if texts_from_message(texts).read().is_ok() => texts.clone(),
-            _ => {
-                let note = format!(
-                    "the profile cannot be read: {DEFAULT_PROFILE} is assumed (`gelpad replay --profile` plays another)"
-                );
-                self.replaced.push(note);
-                profile_texts(&load_profile(DEFAULT_PROFILE, None)?.profile, 0)
-            }
-        };
+        let pad = self.read_pad(&parts)?;
+        let profile = self.read_profile(&parts)?;
         if parts.slim.is_some() && parts.sensing.is_none() {
             return Ok(Setup {
                 pad: pad.toml,
@@ -103,6 +78,44 @@ impl<'a> Restorer<'a> {
             profile,
             ..config.to_setup()
         })
+    }
+
+    /// The pad of the recording, or the one that is named or assumed.
+    fn read_pad(&mut self, parts: &SetupParts) -> Result<PadText, AppError> {
+        match parts.pad.as_deref().map(|toml| Pad::from_toml("pad", toml)) {
+            Some(Ok(pad)) => {
+                self.is_pad_ignored = self.named_pad.is_some();
+                Ok(PadText {
+                    pad,
+                    toml: parts.pad.clone().unwrap_or_default(),
+                })
+            }
+            _ => {
+                let pad = self.named_pad.unwrap_or(DEFAULT_PAD);
+                let note = format!(
+                    "the pad cannot be read: {pad} is assumed (`gelpad recover --pad` names another)"
+                );
+                self.replaced.push(note);
+                Ok(load_pad(pad)?)
+            }
+        }
+    }
+
+    /// The profile of the recording, or the default one.
+    fn read_profile(&mut self, parts: &SetupParts) -> Result<ProfileTexts, AppError> {
+        match &parts.profile {
+            Some(texts) if texts_from_message(texts).read().is_ok() => Ok(texts.clone()),
+            _ => {
+                let note = format!(
+                    "the profile cannot be read: {DEFAULT_PROFILE} is assumed (`gelpad replay --profile` plays another)"
+                );
+                self.replaced.push(note);
+                Ok(profile_texts(
+                    &load_profile(DEFAULT_PROFILE, None)?.profile,
+                    0,
+                ))
+            }
+        }
     }
 }
 

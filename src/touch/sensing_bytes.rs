@@ -90,32 +90,11 @@ impl Sensing {
         }
         let deviations = reader.f64s(channels).ok_or(invalid)?;
         let image_weights = reader.f32s(channels).ok_or(invalid)?;
-        let shared = if has_shared {
-            let variances = reader.f64s(2).ok_or(invalid)?;
-            SharedNoise {
-                gain: variances[0],
-                drive: variances[1],
-            }
-        } else {
-            SharedNoise::default()
+        let shared = match has_shared {
+            true => read_shared_noise(&mut reader).ok_or(invalid)?,
+            false => SharedNoise::default(),
         };
-        let locator_model = match reader.u8() {
-            Some(0) => None,
-            Some(1) => {
-                let table = table
-                    .filter(|table| table.channels() == channels)
-                    .ok_or(SensingError::NoTable)?;
-                let locating = LocatorModel::from_bytes(
-                    &mut reader,
-                    Arc::clone(table),
-                    &pad.outline,
-                    pad.touch_sign,
-                    pad.learned.as_deref(),
-                );
-                Some(Arc::new(locating.ok_or(invalid)?))
-            }
-            _ => return Err(invalid),
-        };
+        let locator_model = read_locator_model(&mut reader, table, pad)?;
         // An infinite deviation excludes a channel.
         let is_valid = reader.rest().is_empty()
             && deviations.iter().all(|deviation| *deviation > 0.0)
@@ -135,6 +114,38 @@ impl Sensing {
             shared,
             image_weights,
         })
+    }
+}
+
+fn read_shared_noise(reader: &mut ByteReader<'_>) -> Option<SharedNoise> {
+    let variances = reader.f64s(2)?;
+    Some(SharedNoise {
+        gain: variances[0],
+        drive: variances[1],
+    })
+}
+
+fn read_locator_model(
+    reader: &mut ByteReader<'_>,
+    table: Option<&Arc<ResponseTable>>,
+    pad: &Pad,
+) -> Result<Option<Arc<LocatorModel>>, SensingError> {
+    match reader.u8() {
+        Some(0) => Ok(None),
+        Some(1) => {
+            let table = table
+                .filter(|table| table.channels() == pad.channels())
+                .ok_or(SensingError::NoTable)?;
+            let model = LocatorModel::from_bytes(
+                reader,
+                Arc::clone(table),
+                &pad.outline,
+                pad.touch_sign,
+                pad.learned.as_deref(),
+            );
+            Ok(Some(Arc::new(model.ok_or(SensingError::Invalid)?)))
+        }
+        _ => Err(SensingError::Invalid),
     }
 }
 

@@ -46,41 +46,12 @@ impl PersonSettings {
         services: &dyn AppServices,
     ) -> Option<UiAction> {
         let user = playing.request.user.as_deref();
-        match user {
-            Some(user) => ui.label(format!("Playing with the settings of {}.", file_name(user))),
-            None => {
-                let folder = services.own_folder().unwrap_or_default().join("users");
-                let file = own_file(None, &folder);
-                let name = file.file_stem().unwrap_or_default().to_string_lossy();
-                ui.label(format!(
-                    "Playing without personal settings: a change starts your own, saved as {name}."
-                ))
-            }
-        };
+        draw_whose(ui, user, services);
         ui.weak(
             "Play chooses the person. Set up, step 5, recommends settings from your own presses.",
         );
         let settings = &playing.view.profile.settings;
-        let mut change = None;
-        for setting in &SETTINGS {
-            let saved = (setting.value)(settings);
-            let dragged = self.dragged.filter(|(key, _)| *key == setting.key);
-            let shown = dragged.map_or(saved, |(_, value)| value);
-            let live = (setting.live)(playing);
-            let (wanted, is_final) = draw_slider(ui, setting, shown, live, HintPlace::Below);
-            ui.add_space(6.0);
-            if (wanted - shown).abs() > 1e-9 {
-                self.dragged = Some((setting.key, wanted));
-            }
-            let is_dragged = ui.input(|input| input.pointer.any_down());
-            if let Some((key, value)) = self.dragged
-                && key == setting.key
-                && (is_final || !is_dragged)
-            {
-                self.dragged = None;
-                change = Some((key, Setting::Number(value)));
-            }
-        }
+        let mut change = self.draw_sliders(ui, playing);
         let mut sticky_keys = settings.sticky_keys;
         let label = "Sticky keys";
         if ui.checkbox(&mut sticky_keys, label).changed() {
@@ -107,6 +78,46 @@ impl PersonSettings {
             })
         })
     }
+
+    /// Draws a slider for each setting that is a number; returns the one that was changed, once it is let go.
+    fn draw_sliders(&mut self, ui: &mut Ui, playing: &Playing) -> Option<(&'static str, Setting)> {
+        let settings = &playing.view.profile.settings;
+        let mut change = None;
+        for setting in &SETTINGS {
+            let saved = (setting.value)(settings);
+            let dragged = self.dragged.filter(|(key, _)| *key == setting.key);
+            let shown = dragged.map_or(saved, |(_, value)| value);
+            let live = (setting.live)(playing);
+            let (wanted, is_final) = draw_slider(ui, setting, shown, live, HintPlace::Below);
+            ui.add_space(6.0);
+            if (wanted - shown).abs() > 1e-9 {
+                self.dragged = Some((setting.key, wanted));
+            }
+            let is_dragged = ui.input(|input| input.pointer.any_down());
+            if let Some((key, value)) = self.dragged
+                && key == setting.key
+                && (is_final || !is_dragged)
+            {
+                self.dragged = None;
+                change = Some((key, Setting::Number(value)));
+            }
+        }
+        change
+    }
+}
+
+/// Says whose settings are played with.
+fn draw_whose(ui: &mut Ui, user: Option<&str>, services: &dyn AppServices) {
+    if let Some(user) = user {
+        ui.label(format!("Playing with the settings of {}.", file_name(user)));
+        return;
+    }
+    let folder = services.own_folder().unwrap_or_default().join("users");
+    let file = own_file(None, &folder);
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    ui.label(format!(
+        "Playing without personal settings: a change starts your own, saved as {name}."
+    ));
 }
 
 /// Writes a change into the person's own file; returns its path.

@@ -57,41 +57,11 @@ impl RecordingList {
         let now = now();
         ScrollArea::vertical().id_salt("recordings").show(ui, |ui| {
             for file in &self.files {
-                let name = file.path.file_stem().unwrap_or_default();
-                let name = name.to_string_lossy().into_owned();
                 ui.horizontal_wrapped(|ui| {
-                    let button = ui.button(format!("▶ {name}"));
-                    if button
-                        .on_hover_text(file.path.display().to_string())
-                        .clicked()
-                    {
-                        open = Some(file.path.clone());
-                    }
                     let key = (file.path.clone(), file.modified);
-                    match self.summaries.get(&key).and_then(Option::as_ref) {
-                        Some(summary) => {
-                            ui.label(length_in_words(summary.length));
-                            if let Some(profile) = &summary.profile {
-                                ui.label(profile.trim_end_matches(".toml"));
-                            }
-                        }
-                        None => {
-                            ui.weak("not finished");
-                        }
-                    }
-                    ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
-                    if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
-                        ui.weak(age_in_words(age));
-                    }
-                    let rename = theme::small_button(ui, "Rename");
-                    name_for_readers(&rename, format!("Rename {name}"));
-                    if rename.clicked() {
-                        self.dialog.rename(&file.path);
-                    }
-                    let delete = theme::small_button(ui, "Delete");
-                    name_for_readers(&delete, format!("Delete {name}"));
-                    if delete.clicked() {
-                        self.dialog.delete(&file.path);
+                    let summary = self.summaries.get(&key).and_then(Option::as_ref);
+                    if draw_row(ui, file, summary, now, &mut self.dialog) {
+                        open = Some(file.path.clone());
                     }
                 });
             }
@@ -114,6 +84,46 @@ impl RecordingList {
     pub(super) fn is_empty(&self) -> bool {
         self.files.is_empty()
     }
+}
+
+/// Draws a recording of the list; whether it was chosen.
+fn draw_row(
+    ui: &mut Ui,
+    file: &OwnFile,
+    summary: Option<&RecordingSummary>,
+    now: SystemTime,
+    dialog: &mut FileDialog,
+) -> bool {
+    let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
+    let open = ui
+        .button(format!("▶ {name}"))
+        .on_hover_text(file.path.display().to_string());
+    match summary {
+        Some(summary) => {
+            ui.label(length_in_words(summary.length));
+            if let Some(profile) = &summary.profile {
+                ui.label(profile.trim_end_matches(".toml"));
+            }
+        }
+        None => {
+            ui.weak("not finished");
+        }
+    }
+    ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
+    if let Some(age) = file.modified.and_then(|at| now.duration_since(at).ok()) {
+        ui.weak(age_in_words(age));
+    }
+    let rename = theme::small_button(ui, "Rename");
+    name_for_readers(&rename, format!("Rename {name}"));
+    if rename.clicked() {
+        dialog.rename(&file.path);
+    }
+    let delete = theme::small_button(ui, "Delete");
+    name_for_readers(&delete, format!("Delete {name}"));
+    if delete.clicked() {
+        dialog.delete(&file.path);
+    }
+    open.clicked()
 }
 
 /// A label that says which file a button belongs to.
