@@ -10,7 +10,8 @@ pub(super) const REFUSED_GROWTH: f64 = 1.3;
 /// distinguished from its error.
 const SETTLING_FRAMES: usize = 20;
 
-/// Weight of a frame in the share that a mean keeps: a time constant of two seconds.
+/// Weight of a frame in the share that a mean keeps: a time constant of two seconds. The first frames count alike, so that wandering
+/// noise is known as soon as the first means are searched.
 const KEPT_WEIGHT: f64 = 0.005;
 /// Noise counts as wandering if its mean keeps this many times the share of independent frames.
 const WANDERS: f64 = 1.3;
@@ -27,6 +28,8 @@ pub(super) struct RecentResiduals {
     /// Share of a residual's energy that its mean over the frames keeps on an untouched pad: a quarter if the noise of
     /// frames is independent, more if it wanders.
     kept_share: f64,
+    /// Number of frames in that share.
+    kept_frames: u32,
 }
 
 impl RecentResiduals {
@@ -69,7 +72,9 @@ impl RecentResiduals {
         }
         if touches == 0 {
             let kept = energy(&self.mean) / energy(residual).max(f64::MIN_POSITIVE);
-            self.kept_share += KEPT_WEIGHT * (kept.min(1.0) - self.kept_share);
+            self.kept_frames = self.kept_frames.saturating_add(1);
+            let weight = KEPT_WEIGHT.max(1.0 / f64::from(self.kept_frames));
+            self.kept_share += weight * (kept.min(1.0) - self.kept_share);
         }
         count
     }
@@ -93,6 +98,15 @@ impl RecentResiduals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wandering_noise_is_known_from_the_first_mean_on() {
+        let mut recent = RecentResiduals::default();
+        for _ in 0..SETTLING_FRAMES + MEAN_FRAMES {
+            recent.push(0, &[1.0, -1.0]);
+        }
+        assert_eq!(recent.noise_share(), 1.0, "all of it stays in the mean");
+    }
 
     #[test]
     fn the_mean_is_of_the_last_residuals_with_the_same_touches() {
