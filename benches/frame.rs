@@ -60,7 +60,7 @@ fn set_up(criterion: &mut Criterion) {
             for frame in &frames[..=REFERENCE_FRAMES] {
                 engine.input(&Input::Frame(frame.clone()), &mut events);
             }
-            black_box(engine.touches().image.peak())
+            black_box(engine.image().peak())
         });
     });
     let builder = cache::sensing_builder(&pad, Method::default(), |_, _| ()).expect("solvable");

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use crate::gesture::Gestures;
 use crate::pad::{Numbering, Pad};
 use crate::profile::Profile;
-use crate::touch::{ChannelNoise, Correction, Detector, FrameTouches, Scan, Sensing};
-use crate::types::{Control, Event, Frame, Nanos, Output, Part, Touch};
+use crate::touch::{ChannelNoise, Correction, Detector, Scan, Sensing};
+use crate::types::{Control, Event, Frame, Image, Nanos, Output, Part, Touch};
 
 /// An input of the engine.
 #[derive(Clone, Debug)]
@@ -157,10 +157,15 @@ impl Engine {
         self.gestures.next_due()
     }
 
-    /// The image of the last frame and the touches that are down.
+    /// The touches that are down.
     #[must_use]
-    pub fn touches(&self) -> FrameTouches<'_> {
-        self.detector.frame_touches()
+    pub fn touches_down(&self) -> &[Touch] {
+        self.detector.touches_down()
+    }
+
+    /// The image of the last frame, drawn when it is asked for; blank until the reference is taken.
+    pub fn image(&mut self) -> &Image {
+        self.detector.image()
     }
 
     /// The detector, for views of its signals.

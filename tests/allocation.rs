@@ -145,7 +145,7 @@ fn a_part_that_changes_no_touch_does_not_allocate() {
     }
     let (mut allocated, mut counted) = (0, 0);
     for input in second {
-        let is_free = engine.touches().down.is_empty();
+        let is_free = engine.touches_down().is_empty();
         let before = ALLOCATIONS.get();
         engine.input(input, &mut events);
         let Input::Part(part) = input else {
@@ -153,7 +153,7 @@ fn a_part_that_changes_no_touch_does_not_allocate() {
         };
         // At the end of a frame the detector looks for touches, as it does in whole frames.
         let ends_frame = part.first + part.volts.len() == pad.channels();
-        if is_free && engine.touches().down.is_empty() && !ends_frame {
+        if is_free && engine.touches_down().is_empty() && !ends_frame {
             allocated += ALLOCATIONS.get() - before;
             counted += 1;
         }

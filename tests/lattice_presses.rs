@@ -56,7 +56,7 @@ fn scores(fresh: &Detector, snr_db: f64, seed: u64, label: &str) -> [Score; 3] {
         let volts = noise.read(volts);
         detector.process_frame(&Frame { t_ns, volts }, &mut none);
         let score = &mut scores[truth.touches.len() - 1];
-        let contacts = detector.frame_touches().down;
+        let contacts = detector.touches_down();
         let errors_mm = truth.touches.iter().map(|touch| {
             contacts
                 .iter()
@@ -155,7 +155,7 @@ fn at_40_db_every_touch_is_found_within_five_frames_and_the_untouched_pad_stays_
         let found = frames[1..=100].iter().filter(|volts| {
             let mut detector = rested.clone();
             play(&mut detector, volts, 5);
-            !detector.frame_touches().down.is_empty()
+            !detector.touches_down().is_empty()
         });
         assert_eq!(found.count(), 100, "seed {seed}");
     }

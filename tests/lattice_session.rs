@@ -69,7 +69,7 @@ fn played(frames: &[Frame]) -> (BTreeMap<TouchId, Track>, Lost) {
         if lost.last().map(|(_, out)| out) != Some(&out) {
             lost.push((t_ms, out));
         }
-        for touch in detector.frame_touches().down {
+        for touch in detector.touches_down() {
             let track = tracks.entry(touch.id).or_insert(Track {
                 first_ms: t_ms,
                 last_ms: t_ms,

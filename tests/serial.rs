@@ -152,8 +152,8 @@ fn the_text_stream_gives_the_touches_of_the_same_frames_from_csv() {
         };
         by_wire.process_frame(&stamped, &mut changed);
         by_file.process_frame(&from_file, &mut changed);
-        assert_eq!(by_wire.frame_touches().down, by_file.frame_touches().down);
-        most = most.max(by_file.frame_touches().down.len());
+        assert_eq!(by_wire.touches_down(), by_file.touches_down());
+        most = most.max(by_file.touches_down().len());
     }
     assert_eq!(most, 2, "both fingers were seen");
 }

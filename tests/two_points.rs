@@ -77,7 +77,7 @@ impl Bench {
             volts,
         };
         detector.process_frame(&frame, &mut Vec::new());
-        let down = detector.frame_touches().down.iter();
+        let down = detector.touches_down().iter();
         down.map(|touch| touch.contact.centre_mm).collect()
     }
 }

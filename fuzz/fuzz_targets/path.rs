@@ -145,7 +145,7 @@ impl Player {
             let t_ns = self.t_ns;
             self.engine
                 .input(&Input::Frame(Frame { t_ns, volts }), &mut self.events);
-            let mut down = self.engine.touches().down.iter();
+            let mut down = self.engine.touches_down().iter();
             assert!(down.all(|touch| touch.contact.centre_mm.iter().all(|at| at.is_finite())));
         }
     }

@@ -49,10 +49,10 @@ pub struct RecordingTimeline {
 impl RecordingTimeline {
     /// An empty timeline; inputs are played through the engine.
     #[must_use]
-    pub fn new(pad: Pad, engine: Engine) -> Self {
+    pub fn new(pad: Pad, mut engine: Engine) -> Self {
         Self {
             pad,
-            grid: engine.touches().image.grid,
+            grid: engine.image().grid,
             engine,
             frames: Vec::new(),
             events: Vec::new(),
@@ -87,15 +87,14 @@ impl RecordingTimeline {
             _ => None,
         };
         if let Some(frame) = frame {
-            let touches = self.engine.touches();
             if self.frames.is_empty() {
                 self.first_ns = frame.t_ns;
             }
             self.frames.push(FrameState {
                 t_ns: frame.t_ns,
                 volts: frame.volts.clone(),
-                image: pack_image(touches.image),
-                touches: touches.down.to_vec(),
+                image: pack_image(self.engine.image()),
+                touches: self.engine.touches_down().to_vec(),
                 held: self.engine.held_outputs().collect(),
                 events: self.events.len(),
                 paused: self.engine.is_paused(),

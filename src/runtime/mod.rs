@@ -224,7 +224,7 @@ pub fn start(
 /// # Errors
 /// As [`start`].
 pub fn start_with_listeners(
-    engine: Engine,
+    mut engine: Engine,
     builder: SensingBuilder,
     source: Box<dyn Source>,
     device: Box<dyn OutputDevice>,
@@ -233,7 +233,8 @@ pub fn start_with_listeners(
     let stop = Arc::new(AtomicBool::new(false));
     let status = Arc::new(SourceStatus::default());
     let waker = Arc::new(ViewWaker::default());
-    let blank = View::blank(Arc::clone(engine.profile()), engine.touches().image.clone());
+    let profile = Arc::clone(engine.profile());
+    let blank = View::blank(profile, engine.image().clone());
     let (frames_in, frames) = RingBuffer::new(FRAME_QUEUE);
     let (events, events_out) = RingBuffer::new(EVENT_QUEUE);
     let (commands_in, commands) = RingBuffer::new(COMMAND_QUEUE);

@@ -11,7 +11,7 @@ mod sensing_bytes;
 mod track;
 
 pub use correction::{Correction, CorrectionData, CorrectionError};
-pub use detect::{Detector, FrameTouches};
+pub use detect::Detector;
 pub use locate::{FitQuality, Locator, LocatorModel};
 pub use scan::Scan;
 pub use segment::{Blob, Segmenter, Threshold};

@@ -50,7 +50,7 @@ fn slide(seed: u64, from_mm: PointMm, direction: [f64; 2]) -> (Vec<f64>, Vec<u64
             volts: noise.read(&volts[first..first + per_drive]),
         };
         engine.input(&Input::Part(part), &mut Vec::new());
-        let down: &[Touch] = engine.touches().down;
+        let down: &[Touch] = engine.touches_down();
         for touch in down {
             if !ids.contains(&touch.id.0) {
                 ids.push(touch.id.0);
@@ -64,7 +64,7 @@ fn slide(seed: u64, from_mm: PointMm, direction: [f64; 2]) -> (Vec<f64>, Vec<u64
             lags_mm.push(direction[0] * (finger_mm[0] - x) + direction[1] * (finger_mm[1] - y));
         }
     }
-    assert!(engine.touches().down.is_empty(), "it has lifted");
+    assert!(engine.touches_down().is_empty(), "it has lifted");
     (lags_mm, ids)
 }
 

@@ -142,7 +142,7 @@ pub fn uncorrected_contacts() -> Result<()> {
         shifted.input(&input, &mut Vec::new());
         let contacts = shifted.detector().uncorrected_contacts();
         ensure!(contacts == plain.detector().uncorrected_contacts());
-        if let ([model], [touch]) = (plain.touches().down, shifted.touches().down) {
+        if let ([model], [touch]) = (plain.touches_down(), shifted.touches_down()) {
             let moved = touch.contact.centre_mm[0] - model.contact.centre_mm[0];
             ensure!((moved + 5.0).abs() < 0.1, "moved by {moved} mm");
             ensure!(contacts[0].centre_mm == model.contact.centre_mm);

@@ -264,6 +264,6 @@ pub fn step(
 ) -> Result<()> {
     let mut events = Vec::new();
     engine.input(input, &mut events);
-    writer.write_step(input, engine.touches().down, &events)?;
+    writer.write_step(input, engine.touches_down(), &events)?;
     Ok(())
 }

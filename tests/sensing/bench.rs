@@ -106,7 +106,7 @@ impl Bench {
     }
 
     pub fn down(&self) -> &[Touch] {
-        self.detector.frame_touches().down
+        self.detector.touches_down()
     }
 }
 

@@ -111,7 +111,7 @@ impl DetectedPresses {
 
     fn take_frame(&mut self, frame: &Frame, shown_mm: PointMm) -> RecordedPress {
         self.detector.process_frame(frame, &mut Vec::new());
-        let down = self.detector.frame_touches().down.len();
+        let down = self.detector.touches_down().len();
         let touching = Touching::from_contacts(down, self.detector.uncorrected_contacts());
         let (changes, _) = self.detector.changes_and_explained();
         let changes = changes.iter().copied().map(f64::from);

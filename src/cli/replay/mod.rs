@@ -159,7 +159,7 @@ fn step(
         (RecordedItem::Input(input), verify) if !overrides.replaces(input) => {
             player.input(input)?;
             if let Some(verify) = verify {
-                verify.add_replayed(input, player.engine.touches().down, &player.events);
+                verify.add_replayed(input, player.engine.touches_down(), &player.events);
             }
         }
         (RecordedItem::Touches(touches), Some(verify)) => verify.add_recorded_touches(touches),

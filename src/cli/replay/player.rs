@@ -70,7 +70,7 @@ impl<'a> EnginePlayer<'a> {
             _ => None,
         };
         if let Some(t_ns) = read_ns {
-            self.sink.print_touches(t_ns, self.engine.touches().down)?;
+            self.sink.print_touches(t_ns, self.engine.touches_down())?;
             self.report_numbering();
         }
         self.sink.send_events(&self.events)?;

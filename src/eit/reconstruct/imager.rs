@@ -38,6 +38,12 @@ impl Imager {
         &self.reconstruction
     }
 
+    /// Whether an image depends on the one before it: L1 starts its search there.
+    #[must_use]
+    pub(crate) fn has_memory(&self) -> bool {
+        matches!(self.reconstruction.solver, Solver::L1(_))
+    }
+
     /// Quality of the last answer of L1; `None` for the other methods.
     #[must_use]
     pub fn quality(&self) -> Option<Quality> {

@@ -207,7 +207,7 @@ impl EngineThread {
             self.built = Some(newest);
         }
         let is_free =
-            self.engine.touches().down.is_empty() && self.engine.held_outputs().next().is_none();
+            self.engine.touches_down().is_empty() && self.engine.held_outputs().next().is_none();
         if let Some(built) = self.built.take_if(|built| is_free || !built.relocates) {
             self.input(&Input::Matrix(built.sensing), None);
         }
@@ -292,7 +292,7 @@ impl EngineThread {
         };
         let step = EngineStep {
             input,
-            touches: self.engine.touches().down,
+            touches: self.engine.touches_down(),
             events: &self.fresh,
         };
         for listener in &mut self.listeners {

@@ -45,7 +45,6 @@ impl EngineThread {
 
     pub(super) fn publish(&mut self) {
         let emitted = *self.queues.emitted.read();
-        let state = self.engine.touches();
         let detector = self.engine.detector();
         if self.view.frames.is_multiple_of(SLOW_SIGNALS) && detector.is_ready() {
             let [reference, noise] = detector.rest_volts_and_deviations();
@@ -73,9 +72,9 @@ impl EngineThread {
         slot.t_ns = self.view.t_ns;
         slot.profile = Arc::clone(self.engine.profile());
         slot.paused = self.engine.is_paused();
-        slot.image.values.clone_from(&state.image.values);
+        slot.image.values.clone_from(&self.engine.image().values);
         slot.touches.clear();
-        slot.touches.extend_from_slice(state.down);
+        slot.touches.extend_from_slice(self.engine.touches_down());
         slot.held.clear();
         slot.held.extend(self.engine.held_outputs());
         slot.events.clone_from(&self.view.events);

@@ -107,7 +107,7 @@ impl RestedDetector {
             volts: volts.to_vec(),
         };
         detector.process_frame(&frame, &mut Vec::new());
-        let touches = detector.frame_touches().down;
+        let touches = detector.touches_down();
         touches.iter().map(|touch| touch.contact).collect()
     }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::drawn::ImageChanges;
 use super::renumbered::BoardNumbering;
 use super::repeats::Repeats;
 use super::shift::GainShift;
@@ -51,8 +52,7 @@ pub struct Detector {
     pub(super) tracker: Tracker,
     /// Relative change of each channel.
     pub(super) changes: Vec<f32>,
-    /// The changes as the image's matrix takes them: weighted, muted channels filled in.
-    image_changes: Vec<f32>,
+    pub(super) image_changes: ImageChanges,
     /// Relative change of each channel that the touches explain.
     pub(super) explained: Vec<f32>,
     /// The frame without its touches, in the instrument's units.
@@ -121,7 +121,7 @@ impl Detector {
             electrodes: protocol.map(ElectrodeMonitor::new),
             tracker: Tracker::default(),
             changes: vec![0.0; channels],
-            image_changes: vec![0.0; channels],
+            image_changes: ImageChanges::new(channels),
             explained: vec![0.0; channels],
             untouched: vec![0.0; channels],
             image: Image::blank(reconstruction.grid),
@@ -163,7 +163,6 @@ impl Detector {
     pub fn set_sensing(&mut self, sensing: Arc<Sensing>) {
         assert_eq!(sensing.channels(), self.changes.len());
         let reconstruction = &sensing.reconstruction;
-        self.image = Image::blank(reconstruction.grid);
         self.by_image.set_reconstruction(reconstruction);
         self.imager = Imager::new(Arc::clone(reconstruction));
         match (&mut self.locator, sensing.locator_model.clone()) {
@@ -172,6 +171,7 @@ impl Detector {
         }
         self.sign.set_sensing(&sensing);
         self.sensing = sensing;
+        self.blank_image();
         self.wanted = None;
         self.request_for_lost_channels();
     }
@@ -333,7 +333,7 @@ impl Detector {
         if let Some(correction) = &mut self.correction {
             correction.apply(&self.changes, &mut self.contacts);
         }
-        self.make_image();
+        self.keep_image_changes();
         if self.is_under_palm(rest, frame.t_ns) {
             self.uncorrected.clone_from(&self.contacts);
             self.handle_palm(frame, changed);
@@ -411,7 +411,7 @@ impl Detector {
         if !self.is_between {
             self.find_faulty_electrode(frame);
         }
-        self.make_image();
+        self.keep_image_changes();
         if self.is_late(frame) {
             self.tracker.lift_all(changed);
             if let Some(locator) = locator {
@@ -436,7 +436,8 @@ impl Detector {
         } else {
             self.explained_ns = frame.t_ns;
         }
-        self.make_image();
+        self.keep_image_changes();
+        self.draw_image();
         let doubt = self.reference.doubt();
         let down = self.tracker.down();
         let is_quiet = self
@@ -454,26 +455,6 @@ impl Detector {
         } else {
             self.reference.skip_frame();
         }
-    }
-
-    /// Makes the image of the changes; a muted channel reads what the touches explain.
-    pub(super) fn make_image(&mut self) {
-        // Touches are bright in the image, whatever their sign.
-        let drawn = self.sensing.reconstruction.touch_sign();
-        let turn = self.touch_sign().factor() * drawn.factor();
-        for (channel, image_change) in self.image_changes.iter_mut().enumerate() {
-            let change = if self.reference.is_muted(channel) {
-                self.explained[channel]
-            } else {
-                self.changes[channel]
-            };
-            *image_change = turn * change * self.sensing.image_weights[channel];
-        }
-        self.imager.image(
-            &self.image_changes,
-            self.reference.change_noise(),
-            &mut self.image,
-        );
     }
 
     /// Lifts every touch, because the source disconnected.

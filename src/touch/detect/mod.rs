@@ -7,6 +7,7 @@
 //! they explain, for half a second at most.
 
 mod detector;
+mod drawn;
 mod electrodes;
 mod palm;
 mod reference;
@@ -17,4 +18,3 @@ mod sign;
 mod views;
 
 pub use detector::Detector;
-pub use views::FrameTouches;

@@ -45,6 +45,7 @@ impl Detector {
         if !is_possible {
             return false;
         }
+        self.draw_image();
         let (doubt, down) = (self.reference.doubt(), self.tracker.down());
         let is_palm =
             self.by_image

@@ -3,7 +3,7 @@
 use super::Detector;
 use super::sign::Judged;
 use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, median, quantization_step};
-use crate::types::{Frame, Image, Nanos};
+use crate::types::{Frame, Nanos};
 
 /// A finger that lay on the pad from the start has lifted if, with no touch down, the mean change against a touch's
 /// direction exceeds this share ...
@@ -25,7 +25,7 @@ impl Detector {
         self.first_frames = FirstFrames::default();
         self.rebounds.clear();
         self.explained.fill(0.0);
-        self.image = Image::blank(self.image.grid);
+        self.blank_image();
         self.palm_ns = None;
     }
 
@@ -162,11 +162,12 @@ impl Detector {
         let mut peaks = Vec::with_capacity(first_frames.len());
         for volts in &first_frames {
             self.reference.relative_changes(volts, &mut self.changes);
-            self.make_image();
+            self.keep_image_changes();
+            self.draw_image();
             peaks.push(self.by_image.peak(&self.image));
         }
         self.by_image.set_noise(peaks);
-        self.image = Image::blank(self.image.grid);
+        self.blank_image();
         self.find_dead_electrodes();
         if let Some(electrodes) = &mut self.electrodes {
             electrodes.forget_levels_of_lost();

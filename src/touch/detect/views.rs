@@ -1,18 +1,9 @@
-//! What others may know of a detector: its touches, its image, the state of the channels.
+//! What others may know of a detector: its touches, the state of the channels.
 
 use super::Detector;
 use crate::eit::{ElectrodeMonitor, Reference};
 use crate::touch::Locator;
-use crate::types::{Contact, Image, Nanos, Touch};
-
-/// The result of one frame.
-#[derive(Clone, Copy, Debug)]
-pub struct FrameTouches<'a> {
-    /// The image; blank until the reference is taken.
-    pub image: &'a Image,
-    /// The touches that are down.
-    pub down: &'a [Touch],
-}
+use crate::types::{Contact, Nanos, Touch};
 
 impl Detector {
     /// The contacts that are down, at the places that the model found: before any [`crate::touch::Correction`].
@@ -100,12 +91,9 @@ impl Detector {
         ]
     }
 
-    /// The last frame's image and the touches that are down.
+    /// The touches that are down.
     #[must_use]
-    pub fn frame_touches(&self) -> FrameTouches<'_> {
-        FrameTouches {
-            image: &self.image,
-            down: self.tracker.down(),
-        }
+    pub fn touches_down(&self) -> &[Touch] {
+        self.tracker.down()
     }
 }

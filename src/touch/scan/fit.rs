@@ -16,6 +16,8 @@ const LONGEST_MM: f64 = 6.0;
 const LONGEST: f64 = 0.3;
 /// Standard deviations of log radius and strength between fingers.
 const SPREAD: [f64; 2] = [0.35, 0.3];
+/// A fit ends when a step explains less than this more, squared deviations: decisions need no more.
+const SETTLED: f64 = 0.1;
 /// Channels that are summed together.
 const LANES: usize = 8;
 /// Smallest strength.
@@ -78,9 +80,14 @@ pub(super) fn fit<'a>(
         let normal = Normal::at(table, bounds, &touch, parts.clone(), memory);
         match &best {
             Some((_, before)) if normal.cost >= before.cost => damping *= 10.0,
-            _ => {
+            before => {
+                let is_settled =
+                    before.is_some_and(|(_, before)| before.cost - normal.cost < SETTLED);
                 damping *= 0.3;
                 best = Some((touch, normal));
+                if is_settled {
+                    break;
+                }
             }
         }
         let (from, normal) = best.as_ref()?;

@@ -1,4 +1,4 @@
-//! A finger that landed less than a frame ago: its place is fitted again with every part, until each channel has been read under it.
+//! A finger that landed less than a frame ago: its place is fitted again with every other part, until each channel has been read under it.
 
 use super::fit::{FitMemory, Fitted};
 use super::onset::OnsetModel;
@@ -51,28 +51,27 @@ impl Landing {
         }
     }
 
-    /// Adds a part and fits the finger again. Whether every channel was read under it.
-    pub(super) fn add(
-        &mut self,
-        detector: &Detector,
-        model: &OnsetModel,
-        part: &Part,
-        memory: &mut FitMemory,
-    ) -> bool {
-        let Some(before) = self.finger else {
-            return false;
-        };
+    /// Adds a part. Whether every channel was read under the finger.
+    pub(super) fn add(&mut self, detector: &Detector, part: &Part) -> bool {
         let base = std::mem::take(&mut self.base);
         self.next_part()
             .take(detector, part, |channel| base[channel]);
         self.base = base;
-        let parts = &self.parts[..self.count];
-        if let Some(fitted) = model.fit_again(&before, parts.iter(), memory) {
+        let parts = self.parts[..self.count].iter();
+        let read: usize = parts.map(|part| part.changes.len()).sum();
+        read >= self.base.len()
+    }
+
+    /// Fits the finger again, to the readings since it landed.
+    pub(super) fn fit(&mut self, model: &OnsetModel, memory: &mut FitMemory) {
+        let parts = self.parts[..self.count].iter();
+        let fitted = self
+            .finger
+            .and_then(|before| model.fit_again(&before, parts, memory));
+        if let Some(fitted) = fitted {
             model.respond(&fitted, memory, &mut self.response);
             self.finger = Some(fitted);
         }
-        let read: usize = parts.iter().map(|part| part.changes.len()).sum();
-        read >= self.base.len()
     }
 
     fn next_part(&mut self) -> &mut PartReadings {

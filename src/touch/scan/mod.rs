@@ -14,6 +14,7 @@ mod fit;
 mod landing;
 mod onset;
 mod readings;
+mod refusals;
 mod release;
 
 use crate::touch::Detector;
@@ -23,9 +24,12 @@ use evidence::{Candidate, Evidence};
 use fit::{FitMemory, Fitted};
 use landing::Landing;
 use onset::OnsetModel;
+use refusals::Refusals;
 
-/// While a touch moves, places are found once in this many parts.
+/// While a touch moves or lands, places are found once in this many parts, ...
 const MOVING_PARTS: usize = 2;
+/// ... and while something changes that is not yet clear.
+const UNCLEAR_PARTS: usize = 4;
 /// So many frames may end amid a change before they count as they are: an electrode may have gone.
 const UNCLEAR_FRAMES: u32 = 3;
 
@@ -50,6 +54,7 @@ pub struct Scan {
     /// What the parts since then show beside them.
     evidence: Evidence,
     onsets: Option<OnsetModel>,
+    refusals: Refusals,
     /// A finger that landed less than a frame ago.
     landing: Landing,
     memory: FitMemory,
@@ -111,7 +116,7 @@ impl Scan {
         self.follow_landing(detector, part);
         self.add_evidence(detector, part);
         if let Some(gone) = self.find_lift() {
-            let were_down = detector.frame_touches().down.len();
+            let were_down = detector.touches_down().len();
             self.mark_since(gone.parts);
             self.landing.end();
             let response = self.evidence.held(gone.response);
@@ -120,7 +125,7 @@ impl Scan {
             }
             self.is_after_lift = true;
             self.run(detector, part.t_ns, Run::Lift, changed);
-            self.has_failed_lift = detector.frame_touches().down.len() == were_down;
+            self.has_failed_lift = detector.touches_down().len() == were_down;
             self.is_after_lift &= !self.has_failed_lift;
             if !self.has_failed_lift {
                 self.unclear_frames = 0;
@@ -172,7 +177,9 @@ impl Scan {
         let is_touched = self.evidence.held_count() > 0;
         let is_unclear = self.evidence.is_unclear();
         if self.landing.is_active() {
-            self.run(detector, t_ns, Run::Between, changed);
+            if ends_frame || self.parts >= MOVING_PARTS {
+                self.run(detector, t_ns, Run::Between, changed);
+            }
         } else if ends_frame {
             // A change that is under way is neither a fault of an electrode nor the untouched pad.
             self.unclear_frames = if is_unclear {
@@ -191,9 +198,17 @@ impl Scan {
                 _ if is_moving => self.run(detector, t_ns, Run::Moved, changed),
                 _ => self.run(detector, t_ns, Run::Whole, changed),
             }
-        } else if is_touched && self.parts >= MOVING_PARTS && (is_unclear || !self.ways.is_empty())
-        {
+        } else if is_touched && self.parts >= self.parts_between_runs(is_unclear) {
             self.run(detector, t_ns, Run::Between, changed);
+        }
+    }
+
+    /// Places are found again after so many parts of a frame.
+    fn parts_between_runs(&self, is_unclear: bool) -> usize {
+        match (self.ways.is_empty(), is_unclear) {
+            (false, _) => MOVING_PARTS,
+            (true, true) => UNCLEAR_PARTS,
+            (true, false) => usize::MAX,
         }
     }
 
@@ -270,7 +285,8 @@ impl Scan {
             return None;
         }
         let model = self.onsets.as_ref()?;
-        model.find(detector, &self.evidence, &mut self.memory)
+        let (refusals, memory) = (&mut self.refusals, &mut self.memory);
+        model.find(detector, &self.evidence, refusals, memory)
     }
 
     /// A finger that went down `since` parts ago lands.
@@ -284,13 +300,16 @@ impl Scan {
         }
     }
 
-    /// Fits a finger that has just landed again.
+    /// Fits a finger that has just landed again, when its place is due.
     fn follow_landing(&mut self, detector: &Detector, part: &Part) {
         let Some(model) = self.onsets.as_ref().filter(|_| self.landing.is_active()) else {
             return;
         };
-        let is_read = self.landing.add(detector, model, part, &mut self.memory);
-        self.take_landing();
+        let is_read = self.landing.add(detector, part);
+        if is_read || self.parts + 1 >= MOVING_PARTS {
+            self.landing.fit(model, &mut self.memory);
+            self.take_landing();
+        }
         if is_read {
             self.landing.end();
         }
@@ -345,7 +364,7 @@ impl Scan {
             }
         }
         self.expected.fill(0.0);
-        if !detector.frame_touches().down.is_empty() {
+        if !detector.touches_down().is_empty() {
             self.expected.copy_from_slice(detector.explained());
         }
         for (channel, contained) in self.contained.iter_mut().enumerate() {
@@ -354,7 +373,7 @@ impl Scan {
             }
         }
         self.run_ns = t_ns;
-        let down = detector.frame_touches().down;
+        let down = detector.touches_down();
         let ups = changed.iter().filter(|touch| touch.phase == Phase::Up);
         let mut is_fewer = false;
         for gone in ups {
@@ -375,6 +394,7 @@ impl Scan {
         }
         if run.is_at_end() {
             self.has_failed_lift = false;
+            self.refusals.clear();
             // A frame that nothing explains says no more about what changed than its parts.
             if detector.explained_ns() == t_ns {
                 self.evidence.clear();

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use super::evidence::{Evidence, ONSET_PARTS};
+use super::evidence::{Candidate, Evidence, ONSET_PARTS};
 use super::fit::{FingerBounds, FitMemory, Fitted, fit};
 use super::readings::PartReadings;
+use super::refusals::{Refusal, Refusals};
 use crate::eit::ResponseTable;
 use crate::eit::response::{MOST_STRENGTH, TouchModel};
 use crate::pad::TouchSign;
 use crate::touch::{Detector, Locator};
-use crate::types::{PointMm, distance_mm};
+use crate::types::{PointMm, Touch, distance_mm};
 
 /// Places along the pad's longer side at which a finger is looked for: 10 mm apart on a pad of 100 mm.
 const ALONG: f64 = 10.0;
@@ -33,6 +34,8 @@ const SAME_MM: f64 = 5.0;
 const SURE: f64 = 12.0;
 /// New fingers are at least this far from those that are down, mm: nearer changes are theirs.
 const APART_MM: f64 = 14.0;
+/// Changes that are seen best at a place this near to a finger that is down are that finger's, mm: they are not fitted.
+const SAME_FINGER_MM: f64 = 6.0;
 
 /// Responses of a typical finger at many places, one value per channel.
 #[derive(Clone, Debug)]
@@ -107,50 +110,68 @@ impl OnsetModel {
         &self,
         detector: &Detector,
         evidence: &Evidence,
+        refusals: &mut Refusals,
         memory: &mut FitMemory,
     ) -> Option<(Fitted, usize)> {
-        let best = evidence.onset().filter(|best| best.gain >= LEAST_GAIN)?;
-        // The part in which the finger landed shows it half.
-        let candidates = [best.parts, best.parts.saturating_sub(1)];
-        candidates
-            .into_iter()
-            .filter(|parts| *parts >= ONSET_PARTS)
-            .find_map(|parts| {
-                let fitted = self.fit_first(best.response, evidence, parts, memory)?;
-                let is_clear = fitted.rest < REST * fitted.readings + REST_SHARE * fitted.energy
-                    && fitted.energy - fitted.rest > LEAST_GAIN
-                    && fitted.place_mm < PLACE_MM;
-                let is_apart = detector.frame_touches().down.iter().all(|down| {
-                    distance_mm(down.contact.centre_mm, fitted.touch.centre_mm) > APART_MM
-                });
-                (is_clear && is_apart).then_some((fitted, parts))
-            })
+        let is_worth_a_fit =
+            |best: &Candidate| best.gain >= LEAST_GAIN && refusals.allow(best.gain);
+        let best = evidence.onset().filter(is_worth_a_fit)?;
+        let down = detector.touches_down();
+        let found = if is_near(down, self.places_mm[best.response], SAME_FINGER_MM) {
+            Err(Refusal::Other)
+        } else {
+            // The part in which the finger landed shows it half.
+            let all = self.fit_first(&best, down, evidence, best.parts, memory);
+            let parts = best.parts - 1;
+            match all {
+                Err(_) if parts >= ONSET_PARTS => self
+                    .fit_first(&best, down, evidence, parts, memory)
+                    .map(|fitted| (fitted, parts)),
+                all => all.map(|fitted| (fitted, best.parts)),
+            }
+        };
+        found
+            .map_err(|refusal| refusals.add(best.gain, refusal))
+            .ok()
     }
 
-    /// Fits a finger to the last `parts` parts, from the best place and from the best one elsewhere. `None` if both explain them.
+    /// Fits a finger to the last `parts` parts, from the best place and from the best one elsewhere. It is refused if both explain them.
     fn fit_first(
         &self,
-        best: usize,
+        best: &Candidate,
+        down: &[Touch],
         evidence: &Evidence,
         parts: usize,
         memory: &mut FitMemory,
-    ) -> Option<Fitted> {
-        let elsewhere = self.best_elsewhere(best, evidence, parts);
-        let starts = [Some(best), elsewhere];
-        let [one, other] = starts.map(|start| {
-            let start = self.start(start?, evidence, parts);
+    ) -> Result<Fitted, Refusal> {
+        let mut fit_from = |place| {
+            let start = self.start(place, evidence, parts);
             let readings = evidence.readings(parts);
             fit(&self.table, &self.bounds, start, readings, memory)
-        });
-        let (Some(one), Some(other)) = (one, other) else {
-            return one.or(other);
         };
-        let (best, rival) = match one.cost <= other.cost {
-            true => (one, other),
-            false => (other, one),
+        let one = fit_from(best.response).ok_or(Refusal::Other)?;
+        if !one.is_clear() || is_near(down, one.touch.centre_mm, APART_MM) {
+            return Err(Refusal::Other);
+        }
+        let rival = self.best_elsewhere(best.response, evidence, parts);
+        let best = match rival.and_then(&mut fit_from) {
+            Some(other) if !one.is_same(&other) => {
+                let (best, rival) = match one.cost <= other.cost {
+                    true => (one, other),
+                    false => (other, one),
+                };
+                if rival.cost - best.cost <= SURE {
+                    return Err(Refusal::Unsure);
+                }
+                best
+            }
+            _ => one,
         };
-        let is_same = distance_mm(best.touch.centre_mm, rival.touch.centre_mm) < SAME_MM;
-        (is_same || rival.cost - best.cost > SURE).then_some(best)
+        if best.place_mm >= PLACE_MM {
+            return Err(Refusal::Unsure);
+        }
+        let is_new = best.is_clear() && !is_near(down, best.touch.centre_mm, APART_MM);
+        is_new.then_some(best).ok_or(Refusal::Other)
     }
 
     /// A typical finger at a place, as strong as the last `parts` parts show it.
@@ -192,5 +213,24 @@ impl OnsetModel {
         self.table.respond(&finger.touch, &mut memory.response);
         changes.resize(self.table.channels(), 0.0);
         self.table.expand(&memory.response.value, changes);
+    }
+}
+
+/// Whether a place is at most so far from a finger that is down.
+fn is_near(down: &[Touch], place_mm: PointMm, most_mm: f64) -> bool {
+    down.iter()
+        .any(|touch| distance_mm(touch.contact.centre_mm, place_mm) <= most_mm)
+}
+
+impl Fitted {
+    /// Whether it explains enough, and leaves little.
+    fn is_clear(&self) -> bool {
+        self.rest < REST * self.readings + REST_SHARE * self.energy
+            && self.energy - self.rest > LEAST_GAIN
+    }
+
+    /// Whether two fits ended at the same place.
+    fn is_same(&self, other: &Self) -> bool {
+        distance_mm(self.touch.centre_mm, other.touch.centre_mm) < SAME_MM
     }
 }

@@ -146,7 +146,7 @@ pub(super) fn session(
         session.press(press, rhythm.press_frames)?;
         for pause in 1..=rhythm.pause_frames {
             session.step(rest, &[])?;
-            let is_down = !session.detector.frame_touches().down.is_empty();
+            let is_down = !session.detector.touches_down().is_empty();
             session.played.stuck += usize::from(pause == STUCK_FRAMES && is_down);
         }
     }
@@ -186,13 +186,7 @@ impl Session<'_> {
             if index == 0 {
                 self.played.late += errors.iter().filter(|error| error.is_none()).count();
             }
-            ids.extend(
-                self.detector
-                    .frame_touches()
-                    .down
-                    .iter()
-                    .map(|touch| touch.id.0),
-            );
+            ids.extend(self.detector.touches_down().iter().map(|touch| touch.id.0));
             let is_last = index + 1 == frames;
             if is_last || is_moving && index > 0 {
                 self.played.last_errors_mm.extend(errors.iter().flatten());
@@ -200,7 +194,7 @@ impl Session<'_> {
             if is_last {
                 ids.sort_unstable();
                 ids.dedup();
-                let down = self.detector.frame_touches().down.len();
+                let down = self.detector.touches_down().len();
                 let is_whole = !is_moving || ids.len() == count;
                 let is_right = down == count && errors.iter().all(Option::is_some) && is_whole;
                 self.played.counted_right += usize::from(is_right);
@@ -239,7 +233,7 @@ impl Session<'_> {
                 self.detector.set_sensing(Arc::new(sensing));
             }
         }
-        let down = self.detector.frame_touches().down.to_vec();
+        let down = self.detector.touches_down().to_vec();
         let seen: Vec<PointMm> = down.iter().map(|touch| touch.contact.centre_mm).collect();
         let assigned = assign(fingers, &seen, REACH_MM * self.bench.scale);
         for (index, touch) in down.iter().enumerate() {

@@ -189,7 +189,7 @@ impl<'a> Session<'a> {
                 let [x, y] = touch.contact.centre_mm;
                 libm::hypot(x - at_mm[0], y - at_mm[1])
             };
-            let down = self.detector.frame_touches().down;
+            let down = self.detector.touches_down();
             if own.is_none() && t_s >= finger.from_s {
                 let reach_mm = REACH_MM * self.bench.scale;
                 if let Some(touch) = down.iter().find(|touch| errors(touch) < reach_mm) {
@@ -271,7 +271,7 @@ impl<'a> Session<'a> {
         {
             self.detector.set_sensing(Arc::new(sensing));
         }
-        for touch in self.detector.frame_touches().down {
+        for touch in self.detector.touches_down() {
             let is_own = self.seen.entry(touch.id).or_default();
             *is_own |= Some(touch.id) == own;
         }
