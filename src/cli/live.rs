@@ -163,7 +163,7 @@ impl Screen<'_> {
         if inner.width < 2 || inner.height < 2 {
             return;
         }
-        let map = Map::new(self.pad_mm, usize::from(inner.width)).regions(self.profile);
+        let map = Map::new(self.pad_mm, usize::from(inner.width)).with_regions(self.profile);
         let rows = map.rows().min(usize::from(inner.height));
         let scale = FULL_SCALE.max(self.view.image.peak());
         for row in 0..rows {

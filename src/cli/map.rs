@@ -45,7 +45,7 @@ impl Map {
     }
 
     /// Draws the edges of a profile's regions and their names.
-    pub(super) fn regions(mut self, profile: &Profile) -> Self {
+    pub(super) fn with_regions(mut self, profile: &Profile) -> Self {
         let region = |map: &Self, row: usize, column: usize| {
             profile.region_at(map.centre_mm(row, column), map.size_mm)
         };
@@ -79,7 +79,7 @@ impl Map {
     }
 
     /// Draws a pad's conductor and its electrodes, numbered from 1.
-    pub(super) fn pad(mut self, pad: &Pad) -> Self {
+    pub(super) fn with_pad(mut self, pad: &Pad) -> Self {
         for row in 0..self.rows {
             for column in 0..self.columns {
                 // A channel can be thinner than a character: several places in it are tested.
@@ -105,7 +105,7 @@ impl Map {
     }
 
     /// Draws a mark at a place.
-    pub(super) fn marked(mut self, place_mm: PointMm, mark: char) -> Self {
+    pub(super) fn with_mark(mut self, place_mm: PointMm, mark: char) -> Self {
         let (row, column) = self.cell_at(place_mm);
         self.cells[row * self.columns + column] = mark;
         self

@@ -58,7 +58,7 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
             writeln!(
                 stdout,
                 "{}",
-                Map::new(pad.outline.size_mm(), 60).pad(&pad).framed()
+                Map::new(pad.outline.size_mm(), 60).with_pad(&pad).framed()
             )?;
             writeln!(stdout, "{}", printable(&facts(&pad, &linearised)))?;
         }

@@ -53,7 +53,7 @@ pub(super) fn run(command: &ProfileCommand) -> anyhow::Result<Ending> {
             let pad_mm = load_pad(&args.pad)?.pad.outline.size_mm();
             let pad_mm = checked.profile.settings.size_as_player_sees_mm(pad_mm);
             if !draw(args, &checked.profile, pad_mm)? {
-                let map = Map::new(pad_mm, 60).regions(&checked.profile).framed();
+                let map = Map::new(pad_mm, 60).with_regions(&checked.profile).framed();
                 let facts = facts(&checked);
                 writeln!(stdout, "{}\n{}", printable(&map), printable(&facts))?;
             }

@@ -9,8 +9,10 @@ use crate::pad::Pad;
 
 /// Number of bytes that are read to recognise a file.
 const START_BYTES: u64 = 4096;
+/// What stands between the numbers of a table.
+const SEPARATORS: [char; 4] = [',', ';', '\t', ' '];
 /// First bytes of a recording.
-const RECORDING: &[u8] = b"\x89MCAP0\r\n";
+const RECORDING_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Kind of a file of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,8 +40,14 @@ pub fn file_kind(path: &Path) -> Result<FileKind, SourceError> {
     File::open(path)
         .and_then(|file| file.take(START_BYTES).read_to_end(&mut start))
         .map_err(failed)?;
-    if start.starts_with(RECORDING) {
+    if start.starts_with(RECORDING_MAGIC) {
         return Ok(FileKind::Recording);
+    }
+    // The last number of a long line may be cut.
+    if start.len() as u64 == START_BYTES {
+        let is_separator = |byte: &u8| SEPARATORS.contains(&char::from(*byte)) || *byte == b'\n';
+        let whole = start.iter().rposition(is_separator).unwrap_or_default();
+        start.truncate(whole);
     }
     let text = String::from_utf8_lossy(&start);
     let first_line = text
@@ -47,7 +55,7 @@ pub fn file_kind(path: &Path) -> Result<FileKind, SourceError> {
         .find(|line| !line.trim().is_empty() && !line.starts_with(['#', '%']));
     let is_number = |word: &str| word.trim().parse::<f64>().is_ok();
     let looks_like_table = first_line.is_some_and(|line| {
-        line.split([',', ';', '\t', ' '])
+        line.split(SEPARATORS)
             .filter(|word| !word.trim().is_empty())
             .all(is_number)
     });
@@ -88,6 +96,9 @@ mod tests {
         assert_eq!(kind(b""), FileKind::Csv);
         assert_eq!(kind(b"% made by EIDORS\n 1.0e-1  2.0 \n"), FileKind::Table);
         assert_eq!(kind(b"0.1,-0.2,0.1,-0.3\n"), FileKind::Table);
+        let row = format!("0.10000,{}", "-1.2345e-02,".repeat(400)).into_bytes();
+        assert!(row[..4096].ends_with(b"e"));
+        assert_eq!(kind(&row), FileKind::Table, "the last number is cut");
         assert_eq!(kind(b"\x89MCAP0\r\n\x01"), FileKind::Recording);
         let folder = tempfile::tempdir().expect("a folder");
         assert_eq!(file_kind(folder.path()).expect("readable"), FileKind::Eit);

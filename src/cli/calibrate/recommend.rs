@@ -201,10 +201,10 @@ fn show(pad: &Pad, profile: &Profile, session: &PressSession) {
         return;
     };
     let pad_mm = pad.outline.size_mm();
-    let mut map = Map::new(pad_mm, MAP_COLUMNS).regions(profile);
+    let mut map = Map::new(pad_mm, MAP_COLUMNS).with_regions(profile);
     if let Some(wanted) = profile.regions.iter().find(|one| one.name == asked.region) {
         let place = wanted.placed(pad_mm, &profile.settings.area).centre_mm();
-        map = map.marked(place, '✕');
+        map = map.with_mark(place, '✕');
     }
     // Rings the terminal's bell: the player looks at the pad.
     say(&format!(

@@ -122,8 +122,8 @@ impl DetectedPresses {
 fn show(pad: &Pad, places: &[PointMm], index: usize) {
     let place = places[index];
     let map = Map::new(pad.outline.size_mm(), MAP_COLUMNS)
-        .pad(pad)
-        .marked(place, '✕');
+        .with_pad(pad)
+        .with_mark(place, '✕');
     say(&format!(
         "{}\nplace {} of {}: press ✕ at ({}, {}) mm from the bottom-left",
         map.framed(),

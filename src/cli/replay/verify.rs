@@ -39,24 +39,27 @@ impl Verify {
         self.touches.add_recorded((touches.t_ns, touches.sum));
     }
 
-    /// Describes the first difference. A recorded item without a replayed one counts; the reverse, after a truncated
+    /// Describes the first difference: that of the events, or that of the touches if the events are the same. A recorded item without a replayed one counts; the reverse, after a truncated
     /// recording, does not.
     pub(super) fn first_difference(&self) -> Option<String> {
         let or_nothing = |event: &Option<String>| event.clone().unwrap_or("nothing".to_owned());
-        let event = self.events.difference().map(|(was, is)| {
+        let event = self.events.difference().map(|(recorded, replayed)| {
             format!(
                 "recorded `{}`, replayed `{}`",
-                or_nothing(&was),
-                or_nothing(&is)
+                or_nothing(&recorded),
+                or_nothing(&replayed)
             )
         });
         event.or_else(|| {
-            let (was, is) = self.touches.difference()?;
-            let (t_ns, _) = was.or(is)?;
-            Some(format!(
-                "the touches at {:.3} ms differ in their last bits",
-                crate::types::ms_from_nanos(t_ns)
-            ))
+            let (recorded, replayed) = self.touches.difference()?;
+            let (t_ns, _) = recorded.or(replayed)?;
+            let at_ms = crate::types::ms_from_nanos(t_ns);
+            // The events are the same, so the touches are nearly.
+            let how = match replayed {
+                Some(_) => "differ in their last bits",
+                None => "are missing",
+            };
+            Some(format!("the touches at {at_ms:.3} ms {how}"))
         })
     }
 }
@@ -101,9 +104,10 @@ impl<T: PartialEq + Clone> Comparison<T> {
     }
 
     fn compare(&mut self) {
-        while let (Some(was), Some(is)) = (self.recorded.front(), self.replayed.front()) {
-            if was != is && self.first.is_none() {
-                self.first = Some((Some(was.clone()), Some(is.clone())));
+        while let (Some(recorded), Some(replayed)) = (self.recorded.front(), self.replayed.front())
+        {
+            if recorded != replayed && self.first.is_none() {
+                self.first = Some((Some(recorded.clone()), Some(replayed.clone())));
             }
             self.recorded.pop_front();
             self.replayed.pop_front();
@@ -116,7 +120,11 @@ impl<T: PartialEq + Clone> Comparison<T> {
     }
 
     fn difference(&self) -> Option<(Option<T>, Option<T>)> {
-        let left = || self.recorded.front().map(|was| (Some(was.clone()), None));
+        let left = || {
+            self.recorded
+                .front()
+                .map(|recorded| (Some(recorded.clone()), None))
+        };
         self.first.clone().or_else(left)
     }
 }

@@ -6,25 +6,25 @@ use crate::eit::median;
 /// Variance of the median of few readings as a multiple of that of their mean.
 const MEDIAN_VARIANCE: f64 = 1.5;
 /// Readings of two frames differ by at most this many standard deviations of their noise.
-const ODD_DEVIATIONS: f64 = 8.0;
+const MOST_DEVIATIONS: f64 = 8.0;
 
 impl Reference {
     /// Whether the last two of some frames (time in ns, volts) differ by no more than the noise of the channels, as those of a board do on
     /// which no wire is loose.
     #[must_use]
-    pub fn explains_noise_of(&self, frames: &[(u64, Vec<f32>)]) -> bool {
+    pub fn differ_by_noise_only(&self, frames: &[(u64, Vec<f32>)]) -> bool {
         let [.., (_, before), (_, last)] = frames else {
             return false;
         };
-        let limit = ODD_DEVIATIONS * ODD_DEVIATIONS;
+        let limit = MOST_DEVIATIONS * MOST_DEVIATIONS;
         let shared = self.shared_noise();
         (0..self.volts.len())
             .filter(|c| self.is_live(*c))
             .all(|channel| {
                 let change = f64::from(last[channel] - before[channel]) / self.volts[channel];
                 let own = self.noise[channel] + self.rounding[channel];
-                let noise = own + shared.gain + shared.drive;
-                change * change <= limit * 2.0 * noise
+                let variance = own + shared.gain + shared.drive;
+                change * change <= limit * 2.0 * variance
             })
     }
 

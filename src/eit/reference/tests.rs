@@ -64,19 +64,19 @@ fn the_level_is_taken_again_from_few_frames_of_which_one_is_odd() {
 fn a_wire_that_came_loose_is_no_noise_that_is_known() {
     let reference = played(100, 0.0, |_| false);
     let frame = |index: u64| (index * FRAME_NS, reading(index, 0.0).to_vec());
-    assert!(reference.explains_noise_of(&[frame(101), frame(102)]));
+    assert!(reference.differ_by_noise_only(&[frame(101), frame(102)]));
     assert!(
-        !reference.explains_noise_of(&[frame(101)]),
+        !reference.differ_by_noise_only(&[frame(101)]),
         "one tells nothing"
     );
     let mut loose = frame(102);
     loose.1[1] *= 1.5;
-    assert!(!reference.explains_noise_of(&[frame(101), loose.clone()]));
+    assert!(!reference.differ_by_noise_only(&[frame(101), loose.clone()]));
     // Of a channel that is muted, nothing is expected, and its level stays.
     let mut muted = reference.clone();
     muted.mute(1, true, 0.0);
     let frames = [frame(101), loose.clone(), loose];
-    assert!(muted.explains_noise_of(&frames));
+    assert!(muted.differ_by_noise_only(&frames));
     muted.retake_level(&frames);
     assert!((muted.volts()[1] - reference.volts()[1]).abs() < 1e-12);
 }

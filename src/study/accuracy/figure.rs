@@ -20,7 +20,7 @@ impl Accuracy {
             Panel::Chart(findings.count_chart()),
             Panel::Chart(findings.force_chart()),
             Panel::Chart(findings.pair_chart()),
-            Panel::Map(Box::new(self.map(findings))),
+            Panel::Map(Box::new(self.error_map(findings))),
         ];
         let draws = findings
             .touches
@@ -36,7 +36,7 @@ impl Accuracy {
         }
     }
 
-    fn map(&self, findings: &Findings) -> PadMap {
+    fn error_map(&self, findings: &Findings) -> PadMap {
         let bound = &findings.bound;
         let rings: Vec<Ring> = bound
             .places

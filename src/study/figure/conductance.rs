@@ -68,15 +68,11 @@ fn draw_pad<B: DrawingBackend>(area: &Area<B>, caption: &str, pad: &Pad) -> Draw
         ),
     );
     let mut chart = ChartBuilder::on(&plot).build_cartesian_2d(0.0..width, 0.0..height)?;
-    let cells = cells(pad)
-        .into_iter()
-        .map(|([from, to], factor, across_mm)| {
-            let pixels = (across_mm * pixels_per_mm).round().max(2.0) as u32;
-            PathElement::new(
-                [from.into(), to.into()],
-                colour(factor).stroke_width(pixels),
-            )
-        });
+    let cells = cell_strokes(pad).into_iter().map(|cell| {
+        let pixels = (cell.width_mm * pixels_per_mm).round().max(2.0) as u32;
+        let ends = cell.ends_mm.map(PointMm::into).to_vec();
+        PathElement::new(ends, colour(cell.factor).stroke_width(pixels))
+    });
     chart.draw_series(cells)?;
     let drawing = pad.drawing();
     let drawn = drawing
@@ -91,44 +87,39 @@ fn draw_pad<B: DrawingBackend>(area: &Area<B>, caption: &str, pad: &Pad) -> Draw
     draw_scale(&scale)
 }
 
-/// The cells as strokes: ends, factor and width, mm.
-fn cells(pad: &Pad) -> Vec<([PointMm; 2], f64, f64)> {
+/// A cell of the layer as a stroke.
+struct CellStroke {
+    ends_mm: [PointMm; 2],
+    width_mm: f64,
+    /// Conductance as a multiple of that of the drawing.
+    factor: f64,
+}
+
+/// The cells: pieces of channel of a lattice, squares of a solid layer.
+fn cell_strokes(pad: &Pad) -> Vec<CellStroke> {
     let sites = cell_sites_mm(pad);
-    let step = sites
+    // Sites of a line follow each other.
+    let steps = sites
         .windows(2)
         .map(|pair| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]));
-    let step_mm = step.fold(f64::INFINITY, f64::min);
-    let piece = |site: PointMm| -> ([PointMm; 2], f64) {
-        let Conductor::Lattice(lattice) = &pad.conductor else {
-            let half = [0.5 * step_mm, 0.0];
-            return (
-                [[site[0] - half[0], site[1]], [site[0] + half[0], site[1]]],
-                step_mm,
-            );
-        };
-        let is_upright = lattice
-            .x_lines_mm
-            .iter()
-            .any(|x| (x - site[0]).abs() < 1e-6);
-        let half_mm = 0.5 * step_mm;
-        let half = if is_upright {
-            [0.0, half_mm]
-        } else {
-            [half_mm, 0.0]
-        };
-        let ends = [
-            [site[0] - half[0], site[1] - half[1]],
-            [site[0] + half[0], site[1] + half[1]],
-        ];
-        (ends, lattice.width_mm)
+    let step_mm = steps.fold(f64::INFINITY, f64::min);
+    let (x_lines_mm, width_mm) = match &pad.conductor {
+        Conductor::Lattice(lattice) => (lattice.x_lines_mm.as_slice(), lattice.width_mm),
+        _ => (&[][..], step_mm),
     };
-    sites
-        .into_iter()
-        .map(|site| {
-            let (ends, across_mm) = piece(site);
-            (ends, pad.deviations.factor_at(site), across_mm)
-        })
-        .collect()
+    let cell_at = |site: PointMm| {
+        let is_upright = x_lines_mm.iter().any(|x| (x - site[0]).abs() < 1e-6);
+        let half = match is_upright {
+            true => [0.0, 0.5 * step_mm],
+            false => [0.5 * step_mm, 0.0],
+        };
+        CellStroke {
+            ends_mm: [-1.0, 1.0].map(|side| [0, 1].map(|axis| site[axis] + side * half[axis])),
+            width_mm,
+            factor: pad.deviations.factor_at(site),
+        }
+    };
+    sites.into_iter().map(cell_at).collect()
 }
 
 fn stroke(pad: &Pad, electrode: &Electrode) -> Vec<(f64, f64)> {

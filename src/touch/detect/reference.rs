@@ -119,7 +119,7 @@ impl Detector {
         let is_enough = frames.len() >= REBOUND_FRAMES
             && self.frames.saturating_sub(self.referenced_at) >= REFERENCE_FRAMES as u64
             && !self.noise_is_unknown
-            && self.reference.explains_noise_of(frames);
+            && self.reference.differ_by_noise_only(frames);
         let known = (is_enough && self.reference.is_ready()).then(|| self.reference.clone());
         self.reset();
         if let (Some(mut reference), Some((t_ns, _))) = (known, frames.last()) {
