@@ -18,7 +18,7 @@ mod refusals;
 mod release;
 
 use crate::touch::Detector;
-use crate::types::{Frame, Nanos, Part, Phase, Touch};
+use crate::types::{Frame, NANOS_PER_MS, Nanos, Part, Phase, Touch};
 use drift::{Drift, Ways};
 use evidence::{Candidate, Evidence};
 use fit::{FitMemory, Fitted};
@@ -26,10 +26,12 @@ use landing::Landing;
 use onset::OnsetModel;
 use refusals::Refusals;
 
-/// While a touch moves or lands, places are found once in this many parts, ...
+/// While a touch moves, or something changes that is not yet clear, places are found once in this many parts.
 const MOVING_PARTS: usize = 2;
-/// ... and while something changes that is not yet clear.
-const UNCLEAR_PARTS: usize = 4;
+/// Fast boards need no place for each part, and it costs time: a landing finger is located at most once in this time, ...
+const LANDING_NS: Nanos = NANOS_PER_MS;
+/// ... and a change that is not yet clear.
+const UNCLEAR_NS: Nanos = 2 * NANOS_PER_MS;
 /// So many frames may end amid a change before they count as they are: an electrode may have gone.
 const UNCLEAR_FRAMES: u32 = 3;
 
@@ -174,10 +176,11 @@ impl Scan {
         changed: &mut Vec<Touch>,
     ) {
         self.parts += 1;
+        let since_ns = t_ns.saturating_sub(self.run_ns);
         let is_touched = self.evidence.held_count() > 0;
         let is_unclear = self.evidence.is_unclear();
         if self.landing.is_active() {
-            if ends_frame || self.parts >= MOVING_PARTS {
+            if ends_frame || since_ns >= LANDING_NS {
                 self.run(detector, t_ns, Run::Between, changed);
             }
         } else if ends_frame {
@@ -198,17 +201,11 @@ impl Scan {
                 _ if is_moving => self.run(detector, t_ns, Run::Moved, changed),
                 _ => self.run(detector, t_ns, Run::Whole, changed),
             }
-        } else if is_touched && self.parts >= self.parts_between_runs(is_unclear) {
+        } else if is_touched
+            && self.parts >= MOVING_PARTS
+            && (!self.ways.is_empty() || (is_unclear && since_ns >= UNCLEAR_NS))
+        {
             self.run(detector, t_ns, Run::Between, changed);
-        }
-    }
-
-    /// Places are found again after so many parts of a frame.
-    fn parts_between_runs(&self, is_unclear: bool) -> usize {
-        match (self.ways.is_empty(), is_unclear) {
-            (false, _) => MOVING_PARTS,
-            (true, true) => UNCLEAR_PARTS,
-            (true, false) => usize::MAX,
         }
     }
 
@@ -306,7 +303,7 @@ impl Scan {
             return;
         };
         let is_read = self.landing.add(detector, part);
-        if is_read || self.parts + 1 >= MOVING_PARTS {
+        if is_read || part.t_ns.saturating_sub(self.run_ns) >= LANDING_NS {
             self.landing.fit(model, &mut self.memory);
             self.take_landing();
         }
