@@ -41,6 +41,31 @@ fn session() -> String {
 }
 
 #[test]
+fn own_pads_are_listed_and_those_with_mistakes_too() {
+    let home = tempfile::tempdir().expect("a folder");
+    let pads = home.path().join("gelpad/pads");
+    std::fs::create_dir_all(&pads).expect("a folder");
+    let (_, toml, _) = run(&["pad", "show", "round-tank", "--toml"]);
+    std::fs::write(pads.join("bowl.toml"), toml).expect("written");
+    std::fs::write(pads.join("torn.toml"), "schema = ").expect("written");
+    let listed = gelpad(&["pad", "list"])
+        .env("XDG_CONFIG_HOME", home.path())
+        .output()
+        .expect("gelpad starts");
+    let listed = String::from_utf8(listed.stdout).expect("text");
+    let row = |name: &str| listed.lines().find(|line| line.starts_with(name));
+    assert!(
+        row("bowl").is_some_and(|row| row.ends_with("(yours)")),
+        "{listed}"
+    );
+    assert!(
+        row("torn").is_some_and(|row| row.contains("has mistakes")),
+        "{listed}"
+    );
+    assert!(row("edinburgh-lattice").is_some(), "{listed}");
+}
+
+#[test]
 fn wrong_input_gets_one_clear_message_and_code_1() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str, bytes: &[u8]| {

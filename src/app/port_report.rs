@@ -1,8 +1,10 @@
 //! What a board sends, as a report with what to do next: for `gelpad listen` and for the window.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::time::Duration;
 
+use super::folders::own_texts;
 use super::pads::load_pad;
 use super::request::BoardLine;
 use crate::pad::{DEFAULT_PAD, SHIPPED_PADS};
@@ -32,7 +34,7 @@ pub struct PortDiagnosis {
     /// The recognised format.
     pub format: Option<FormatChoice>,
     /// The shipped pad with this number of readings.
-    pub pad: Option<&'static str>,
+    pub pad: Option<String>,
     /// Number of readings in a frame, ...
     pub readings: Option<usize>,
     /// ... and the number of electrodes that they are recognised as.
@@ -212,14 +214,19 @@ fn default_pad_takes(readings: usize) -> bool {
     load_pad(DEFAULT_PAD).is_ok_and(|loaded| plausible_counts(&loaded.pad).contains(&readings))
 }
 
-/// The shipped pad with this number of readings.
-fn fitting_pad(readings: usize) -> Option<&'static str> {
+/// The pad with this number of readings: a shipped one, or one of the player's own.
+fn fitting_pad(readings: usize) -> Option<String> {
     let has_so_many =
-        |name: &&str| load_pad(name).is_ok_and(|loaded| loaded.pad.channels() == readings);
-    let mut shipped = SHIPPED_PADS.iter().map(|pad| pad.name);
+        |name: &String| load_pad(name).is_ok_and(|loaded| loaded.pad.channels() == readings);
+    let shipped = SHIPPED_PADS.iter().map(|pad| pad.name.to_owned());
+    let own = own_texts("pads").into_iter().filter_map(|path| {
+        let name = Path::new(&path).file_stem()?;
+        Some(name.to_string_lossy().into_owned())
+    });
     shipped
+        .chain(own)
         .find(has_so_many)
-        .or(default_pad_takes(readings).then_some(DEFAULT_PAD))
+        .or(default_pad_takes(readings).then(|| DEFAULT_PAD.to_owned()))
 }
 
 /// The command that plays this board: it names a pad with this number of readings.
@@ -227,7 +234,7 @@ pub(crate) fn play_advice(kind: Option<WireFormat>, readings: usize, port: &str)
     let format = kind.map_or(String::new(), |kind| format!(" --format {}", kind.name()));
     let command = format!("gelpad play --source serial:{port}");
     if let Some(name) = fitting_pad(readings) {
-        let pad = match name {
+        let pad = match name.as_str() {
             DEFAULT_PAD => String::new(),
             name => format!(" --pad {name}"),
         };
@@ -242,7 +249,7 @@ pub(crate) fn play_advice(kind: Option<WireFormat>, readings: usize, port: &str)
         );
     }
     format!(
-        "\nno shipped pad has {readings} readings a frame; describe yours in a file:\n  \
+        "\nno pad has {readings} readings a frame; describe yours in a file, and give it as many electrodes:\n  \
          gelpad pad show {DEFAULT_PAD} --toml > my-pad.toml\n  {command}{format} --pad ./my-pad.toml\n"
     )
 }
@@ -283,7 +290,7 @@ mod tests {
         for readings in [928, 200] {
             let text = advice(readings);
             assert!(
-                text.contains("no shipped pad") && !text.contains("play it"),
+                text.contains("no pad has") && !text.contains("play it"),
                 "{text}"
             );
         }

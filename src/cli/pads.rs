@@ -7,6 +7,7 @@ use super::exit::Ending;
 use super::identify;
 use super::map::Map;
 use super::message::{for_stdout, say};
+use crate::app::folders::own_texts;
 use crate::app::pads::{load_pad, reconstruction};
 use crate::app::texts::pad_text;
 use crate::eit::Linearised;
@@ -23,6 +24,14 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
             for shipped in SHIPPED_PADS {
                 let pad = Pad::from_toml(shipped.name, shipped.toml)?;
                 writeln!(stdout, "{:20} {}", pad.name, pad.about)?;
+            }
+            for path in own_texts("pads") {
+                let name = std::path::Path::new(&path).file_stem().unwrap_or_default();
+                let name = name.to_string_lossy();
+                // A pad with mistakes is listed, too: `pad check` shows them.
+                let about = load_pad(&name).map_or("has mistakes".to_owned(), |own| own.pad.about);
+                let row = format!("{name:20} {about} (yours)");
+                writeln!(stdout, "{}", printable(&row))?;
             }
         }
         PadCommand::Check { pad: argument } => {

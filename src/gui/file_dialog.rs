@@ -108,6 +108,6 @@ fn draw_delete(ui: &mut Ui, path: &Path) -> Option<Result<FileChange, String>> {
     ui.heading("Delete?");
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     ui.label(format!("{name} cannot be restored."));
-    let clicked = theme::primary(ui, "Delete").clicked();
+    let clicked = ui.button("Delete").clicked();
     clicked.then(|| own_files::delete(path).map(|()| FileChange::Deleted))
 }

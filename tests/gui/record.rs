@@ -223,3 +223,20 @@ fn recordings_are_listed_renamed_and_deleted() {
     stage.button("Delete");
     assert!(!folder.join("level.mcap").exists());
 }
+
+#[test]
+fn the_recording_that_is_being_written_is_left_alone() {
+    let mut stage = Stage::with_view(Tab::Record, WIDE);
+    let folder = stage.services.folder.path().join("recordings");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for name in ["done", "running"] {
+        std::fs::write(folder.join(format!("{name}.mcap")), b"frames").expect("written");
+    }
+    stage.app().playing.request.record = Some(folder.join("running.mcap"));
+    stage.steps(12);
+    assert!(stage.shows("recording now"), "{:?}", stage.window);
+    assert!(stage.has_label("Delete done"));
+    for button in ["▶ running", "Rename running", "Delete running"] {
+        assert!(!stage.has_label(button), "{button}");
+    }
+}

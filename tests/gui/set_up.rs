@@ -261,7 +261,7 @@ pub fn make_the_presses(stage: &mut Stage) {
         stage.steps(2);
     }
     for _ in 0..1200 {
-        if stage.shows("correct presses") {
+        if stage.shows("of your presses were right") {
             break;
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
@@ -281,7 +281,11 @@ fn guided_presses_become_personal_settings() {
     stage.steps(2);
     stage.button("Start");
     make_the_presses(&mut stage);
-    assert!(stage.shows("correct presses"), "{:?}", stage.window);
+    assert!(
+        stage.shows("of your presses were right"),
+        "{:?}",
+        stage.window
+    );
     stage.button("Save and use");
     let path = stage.services.folder.path().join("users/anna.toml");
     assert!(path.exists());
@@ -423,4 +427,19 @@ fn a_pad_with_32_electrodes_is_made_from_a_form() {
     assert!(text.contains("count = 32"), "{text}");
     let played = stage.services.last_request().expect("a start").pad;
     assert_eq!(played, path.display().to_string());
+}
+
+#[test]
+fn a_board_that_does_not_fit_the_pad_says_so_where_it_is_chosen() {
+    let mut stage = Stage::with_view(Tab::SetUp, WIDE);
+    let playing = &mut stage.app().playing;
+    playing.request.source = SourceChoice::Serial("/dev/ttyACM0".to_owned());
+    playing.ended = Some("the board sends 192 voltages".to_owned());
+    stage.steps(2);
+    assert!(
+        stage.shows("the board sends 192 voltages"),
+        "{:?}",
+        stage.window
+    );
+    assert!(stage.shows("Diagnose this port finds out what it sends"));
 }

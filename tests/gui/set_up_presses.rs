@@ -29,7 +29,7 @@ fn after_the_presses(found: Found) -> Stage {
 fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
     let mut stage = after_the_presses(Found::Worse);
     assert!(
-        stage.shows("warning: correct presses: 100 % before, 0 % with"),
+        stage.shows("warning: 100 % of your presses were right before, 0 % with"),
         "{:?}",
         stage.window
     );
@@ -44,7 +44,7 @@ fn settings_that_make_presses_worse_are_a_warning_and_not_the_way_on() {
 #[test]
 fn settings_with_fewer_unintended_presses_are_not_called_worse() {
     let stage = after_the_presses(Found::FewerUnintended);
-    let words = "correct presses: 100 % before, 83 % with these settings; unintended: 6 before, 0 with these";
+    let words = "100 % of your presses were right before, 83 % with the new settings; unintended: 6 before, 0 with the new ones";
     assert!(stage.shows(words), "{:?}", stage.window);
     assert!(stage.has_label("Save and use"));
     assert!(!stage.has_label("Keep what you have"));
@@ -53,7 +53,7 @@ fn settings_with_fewer_unintended_presses_are_not_called_worse() {
 #[test]
 fn settings_that_help_nothing_are_not_the_way_on() {
     let mut stage = after_the_presses(Found::NoHelp);
-    assert!(stage.shows("They help nothing"), "{:?}", stage.window);
+    assert!(stage.shows("would not help"), "{:?}", stage.window);
     let on_accent = palette(true).on_accent;
     assert_ne!(stage.colour_of("Save and use"), Some(on_accent));
     stage.button("Keep what you have");

@@ -11,7 +11,7 @@ use crate::app::services::SourceChoice;
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example: gelpad pad check ./my-pad.toml")]
 pub(in crate::cli) enum PadCommand {
-    /// List the shipped pads
+    /// List the pads: shipped and your own
     #[command(after_help = "Example: gelpad pad list")]
     List,
     /// Check a pad's text, and whether the pad gives an image
@@ -74,7 +74,7 @@ pub(in crate::cli) struct IdentifyArgs {
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example: gelpad profile check ./mine.toml")]
 pub(in crate::cli) enum ProfileCommand {
-    /// List the shipped profiles and user settings
+    /// List the profiles and user settings: shipped and your own
     #[command(after_help = "Example: gelpad profile list")]
     List,
     /// Check a profile: errors and warnings

@@ -1,7 +1,7 @@
 //! The list of recordings: open, rename, delete.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use egui::{ScrollArea, Ui};
@@ -29,8 +29,13 @@ pub(super) struct RecordingList {
 }
 
 impl RecordingList {
-    /// Draws the list; returns the recording to open.
-    pub(super) fn ui(&mut self, ui: &mut Ui, services: &dyn AppServices) -> Option<PathBuf> {
+    /// Draws the list; returns the recording to open. `recording` is the file that is being written: it is left alone.
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        recording: Option<&Path>,
+        services: &dyn AppServices,
+    ) -> Option<PathBuf> {
         let now_s = ui.ctx().time();
         if self.read_at_s.is_none_or(|at| now_s - at > REFRESH_S) {
             let folder = services.recordings_folder();
@@ -58,6 +63,10 @@ impl RecordingList {
         ScrollArea::vertical().id_salt("recordings").show(ui, |ui| {
             for file in &self.files {
                 ui.horizontal_wrapped(|ui| {
+                    if recording == Some(&*file.path) {
+                        draw_running(ui, file);
+                        return;
+                    }
                     let key = (file.path.clone(), file.modified);
                     let summary = self.summaries.get(&key).and_then(Option::as_ref);
                     if draw_row(ui, file, summary, now, &mut self.dialog) {
@@ -84,6 +93,14 @@ impl RecordingList {
     pub(super) fn is_empty(&self) -> bool {
         self.files.is_empty()
     }
+}
+
+/// Draws the recording that is being written.
+fn draw_running(ui: &mut Ui, file: &OwnFile) {
+    let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
+    ui.label(name);
+    ui.colored_label(theme::palette_of(ui).bad, "⏺ recording now");
+    ui.weak(format!("{:.1} MB", file.bytes as f64 / 1e6));
 }
 
 /// Draws a recording of the list; whether it was chosen.

@@ -69,7 +69,10 @@ impl RecordView {
             });
             ui.advance_cursor_after_rect(room);
         } else {
-            if let Some(file) = self.list.ui(ui, services.as_ref()) {
+            if let Some(file) =
+                self.list
+                    .ui(ui, playing.request.record.as_deref(), services.as_ref())
+            {
                 self.suggest(&file);
                 self.open(&file, &playing.request, services);
             }

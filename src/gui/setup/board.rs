@@ -8,6 +8,7 @@ use crate::gui::choice;
 use crate::gui::play::{Names, UiAction, file_name};
 use crate::gui::playing::Playing;
 use crate::gui::{signals, theme};
+use crate::source::wire::FormatChoice;
 
 /// Draws the choice of source and pad.
 pub(super) fn choose(
@@ -50,12 +51,32 @@ pub(super) fn choose(
     if let Some(pad) = choice::list(ui, combo, None, &playing.request.pad, pads.collect()) {
         wanted.pad = pad;
     }
+    if wanted.source != playing.request.source {
+        // So does a format to one board.
+        wanted.board.format = FormatChoice::default();
+    }
     if wanted != playing.request {
         // A calibration belongs to one pad.
         wanted.calibration = None;
         return Some(UiAction::Play(wanted));
     }
     None
+}
+
+/// Draws why the board's frames are not played, if they are not.
+pub(super) fn draw_misfit(ui: &mut Ui, playing: &Playing) {
+    let ended = playing.ended.as_deref();
+    let skipped = playing.skip_reason.as_deref();
+    let Some(reason) = ended.or(skipped.filter(|_| playing.view.frames == 0)) else {
+        return;
+    };
+    ui.colored_label(theme::palette_of(ui).bad, format!("✖ {reason}"));
+    if matches!(playing.request.source, SourceChoice::Serial(_)) {
+        paragraph(
+            ui,
+            "Diagnose this port finds out what it sends, and which pad fits.",
+        );
+    }
 }
 
 /// Draws the quality of the readings.

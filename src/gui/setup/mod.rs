@@ -230,6 +230,7 @@ impl SetUpView {
         if playing.request.source == SourceChoice::Gamepad {
             self.gamepad_checks.ui(ui, services.as_ref());
         }
+        board::draw_misfit(ui, playing);
         let diagnosed = self.port_check.ui(ui, playing, services);
         board::quality(ui, playing);
         let wanted = self.port_check.take_wanted_pad();

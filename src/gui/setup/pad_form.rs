@@ -84,7 +84,7 @@ impl PadForm {
         };
         let name = toml_edit::Value::from(self.name.trim());
         format!(
-            "# Lengths in millimetres. `gelpad pad show` and docs/wire.md explain the rest.\n\
+            "# Lengths in millimetres. `gelpad pad show` and docs/pads.md explain the rest.\n\
              schema = 1\nname ={name}\nabout = \"{count} electrodes, {drive} drive\"\n\n\
              touch_sign = \"rise\"\n\n[outline]\n{outline}\n\n\
              [layer]\nthickness_mm = 2.0\nbackground_s_per_m = 1.0\n{lattice}\n\

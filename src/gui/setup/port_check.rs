@@ -9,10 +9,11 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::{draw_notice, paragraph};
-use crate::app::services::{AppServices, PlayRequest, PortDiagnosis, SourceChoice};
+use crate::app::services::{AppServices, BoardLine, PlayRequest, PortDiagnosis, SourceChoice};
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
+use crate::source::wire::FormatChoice;
 
 /// How often the window looks whether the diagnosis is ready.
 const POLL: Duration = Duration::from_millis(100);
@@ -78,7 +79,12 @@ impl PortCheck {
         port.clone_into(&mut self.port);
         (self.done, self.failed) = (None, None);
         let (sender, receiver) = sync_channel(1);
-        let (services, board) = (Arc::clone(services), playing.request.board);
+        // Another board may be at the same port by now: its format is found again.
+        let board = BoardLine {
+            format: FormatChoice::default(),
+            ..playing.request.board
+        };
+        let services = Arc::clone(services);
         let listened = self.port.clone();
         let thread = std::thread::Builder::new().name("listen".to_owned());
         let spawned = thread.spawn(move || {
@@ -154,11 +160,11 @@ fn draw_diagnosis(ui: &mut Ui, diagnosis: &PortDiagnosis, playing: &Playing) -> 
     let mut wanted = request.clone();
     wanted.board.format = diagnosis.format.unwrap_or(request.board.format);
     let mut label = "Play it".to_owned();
-    if let Some(pad) = diagnosis.pad
+    if let Some(pad) = &diagnosis.pad
         && request.pad == crate::pad::DEFAULT_PAD
-        && pad != request.pad
+        && *pad != request.pad
     {
-        wanted.pad = pad.to_owned();
+        wanted.pad.clone_from(pad);
         wanted.calibration = None;
         label = format!("Play it with the pad {pad}");
     }

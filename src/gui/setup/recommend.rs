@@ -20,6 +20,7 @@ use crate::gui::playing::Playing;
 use crate::gui::regions::press_outputs;
 use crate::gui::request::file_name;
 use crate::gui::theme;
+use crate::profile::Profile;
 use crate::types::NANOS_PER_MS;
 
 /// The name of someone who types none: a mouse is enough.
@@ -57,14 +58,10 @@ struct Prompt {
 }
 
 impl Prompt {
-    /// Takes the current request, what its region sends, and the touches that were lifted since it began.
-    fn take(&mut self, number: usize, asked: &PressRequest, outputs: &str, lifts: usize) {
-        let region = match outputs {
-            "" => asked.region.clone(),
-            outputs => format!("{} ({outputs})", asked.region),
-        };
+    /// Takes the current request, what people call its region, and the touches that were lifted since it began.
+    fn take(&mut self, number: usize, asked: &PressRequest, title: &str, lifts: usize) {
         let words = PressRequest {
-            region,
+            region: title.to_owned(),
             length: asked.length,
         }
         .to_string();
@@ -85,7 +82,7 @@ impl Prompt {
 
     fn instruction(&self) -> String {
         match self.is_again {
-            true => format!("again: {}", self.words),
+            true => format!("once more: {}", self.words),
             false => self.words.clone(),
         }
     }
@@ -101,14 +98,28 @@ impl Prompt {
         };
         match self.lifts {
             0 => "Press now. Esc stops.".to_owned(),
-            _ if !self.is_seen() => "✔ first tap seen".to_owned(),
+            _ if !self.is_seen() => "✔ first tap seen: now the second".to_owned(),
             lifts if lifts == self.wanted_lifts => {
-                format!("✔ press {number} of {count} seen. Leave the pad for {rest_s} s, {next}.")
+                format!(
+                    "✔ press {number} of {count} seen. Do not touch the pad for {rest_s} s, {next}."
+                )
             }
             _ => format!(
-                "✔ press {number} of {count} seen, but more came after it. Leave the pad for {rest_s} s, {next}."
+                "✔ press {number} of {count} seen, but more came after it. Do not touch the pad for {rest_s} s, {next}."
             ),
         }
+    }
+}
+
+/// What people call a region that they are asked to press: a cell of a grid shows only what it sends.
+fn prompt_title(profile: &Profile, region: &str) -> String {
+    let outputs = press_outputs(profile, region);
+    let mut regions = profile.regions.iter();
+    let is_cell = regions.any(|other| other.name == region && other.is_cell);
+    match (outputs.is_empty(), is_cell) {
+        (true, _) => region.to_owned(),
+        (false, true) => outputs,
+        (false, false) => format!("{region} ({outputs})"),
     }
 }
 
@@ -143,8 +154,8 @@ impl RecommendStep {
         if let Some(session) = &mut self.session {
             session.take_frame(playing.view.t_ns, &changed);
             if let Some((number, asked)) = session.current_request() {
-                let outputs = press_outputs(&playing.view.profile, &asked.region);
-                self.prompt.take(number, asked, &outputs, session.lifts());
+                let title = prompt_title(&playing.view.profile, &asked.region);
+                self.prompt.take(number, asked, &title, session.lifts());
             }
         }
     }
@@ -283,11 +294,13 @@ impl RecommendStep {
         let is_worse = found.is_worse();
         let helps_nothing = found.helps_nothing();
         let words = if is_worse {
-            egui::RichText::new(format!("⚠ {words}. They are worse: keep what you have."))
-                .color(palette.warn)
+            egui::RichText::new(format!(
+                "⚠ {words}. The new settings are worse: keep what you have."
+            ))
+            .color(palette.warn)
         } else if helps_nothing {
             egui::RichText::new(format!(
-                "{words}. They help nothing that went wrong: keep what you have."
+                "{words}. The new settings would not help: keep what you have."
             ))
         } else {
             egui::RichText::new(format!("✔ {words}")).color(palette.good)
@@ -415,32 +428,45 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_of_a_grid_is_asked_for_by_what_it_shows() {
+        let profile = |name| {
+            let text = crate::profile::shipped_profile(name).expect("shipped").toml;
+            Profile::from_toml(name, text).expect("valid")
+        };
+        assert_eq!(prompt_title(&profile("large-buttons"), "buttons-1"), "←");
+        assert_eq!(prompt_title(&profile("super-mario"), "jump"), "jump (F)");
+    }
+
+    #[test]
     fn a_press_is_acknowledged_when_it_lifts_and_a_repeated_prompt_says_so() {
         let asked = |length| PressRequest {
             region: "jump".to_owned(),
             length,
         };
         let mut prompt = Prompt::default();
-        prompt.take(0, &asked(PressLength::Short), "F", 0);
+        prompt.take(0, &asked(PressLength::Short), "jump (F)", 0);
         assert_eq!(prompt.instruction(), "tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(0, &asked(PressLength::Short), "F", 1);
+        prompt.take(0, &asked(PressLength::Short), "jump (F)", 1);
         let said = prompt.acknowledgement(24);
         assert!(
-            said.starts_with("✔ press 1 of 24 seen. Leave the pad for 2 s"),
+            said.starts_with("✔ press 1 of 24 seen. Do not touch the pad for 2 s"),
             "{said}"
         );
-        prompt.take(0, &asked(PressLength::Short), "F", 2);
+        prompt.take(0, &asked(PressLength::Short), "jump (F)", 2);
         let said = prompt.acknowledgement(24);
         assert!(said.contains("more came after it"), "{said}");
-        prompt.take(1, &asked(PressLength::Short), "F", 0);
-        assert_eq!(prompt.instruction(), "again: tap jump (F), briefly");
+        prompt.take(1, &asked(PressLength::Short), "jump (F)", 0);
+        assert_eq!(prompt.instruction(), "once more: tap jump (F), briefly");
         assert!(!prompt.is_seen());
-        prompt.take(2, &asked(PressLength::Twice), "", 1);
-        assert_eq!(prompt.acknowledgement(24), "✔ first tap seen");
-        prompt.take(2, &asked(PressLength::Twice), "", 2);
+        prompt.take(2, &asked(PressLength::Twice), "jump", 1);
+        assert_eq!(
+            prompt.acknowledgement(24),
+            "✔ first tap seen: now the second"
+        );
+        prompt.take(2, &asked(PressLength::Twice), "jump", 2);
         assert!(prompt.is_seen());
-        prompt.take(23, &asked(PressLength::Short), "", 1);
+        prompt.take(23, &asked(PressLength::Short), "jump", 1);
         let said = prompt.acknowledgement(24);
         assert!(said.ends_with("then all are done."), "{said}");
     }

@@ -65,13 +65,13 @@ pub(super) fn outcome_words(found: &Recommendation, person: Option<&str>) -> Str
     };
     let now = now.as_str();
     let mut words = format!(
-        "correct presses: {:.0} % {now}, {:.0} % with these settings",
+        "{:.0} % of your presses were right {now}, {:.0} % with the new settings",
         percent(before),
         percent(after)
     );
     if before.wrong > 0 || after.wrong > 0 {
         words.push_str(&format!(
-            "; unintended: {} {now}, {} with these",
+            "; unintended: {} {now}, {} with the new ones",
             before.wrong, after.wrong
         ));
     }
@@ -122,7 +122,7 @@ mod tests {
         };
         assert_eq!(
             outcome_words(&found, Some("tremor")),
-            "correct presses: 50 % with the settings of tremor, 100 % with these settings"
+            "50 % of your presses were right with the settings of tremor, 100 % with the new settings"
         );
     }
 }
