@@ -121,6 +121,7 @@ impl Scan {
             let were_down = detector.touches_down().len();
             self.mark_since(gone.parts);
             self.landing.end();
+            self.refusals.clear();
             let response = self.evidence.held(gone.response);
             for (expected, gone) in self.expected.iter_mut().zip(response) {
                 *expected -= gone;
@@ -135,6 +136,7 @@ impl Scan {
         } else if let Some((fitted, since)) = self.find_onset(detector) {
             self.mark_since(since);
             self.is_after_lift = false;
+            self.refusals.clear();
             self.begin_landing(fitted, since);
             self.run(detector, part.t_ns, Run::Landing, changed);
         } else {
