@@ -12,8 +12,6 @@ use crate::types::{Nanos, PointMm, Touch, TouchId};
 
 /// A slower touch rests, mm/s: noise moves it as well.
 const MOVING_MM_PER_S: f64 = 30.0;
-/// One that moves less than this within a frame rests as well, mm: its readings are at most so much out of date.
-const LEAST_WAY_MM: f64 = 0.6;
 /// No finger is faster, mm/s.
 const FASTEST_MM_PER_S: f64 = 1500.0;
 /// Along a longer way within a frame, mm, readings change evenly.
@@ -44,9 +42,7 @@ impl Drift {
             let at_mm = touch.contact.centre_mm;
             let velocity = [(at_mm[0] - x) / elapsed_s, (at_mm[1] - y) / elapsed_s];
             let mm_per_s = libm::hypot(velocity[0], velocity[1]);
-            let is_moving = mm_per_s * elapsed_s >= LEAST_WAY_MM
-                && (MOVING_MM_PER_S..FASTEST_MM_PER_S).contains(&mm_per_s);
-            if is_moving {
+            if (MOVING_MM_PER_S..FASTEST_MM_PER_S).contains(&mm_per_s) {
                 self.moving.push((touch.id, at_mm, velocity));
             }
         }

@@ -1,4 +1,4 @@
-//! A finger that landed less than a frame ago: its place is fitted again as parts come, until each channel has been read under it.
+//! A finger that landed less than a frame ago: its place is fitted again with every part, until each channel has been read under it.
 
 use super::fit::{FitMemory, Fitted};
 use super::onset::OnsetModel;

@@ -28,9 +28,7 @@ use refusals::Refusals;
 
 /// While a touch moves, or something changes that is not yet clear, places are found once in this many parts.
 const MOVING_PARTS: usize = 2;
-/// Fast boards need no place for each part, and it costs time: a landing finger is located at most once in this time, ...
-const LANDING_NS: Nanos = NANOS_PER_MS;
-/// ... and a change that is not yet clear.
+/// A change that is not yet clear is looked at once in this time at most: fast boards send more parts than it needs.
 const UNCLEAR_NS: Nanos = 2 * NANOS_PER_MS;
 /// So many frames may end amid a change before they count as they are: an electrode may have gone.
 const UNCLEAR_FRAMES: u32 = 3;
@@ -182,9 +180,7 @@ impl Scan {
         let is_touched = self.evidence.held_count() > 0;
         let is_unclear = self.evidence.is_unclear();
         if self.landing.is_active() {
-            if ends_frame || since_ns >= LANDING_NS {
-                self.run(detector, t_ns, Run::Between, changed);
-            }
+            self.run(detector, t_ns, Run::Between, changed);
         } else if ends_frame {
             // A change that is under way is neither a fault of an electrode nor the untouched pad.
             self.unclear_frames = if is_unclear {
@@ -299,16 +295,14 @@ impl Scan {
         }
     }
 
-    /// Fits a finger that has just landed again, when its place is due.
+    /// Fits a finger that has just landed again: it may already slide.
     fn follow_landing(&mut self, detector: &Detector, part: &Part) {
         let Some(model) = self.onsets.as_ref().filter(|_| self.landing.is_active()) else {
             return;
         };
         let is_read = self.landing.add(detector, part);
-        if is_read || part.t_ns.saturating_sub(self.run_ns) >= LANDING_NS {
-            self.landing.fit(model, &mut self.memory);
-            self.take_landing();
-        }
+        self.landing.fit(model, &mut self.memory);
+        self.take_landing();
         if is_read {
             self.landing.end();
         }
