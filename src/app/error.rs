@@ -85,6 +85,17 @@ impl AppError {
             error => error.to_string(),
         }
     }
+
+    /// Whether a recording is cut off or damaged, so that a part of it may be saved.
+    pub(crate) fn is_damaged_recording(&self) -> bool {
+        let Self::Recording { error, .. } = self else {
+            return false;
+        };
+        match error {
+            PlayerError::Read(error) => error.is_damage(),
+            PlayerError::EngineConfig(_) | PlayerError::Invalid(_) => true,
+        }
+    }
 }
 
 /// The first mistake in a text as `name:line:column: message`.

@@ -11,7 +11,9 @@ use super::play::{FirstUse, Game, PreparedGame};
 use super::profiles::{bases_of, check_text};
 use super::recording::ActiveRecording;
 use super::reload::{ProfileReload, ReloadNotice};
-use super::services::{AppServices, OutputChoice, PlayRequest, StartError, Started, Watch};
+use super::services::{
+    AppServices, OpenError, OutputChoice, PlayRequest, StartError, Started, Watch,
+};
 use super::table_solver::TableSolver;
 use super::texts::{pad_text, profile_text, user_text};
 use super::timeline::RecordingTimeline;
@@ -77,8 +79,8 @@ impl AppServices for LocalServices {
         &self,
         file: &Path,
         request: &PlayRequest,
-    ) -> Result<RecordingTimeline, String> {
-        load_timeline(file, request, &log_solving).map_err(|error| error.to_string())
+    ) -> Result<RecordingTimeline, OpenError> {
+        load_timeline(file, request, &log_solving).map_err(open_error)
     }
 
     fn calibration_places(&self, pad: &Pad, count: usize) -> Vec<PointMm> {
@@ -118,6 +120,16 @@ fn with_own_texts(shipped: impl Iterator<Item = &'static str>, kind: &str) -> Ve
 fn text_or_line(text: Result<Source, AppError>) -> Result<String, String> {
     text.map(|text| text.toml)
         .map_err(|error| error.to_string())
+}
+
+/// Of a damaged recording, the window offers itself what the help in further lines names.
+fn open_error(error: AppError) -> OpenError {
+    let mut reason = error.to_string();
+    let is_damaged = error.is_damaged_recording();
+    if is_damaged && let Some(end) = reason.find('\n') {
+        reason.truncate(end);
+    }
+    OpenError { reason, is_damaged }
 }
 
 fn log_solving(done: usize, rows: usize) {

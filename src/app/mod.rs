@@ -25,6 +25,7 @@ mod process_match;
 pub(crate) mod profiles;
 mod read_ahead;
 pub(crate) mod recording;
+mod recovery;
 mod reload;
 mod request;
 pub(crate) mod restore;

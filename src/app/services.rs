@@ -8,6 +8,7 @@ use super::gamepads;
 pub use super::gamepads::GamepadCheck;
 pub use super::port_report::PortDiagnosis;
 use super::port_report::diagnose;
+use super::recovery::save_readable_part;
 pub use super::request::{
     BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice, WindowArguments,
 };
@@ -69,6 +70,15 @@ impl StartError {
             is_output: false,
         }
     }
+}
+
+/// Why a recording is not shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OpenError {
+    /// The reason, for the player.
+    pub reason: String,
+    /// Whether the recording is damaged, so that [`AppServices::save_readable_part`] may help.
+    pub is_damaged: bool,
 }
 
 /// Starts games and finds texts.
@@ -154,7 +164,16 @@ pub trait AppServices: Send + Sync {
         &self,
         file: &Path,
         request: &PlayRequest,
-    ) -> Result<RecordingTimeline, String>;
+    ) -> Result<RecordingTimeline, OpenError>;
+
+    /// Saves what can be read of a damaged recording beside it, under a new name; returns the file and what it holds. May take seconds.
+    ///
+    /// # Errors
+    /// Too little can be read, or the copy cannot be written.
+    fn save_readable_part(&self, recording: &Path) -> Result<(PathBuf, String), String> {
+        let saved = save_readable_part(recording, &|_, _| ());
+        saved.map_err(|error| error.to_string())
+    }
 
     /// Places for guided presses, spread over a pad, mm.
     fn calibration_places(&self, pad: &Pad, count: usize) -> Vec<PointMm>;

@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use super::AppError;
-use super::folders::own_folder;
+use super::folders::{own_folder, own_texts};
 use crate::pad::{SHIPPED_PADS, shipped_pad};
 use crate::profile::{
     SHIPPED_PROFILES, SHIPPED_USERS, ShippedProfile, Source, shipped_profile, shipped_user,
@@ -83,6 +83,13 @@ pub(crate) fn own_or_given_profile(argument: &str) -> String {
     own_file("profiles", argument).unwrap_or_else(|| argument.to_owned())
 }
 
+/// Names of the user's own texts of a kind (`profiles`, `pads`, `users`).
+fn own_names(folder: &str) -> Vec<String> {
+    let paths = own_texts(folder).into_iter();
+    let stem = |path: String| Some(Path::new(&path).file_stem()?.to_str()?.to_owned());
+    paths.filter_map(stem).collect()
+}
+
 /// The path of the user's own text of a kind (`profiles`, `pads`).
 fn own_file(folder: &str, name: &str) -> Option<String> {
     let path = own_folder()?.join(folder).join(format!("{name}.toml"));
@@ -95,16 +102,20 @@ fn find_text(
     shipped: Option<&str>,
     names: impl Iterator<Item = &'static str>,
 ) -> Result<Source, AppError> {
+    let folder = format!("{kind}s");
     let own = match is_path(argument) || shipped.is_some() {
         true => None,
-        false => own_file(&format!("{kind}s"), argument),
+        false => own_file(&folder, argument),
     };
     let argument = own.as_deref().unwrap_or(argument);
     let toml = match (is_path(argument), shipped) {
         (true, _) => read_text(Path::new(argument))?,
         (false, Some(toml)) => toml.to_owned(),
         (false, None) => {
-            let help = match nearest(argument, names) {
+            let own = own_names(&folder);
+            let mut known: Vec<&str> = names.collect();
+            known.extend(own.iter().map(String::as_str));
+            let help = match nearest(argument, known.into_iter()) {
                 Some(name) => format!("did you mean `{name}`?"),
                 None => format!(
                     "`gelpad {kind} list` prints the names; write a file as a path, such as ./mine.toml"
@@ -152,14 +163,15 @@ pub(crate) fn user_text(argument: &str) -> Result<Source, AppError> {
 }
 
 fn unknown_user(argument: &str) -> AppError {
-    let names = || SHIPPED_USERS.iter().map(|user| user.name);
-    let help = match nearest(argument, names()) {
+    let mut known = own_names("users");
+    known.extend(SHIPPED_USERS.iter().map(|user| user.name.to_owned()));
+    let help = match nearest(argument, known.iter().map(String::as_str)) {
         Some(name) => format!("did you mean `{name}`?"),
         None => format!("write users/{argument}.toml, here or in your own gelpad folder"),
     };
     AppError::UnknownUser {
         name: argument.to_owned(),
-        known: names().map(str::to_owned).collect(),
+        known,
         help,
     }
 }

@@ -1,10 +1,10 @@
 //! The application: joins the views, starts games, performs what a view requests.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Rect, Stroke, Ui, Vec2};
 
+use super::background::{Background, take_result};
 use super::closing::Closing;
 use super::comfort::Comfort;
 use super::comfort::last_game::{LastGame, kept_output};
@@ -64,7 +64,7 @@ pub struct App {
     pub closing: Closing,
     services: Arc<dyn AppServices>,
     names: Names,
-    starting: Option<(PlayRequest, Receiver<Result<Started, StartError>>)>,
+    starting: Option<Background<(PlayRequest, Result<Started, StartError>)>>,
     waker: Option<Waker>,
     picture: Picture,
     focus_ring: FocusRing,
@@ -124,22 +124,20 @@ impl App {
         self.playing.request = request.clone();
         self.playing.output = output_words(request.output).to_owned();
         self.failed = None;
-        let (sender, receiver) = sync_channel(1);
         let services = Arc::clone(&self.services);
-        let to_start = request.clone();
         let waker = self.waker.as_ref().and_then(Waker::thread);
-        let spawned = std::thread::Builder::new()
-            .name("start".to_owned())
-            .spawn(move || {
-                // The receiver is gone when another game was requested meanwhile.
-                let _ = sender.send(services.start(&to_start));
-                if let Some(waker) = waker {
-                    waker.unpark();
-                }
-                crate::platform::memory::trim_heaps();
-            });
-        match spawned {
-            Ok(_) => self.starting = Some((request, receiver)),
+        let start = move || {
+            let started = services.start(&request);
+            (request, started)
+        };
+        let started = Background::start_then("start", start, move || {
+            if let Some(waker) = waker {
+                waker.unpark();
+            }
+            crate::platform::memory::trim_heaps();
+        });
+        match started {
+            Ok(starting) => self.starting = Some(starting),
             Err(error) => {
                 self.failed = Some(StartError::of_game(format!(
                     "the game cannot start: {error}"
@@ -218,12 +216,15 @@ impl App {
 
     /// Takes over the game that was starting, if it has started or failed.
     fn poll_start(&mut self, now_s: f64) {
-        let Some((request, receiver)) = &self.starting else {
-            return;
+        let died = || {
+            let why = "the game cannot start because of a bug in gelpad";
+            let request = self.playing.request.clone();
+            (request, Err(StartError::of_game(why)))
         };
-        match receiver.try_recv() {
-            Ok(Ok(started)) => {
-                self.playing = Playing::from_started(request.clone(), started);
+        match take_result(&mut self.starting, died) {
+            None => {}
+            Some((request, Ok(started))) => {
+                self.playing = Playing::from_started(request, started);
                 if let Some(waker) = &self.waker
                     && let Some(thread) = waker.thread()
                 {
@@ -233,17 +234,11 @@ impl App {
                 // Saved profiles, people and calibrations may be new.
                 self.names = Names::find(self.services.as_ref(), &self.playing.pad.name);
             }
-            Ok(Err(why)) => {
-                self.playing.request = request.clone();
+            Some((request, Err(why))) => {
+                self.playing.request = request;
                 self.failed = Some(why);
             }
-            Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => {
-                let why = "the game cannot start because of a bug in gelpad";
-                self.failed = Some(StartError::of_game(why));
-            }
         }
-        self.starting = None;
     }
 
     /// Draws the window.
@@ -443,7 +438,7 @@ impl App {
         ui.label(egui::RichText::new(mark).color(colour));
         let view = &playing.view;
         let words = format!(
-            "{state}   ·   {:.0} frames/s   ·   {:.2} ms   ·   {} → {}   ·   {}",
+            "{state}   ·   {:.0} frames/s   ·   {:.2} ms a frame   ·   {} → {}   ·   {}",
             playing.frames_per_s(),
             view.latency_us as f64 / 1e3,
             playing.request.source_label(),

@@ -29,8 +29,8 @@ enum Task {
 pub(super) struct FileDialog {
     open: Option<(Task, PathBuf)>,
     name: String,
-    /// Whether the name is to be selected: the dialog has just opened.
-    selects_name: bool,
+    /// Whether the dialog has just opened: the name is to be selected, or *Cancel* to get the focus.
+    is_new: bool,
     failed: Option<String>,
 }
 
@@ -39,12 +39,13 @@ impl FileDialog {
     pub(super) fn rename(&mut self, path: &Path) {
         let stem = path.file_stem().unwrap_or_default();
         self.name = stem.to_string_lossy().into_owned();
-        self.selects_name = true;
+        self.is_new = true;
         (self.open, self.failed) = (Some((Task::Rename, path.to_owned())), None);
     }
 
     /// Opens the question before a file is deleted.
     pub(super) fn delete(&mut self, path: &Path) {
+        self.is_new = true;
         (self.open, self.failed) = (Some((Task::Delete, path.to_owned())), None);
     }
 
@@ -61,7 +62,12 @@ impl FileDialog {
             if let Some(why) = &self.failed {
                 ui.colored_label(theme::palette_of(ui).bad, format!("✖ {why}"));
             }
-            if ui.button("Cancel").clicked() {
+            let cancel = ui.button("Cancel");
+            if self.is_new && !ui.is_sizing_pass() {
+                self.is_new = false;
+                cancel.request_focus();
+            }
+            if cancel.clicked() {
                 ui.close();
             }
         });
@@ -83,8 +89,8 @@ impl FileDialog {
         let id = ui.make_persistent_id("new name");
         let field = ui.add(egui::TextEdit::singleline(&mut self.name).id(id));
         let field = field.labelled_by(label.id);
-        if self.selects_name && !ui.is_sizing_pass() {
-            self.selects_name = false;
+        if self.is_new && !ui.is_sizing_pass() {
+            self.is_new = false;
             field.request_focus();
             select_all(ui.ctx(), id, &self.name);
         }

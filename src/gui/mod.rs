@@ -7,6 +7,7 @@
 //! The window repaints only when something has changed (`repaint_rate.rs`). It never receives gelpad's own keys (`src/app/focus_gate.rs`).
 
 pub mod app;
+mod background;
 mod choice;
 mod closing;
 pub mod comfort;

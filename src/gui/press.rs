@@ -10,6 +10,26 @@ use crate::types::PointMm;
 /// Points of a smooth wheel per notch.
 const POINTS_PER_NOTCH: f64 = 40.0;
 
+/// How long a button is held before it repeats, and how often it does, s. A slow click is shorter.
+const REPEATS_AFTER_S: f64 = 1.5;
+const REPEAT_S: f64 = 0.2;
+
+/// Steps of a button in this pass: one for a click, or several while it is held.
+pub fn button_steps(ui: &Ui, button: &Response) -> u32 {
+    let id = button.id.with("repeats");
+    let made: u32 = ui.data(|data| data.get_temp(id)).unwrap_or(0);
+    let pressed_at_s = ui.input(|input| input.pointer.press_start_time());
+    let Some(pressed_at_s) = pressed_at_s.filter(|_| button.is_pointer_button_down_on()) else {
+        ui.data_mut(|data| data.remove::<u32>(id));
+        return u32::from(button.clicked() && made == 0);
+    };
+    ui.ctx().request_repaint_after_secs(REPEAT_S as f32);
+    let held_s = ui.input(|input| input.time) - pressed_at_s;
+    let due = ((held_s - REPEATS_AFTER_S) / REPEAT_S + 1.0).max(0.0) as u32;
+    ui.data_mut(|data| data.insert_temp(id, due));
+    due.saturating_sub(made)
+}
+
 /// Turns input on the picture, whose response is `response`, into fingers on the simulated pad.
 pub fn handle_input(ui: &Ui, response: &Response, place: &PadTransform, playing: &mut Playing) {
     if !playing.is_simulated() {

@@ -30,6 +30,9 @@ pub struct Palette {
     pub bad: Color32,
 }
 
+/// How far the pointer may move within a click, points: hands that shake. Dragging begins beyond.
+const CLICK_POINTS: f32 = 12.0;
+
 const DARK: Palette = Palette {
     ground: Color32::from_rgb(0x12, 0x12, 0x1a),
     card: Color32::from_rgb(0x1c, 0x1c, 0x27),
@@ -97,8 +100,12 @@ pub fn install_fonts(ctx: &egui::Context) {
     ctx.set_fonts(fonts);
 }
 
-/// Sets the style of both themes.
+/// Sets the style of both themes. A click may take as long as it likes: slow hands.
 pub fn apply_style(ctx: &egui::Context) {
+    ctx.options_mut(|options| {
+        options.input_options.max_click_duration = f64::INFINITY;
+        options.input_options.max_click_dist = CLICK_POINTS;
+    });
     for theme in [Theme::Dark, Theme::Light] {
         ctx.style_mut_of(theme, |style| {
             style.visuals = visuals(theme == Theme::Dark);

@@ -138,7 +138,8 @@ pub(super) fn draw_slider(
         let coarse = COARSE_STEPS * step;
         let by = coarse * wheel_notches(ui, &response) + coarse * clicked_steps(ui, setting.label);
         wanted = (wanted + by).clamp(0.0, setting.max);
-        (wanted, response.drag_stopped() || by != 0.0)
+        let is_held = ui.input(|input| input.pointer.any_down());
+        (wanted, response.drag_stopped() || (by != 0.0 && !is_held))
     });
     if hint == HintPlace::Below {
         let text = egui::RichText::new(setting.hint).small().weak();
@@ -147,16 +148,14 @@ pub(super) fn draw_slider(
     row.inner
 }
 
-/// Steps of the buttons beside a slider: -1, 0 or 1.
+/// Steps of the buttons beside a slider: one a click, more while one is held.
 pub(super) fn clicked_steps(ui: &mut Ui, label: &str) -> f64 {
     let mut steps = 0.0;
     for (symbol, word, by) in [("−", "Less", -1.0), ("+", "More", 1.0)] {
         let button = theme::small_button(ui, symbol);
         let name = format!("{word}: {label}");
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name.clone()));
-        if button.clicked() {
-            steps += by;
-        }
+        steps += by * f64::from(press::button_steps(ui, &button));
     }
     steps
 }

@@ -26,6 +26,8 @@ macro_rules! shipped {
 /// All profiles that are compiled in.
 pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles":
     "super-mario",
+    "large-buttons",
+    "one-handed",
     "super-mario-classified",
     "super-mario-nestopia",
     "super-mario-mednafen",
@@ -35,8 +37,6 @@ pub const SHIPPED_PROFILES: &[ShippedProfile] = shipped!("profiles":
     "falling-blocks",
     "racing",
     "desktop",
-    "large-buttons",
-    "one-handed",
 );
 
 /// All user settings that are compiled in.

@@ -64,6 +64,17 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// Whether a recording of gelpad is cut off or damaged, so that a part of it may be saved.
+    #[must_use]
+    pub fn is_damage(&self) -> bool {
+        matches!(
+            self,
+            Self::NoSetup { .. } | Self::Cut { .. } | Self::Damaged { .. }
+        )
+    }
+}
+
 /// Reads a recording.
 pub struct Reader<R> {
     records: Records<R>,

@@ -70,6 +70,45 @@ fn buttons_change_the_text_size_in_steps() {
     assert!((saved(&stage).text_scale - 0.9).abs() < 1e-3);
 }
 
+/// Presses a place for a time, and shakes.
+fn hold(stage: &mut Stage, at: egui::Pos2, steps: usize) {
+    stage.window.hover_at(at);
+    stage.window.drag_at(at);
+    for step in 0..steps {
+        let side = if step % 2 == 0 { 8.0 } else { -8.0 };
+        stage.window.hover_at(at + egui::vec2(side, 1.0));
+        stage.steps(1);
+    }
+    stage.window.drop_at(at + egui::vec2(8.0, 1.0));
+    stage.steps(4);
+}
+
+#[test]
+fn a_slow_click_of_a_shaking_hand_counts() {
+    let mut stage = stage();
+    let at = stage.window.get_by_label("Practice").rect().center();
+    // A step is a quarter of a second.
+    hold(&mut stage, at, 10);
+    assert_eq!(stage.app().tab, Tab::Practice);
+}
+
+#[test]
+fn a_slow_click_is_one_step_and_a_held_button_repeats() {
+    let mut stage = stage();
+    let file = stage.services.folder.path().join("users/me.toml");
+    let saved_ms = || {
+        let text = std::fs::read_to_string(&file).expect("saved");
+        let number = text.trim().trim_start_matches("slow_keys_ms = ");
+        number.parse::<f64>().expect("a number")
+    };
+    let more = stage.button_rect("More: Slow keys").center();
+    hold(&mut stage, more, 4);
+    assert_eq!(saved_ms(), 10.0);
+    hold(&mut stage, more, 16);
+    let held_ms = saved_ms();
+    assert!((100.0..=160.0).contains(&held_ms), "{held_ms} ms after 4 s");
+}
+
 #[test]
 fn each_kind_of_feedback_is_switched_and_saved() {
     let mut stage = stage();

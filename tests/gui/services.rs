@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use gelpad::app::services::{
-    AppServices, BoardLine, OutputChoice, PlayRequest, SourceChoice, StartError, Started, Watch,
+    AppServices, BoardLine, OpenError, OutputChoice, PlayRequest, SourceChoice, StartError,
+    Started, Watch,
 };
 use gelpad::app::timeline::RecordingTimeline;
 use gelpad::calibrate::Press;
@@ -209,9 +210,21 @@ impl AppServices for TestServices {
         pad_text(name)
     }
 
-    fn load_timeline(&self, file: &Path, _: &PlayRequest) -> Result<RecordingTimeline, String> {
+    fn load_timeline(&self, file: &Path, _: &PlayRequest) -> Result<RecordingTimeline, OpenError> {
         let tape = self.tape.lock().expect("no panic").take();
-        tape.ok_or_else(|| format!("{}: this is not a recording", file.display()))
+        tape.ok_or_else(|| OpenError {
+            reason: format!("{}: this is not a recording", file.display()),
+            is_damaged: file.file_stem().is_some_and(|stem| stem == "damaged"),
+        })
+    }
+
+    fn save_readable_part(&self, recording: &Path) -> Result<(PathBuf, String), String> {
+        let saved = recording.with_file_name("damaged-saved.mcap");
+        *self.tape.lock().expect("no panic") = Some(crate::record::timeline());
+        Ok((
+            saved,
+            "Saved 121 frames; one place could not be read".to_owned(),
+        ))
     }
 
     fn calibration_places(&self, _: &Pad, count: usize) -> Vec<PointMm> {

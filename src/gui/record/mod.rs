@@ -3,30 +3,36 @@
 mod expectation;
 mod list;
 mod player;
+mod salvage;
 mod scrub_bar;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::{Key, Pos2, Rect, Ui, Vec2};
 
 use self::list::RecordingList;
 use self::player::Player;
+use self::salvage::Salvage;
+use super::background::{Background, take_result};
 use super::picture::{Picture, PictureLayers};
 use super::playing::Playing;
 use super::request::UiAction;
 use super::theme;
-use crate::app::services::{AppServices, PlayRequest};
+use crate::app::services::{AppServices, OpenError, PlayRequest};
 use crate::app::timeline::RecordingTimeline;
 
 /// Height of the controls below the pad, points.
 const CONTROLS: f32 = 210.0;
 
+/// A file, and what it holds.
+type Opened = (PathBuf, Result<RecordingTimeline, OpenError>);
+
 /// The state of the view.
 #[derive(Default)]
 pub struct RecordView {
-    opening: Option<(PathBuf, Receiver<Result<RecordingTimeline, String>>)>,
+    opening: Option<Background<Opened>>,
+    salvage: Salvage,
     player: Option<Player>,
     picture: Picture,
     list: RecordingList,
@@ -91,16 +97,15 @@ impl RecordView {
 
     /// Reads a file on a thread.
     pub fn open(&mut self, file: &Path, request: &PlayRequest, services: &Arc<dyn AppServices>) {
-        let (sender, receiver) = sync_channel(1);
+        self.notice = None;
+        self.salvage.offer(None);
         let (services, request, path) = (Arc::clone(services), request.clone(), file.to_owned());
-        let spawned = std::thread::Builder::new()
-            .name("timeline".to_owned())
-            .spawn(move || {
-                // The receiver is gone when another file was opened meanwhile.
-                let _ = sender.send(services.load_timeline(&path, &request));
-            });
-        match spawned {
-            Ok(_) => self.opening = Some((file.to_owned(), receiver)),
+        let started = Background::start("timeline", move || {
+            let opened = services.load_timeline(&path, &request);
+            (path, opened)
+        });
+        match started {
+            Ok(opening) => self.opening = Some(opening),
             Err(error) => self.notice = Some(format!("The file cannot be read: {error}")),
         }
     }
@@ -112,25 +117,21 @@ impl RecordView {
             return;
         }
         self.player = Some(Player::new(file, timeline));
-        self.notice = None;
     }
 
     fn poll_opening(&mut self) {
-        let Some((file, receiver)) = &self.opening else {
-            return;
+        let died = || {
+            let reason = "The file cannot be read because of a bug in gelpad".to_owned();
+            let is_damaged = false;
+            (PathBuf::new(), Err(OpenError { reason, is_damaged }))
         };
-        let result = match receiver.try_recv() {
-            Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => {
-                Err("The file cannot be read because of a bug in gelpad".to_owned())
+        match take_result(&mut self.opening, died) {
+            Some((file, Ok(timeline))) => self.show(&file, timeline),
+            Some((file, Err(error))) => {
+                self.salvage.offer(error.is_damaged.then_some(file));
+                self.notice = Some(error.reason);
             }
-            Ok(result) => result,
-        };
-        let file = file.clone();
-        self.opening = None;
-        match result {
-            Ok(timeline) => self.show(&file, timeline),
-            Err(why) => self.notice = Some(why),
+            None => {}
         }
     }
 
@@ -186,6 +187,15 @@ impl RecordView {
             };
             let text = egui::RichText::new(notice).color(color);
             ui.add(egui::Label::new(text).wrap());
+        }
+        match self.salvage.ui(ui, services) {
+            Some(Ok((file, summary))) => {
+                self.suggest(&file);
+                self.open(&file, &playing.request, services);
+                self.notice = Some(format!("{summary}: {}", file.display()));
+            }
+            Some(Err(why)) => self.notice = Some(why),
+            None => {}
         }
         row.inner
     }

@@ -1,7 +1,5 @@
 //! The orientation step: three corner presses show the first electrode and the direction of numbering.
 
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
-
 use egui::Ui;
 
 use super::{draw_notice, draw_success, paragraph};
@@ -9,6 +7,7 @@ use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::orientation::{
     GuidedPressRecorder, Orientation, OrientationSolver, Progress, with_numbering,
 };
+use crate::gui::background::{Background, take_result};
 use crate::gui::edit::write_atomically;
 use crate::gui::play::{UiAction, file_name};
 use crate::gui::playing::Playing;
@@ -19,7 +18,7 @@ use crate::types::{Frame, Nanos, PointMm};
 /// State of the step.
 #[derive(Default)]
 pub(super) struct OrientationStep {
-    solving: Option<Receiver<Result<OrientationSolver, String>>>,
+    solving: Option<Background<Result<OrientationSolver, String>>>,
     presses: Option<Box<GuidedPressRecorder>>,
     progress: Option<Progress>,
     last_ns: Nanos,
@@ -31,23 +30,13 @@ pub(super) struct OrientationStep {
 impl OrientationStep {
     /// Takes the newest frame; returns the place to press next.
     pub(super) fn take_view(&mut self, playing: &Playing) -> Option<PointMm> {
-        if let Some(receiver) = &self.solving {
-            match receiver.try_recv() {
-                Ok(Ok(solver)) => {
-                    self.presses = Some(Box::new(GuidedPressRecorder::new(solver)));
-                    self.solving = None;
-                }
-                Ok(Err(why)) => {
-                    self.notice = Some(why);
-                    self.solving = None;
-                }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.notice =
-                        Some("a bug in gelpad: the thread that solves the pad stopped".to_owned());
-                    self.solving = None;
-                }
+        let died = || Err("a bug in gelpad: the thread that solves the pad stopped".to_owned());
+        match take_result(&mut self.solving, died) {
+            Some(Ok(solver)) => {
+                self.presses = Some(Box::new(GuidedPressRecorder::new(solver)));
             }
+            Some(Err(why)) => self.notice = Some(why),
+            None => {}
         }
         let view = &playing.view;
         let fits = view.signals.volts.len() == playing.pad.channels();
@@ -123,17 +112,12 @@ impl OrientationStep {
         (self.notice, self.saved) = (None, None);
         self.progress = None;
         self.presses = None;
-        let (sender, receiver) = sync_channel(1);
         let pad = playing.pad.clone();
-        let spawned = std::thread::Builder::new()
-            .name("orientation".to_owned())
-            .spawn(move || {
-                let solved = OrientationSolver::new(&pad).map_err(|error| error.to_string());
-                // The receiver is gone if the step was restarted.
-                let _ = sender.send(solved);
-            });
-        match spawned {
-            Ok(_) => self.solving = Some(receiver),
+        let started = Background::start("orientation", move || {
+            OrientationSolver::new(&pad).map_err(|error| error.to_string())
+        });
+        match started {
+            Ok(solving) => self.solving = Some(solving),
             Err(error) => self.notice = Some(format!("cannot start a thread: {error}")),
         }
     }

@@ -3,13 +3,13 @@
 //! The game stops first: a port has one reader.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::Duration;
 
 use egui::Ui;
 
 use super::{draw_notice, paragraph};
 use crate::app::services::{AppServices, BoardLine, PlayRequest, PortDiagnosis, SourceChoice};
+use crate::gui::background::{Background, take_result};
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
@@ -21,7 +21,7 @@ const POLL: Duration = Duration::from_millis(100);
 /// State of the diagnosis.
 #[derive(Default)]
 pub(super) struct PortCheck {
-    running: Option<Receiver<Result<PortDiagnosis, String>>>,
+    running: Option<Background<Result<PortDiagnosis, String>>>,
     /// The port, and what it sent.
     done: Option<(String, PortDiagnosis)>,
     port: String,
@@ -78,7 +78,6 @@ impl PortCheck {
         playing.stop();
         port.clone_into(&mut self.port);
         (self.done, self.failed) = (None, None);
-        let (sender, receiver) = sync_channel(1);
         // Another board may be at the same port by now: its format is found again.
         let board = BoardLine {
             format: FormatChoice::default(),
@@ -86,30 +85,21 @@ impl PortCheck {
         };
         let services = Arc::clone(services);
         let listened = self.port.clone();
-        let thread = std::thread::Builder::new().name("listen".to_owned());
-        let spawned = thread.spawn(move || {
-            // Nobody waits for it any more when the window was closed.
-            let _ = sender.send(services.diagnose_port(&listened, board));
-        });
-        match spawned {
-            Ok(_) => self.running = Some(receiver),
+        let started = Background::start("listen", move || services.diagnose_port(&listened, board));
+        match started {
+            Ok(running) => self.running = Some(running),
             Err(error) => self.failed = Some(format!("the port cannot be read: {error}")),
         }
     }
 
     fn poll(&mut self, ui: &Ui) {
-        let Some(receiver) = &self.running else {
-            return;
-        };
-        match receiver.try_recv() {
-            Ok(Ok(diagnosis)) => self.done = Some((self.port.clone(), diagnosis)),
-            Ok(Err(why)) => self.failed = Some(why),
-            Err(TryRecvError::Empty) => return ui.ctx().request_repaint_after(POLL),
-            Err(TryRecvError::Disconnected) => {
-                self.failed = Some("the diagnosis failed because of a bug in gelpad".to_owned());
-            }
+        let died = || Err("the diagnosis failed because of a bug in gelpad".to_owned());
+        match take_result(&mut self.running, died) {
+            Some(Ok(diagnosis)) => self.done = Some((self.port.clone(), diagnosis)),
+            Some(Err(why)) => self.failed = Some(why),
+            None if self.running.is_some() => ui.ctx().request_repaint_after(POLL),
+            None => {}
         }
-        self.running = None;
     }
 }
 

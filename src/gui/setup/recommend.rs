@@ -3,7 +3,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Ui;
 
@@ -14,6 +13,7 @@ use crate::app::services::{AppServices, PlayRequest};
 use crate::calibrate::recommend::{
     FEWEST_TRIALS, PressLength, PressRequest, PressSession, PressTrial, QUIET_NS, Recommendation,
 };
+use crate::gui::background::{Background, take_result};
 use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
@@ -34,7 +34,7 @@ pub(super) struct RecommendStep {
     name: String,
     session: Option<PressSession>,
     changes: TouchChanges,
-    search: Option<Receiver<Result<Recommendation, String>>>,
+    search: Option<Background<Result<Recommendation, String>>>,
     recommendation: Option<Recommendation>,
     /// With whose settings the presses were made.
     person: Option<String>,
@@ -132,23 +132,11 @@ impl RecommendStep {
 
     /// Takes the result of a search, and the touches of the newest view.
     pub(super) fn update(&mut self, playing: &Playing) {
-        if let Some(receiver) = &self.search {
-            match receiver.try_recv() {
-                Ok(Ok(recommendation)) => {
-                    self.recommendation = Some(recommendation);
-                    self.search = None;
-                }
-                Ok(Err(why)) => {
-                    self.notice = Some(why);
-                    self.search = None;
-                }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.notice =
-                        Some("internal error: the search stopped without a result".to_owned());
-                    self.search = None;
-                }
-            }
+        let died = || Err("internal error: the search stopped without a result".to_owned());
+        match take_result(&mut self.search, died) {
+            Some(Ok(recommendation)) => self.recommendation = Some(recommendation),
+            Some(Err(why)) => self.notice = Some(why),
+            None => {}
         }
         let changed = self.changes.take_view(&playing.view);
         if let Some(session) = &mut self.session {
@@ -267,17 +255,13 @@ impl RecommendStep {
         services: &Arc<dyn AppServices>,
     ) {
         self.person = playing.request.user.as_deref().map(file_name);
-        let (sender, receiver) = sync_channel(1);
         let (services, request) = (Arc::clone(services), playing.request.clone());
         let pad_mm = playing.pad.outline.size_mm();
-        let spawned = std::thread::Builder::new()
-            .name("recommend".to_owned())
-            .spawn(move || {
-                // The window may have been closed.
-                let _ = sender.send(services.recommend(&trials, &request, pad_mm));
-            });
-        match spawned {
-            Ok(_) => self.search = Some(receiver),
+        let started = Background::start("recommend", move || {
+            services.recommend(&trials, &request, pad_mm)
+        });
+        match started {
+            Ok(search) => self.search = Some(search),
             Err(error) => self.notice = Some(format!("cannot start a thread: {error}")),
         }
     }

@@ -80,7 +80,7 @@ fn figure_rows(playing: &Playing, figures: &Health) -> Vec<Row> {
         ),
         (
             "reciprocity error",
-            reciprocity.map_or("no pairs".to_owned(), percent),
+            reciprocity.map_or("not measurable".to_owned(), percent),
             reciprocity.map(|share| share < POOR_RECIPROCITY),
         ),
         ("largest drift", percent(drift), None),

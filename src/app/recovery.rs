@@ -1,0 +1,107 @@
+//! Saves what can be read of a damaged recording beside it, for the window. The damaged file stays as it is.
+
+use std::path::{Path, PathBuf};
+
+use super::restore::Restorer;
+use super::{AppError, Progress};
+use crate::eit::REFERENCE_FRAMES;
+use crate::session::{self, RecoveryReport};
+
+/// Saves the readable part as `NAME-saved.mcap`, or with a number if that exists; returns the file and what it holds.
+///
+/// # Errors
+/// Too little can be read to replay it, or the copy cannot be written.
+pub(super) fn save_readable_part(
+    recording: &Path,
+    progress: Progress<'_>,
+) -> Result<(PathBuf, String), AppError> {
+    let saved = unused_name(recording);
+    let mut restorer = Restorer::new(progress, None);
+    let least_frames = REFERENCE_FRAMES as u64;
+    let report =
+        session::recover(recording, &saved, &mut restorer, least_frames).map_err(|error| {
+            AppError::Content {
+                path: recording.to_owned(),
+                reason: error.to_string(),
+            }
+        })?;
+    let summary = summary(&report, &restorer.replaced);
+    Ok((saved, summary))
+}
+
+fn unused_name(recording: &Path) -> PathBuf {
+    let stem = recording.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = format!("{stem}-saved.mcap");
+    let mut number = 2;
+    while recording.with_file_name(&name).exists() {
+        name = format!("{stem}-saved-{number}.mcap");
+        number += 1;
+    }
+    recording.with_file_name(name)
+}
+
+fn summary(report: &RecoveryReport, replaced: &[String]) -> String {
+    let mut text = format!("Saved {} frames", report.frames);
+    match report.losses {
+        0 => {}
+        1 => text.push_str("; one place could not be read"),
+        losses => text.push_str(&format!("; {losses} places could not be read")),
+    }
+    for what in replaced {
+        text.push_str("; ");
+        text.push_str(what);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_existing_file_is_never_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| folder.path().join(name);
+        let recording = file("level 1.mcap");
+        assert_eq!(unused_name(&recording), file("level 1-saved.mcap"));
+        for name in ["level 1-saved.mcap", "level 1-saved-2.mcap"] {
+            std::fs::write(file(name), "").expect("written");
+        }
+        assert_eq!(unused_name(&recording), file("level 1-saved-3.mcap"));
+    }
+
+    #[test]
+    fn what_can_be_read_of_a_cut_recording_is_saved_beside_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recording = folder.path().join("cut.mcap");
+        let whole = include_bytes!("../../tests/data/recordings/version-1.mcap");
+        let cut = &whole[..whole.len() * 9 / 10];
+        std::fs::write(&recording, cut).expect("written");
+
+        let (saved, summary) = save_readable_part(&recording, &|_, _| ()).expect("readable");
+        assert_eq!(saved, folder.path().join("cut-saved.mcap"));
+        assert!(summary.starts_with("Saved "), "{summary}");
+        let (mut player, _) = super::super::recording::open_recording(&saved).expect("a recording");
+        while player.next().expect("whole").is_some() {}
+        assert_eq!(std::fs::read(&recording).expect("left"), cut);
+
+        std::fs::write(&recording, &whole[..400]).expect("written");
+        save_readable_part(&recording, &|_, _| ()).expect_err("nothing to replay");
+        let files = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(files, 2, "no other file is left");
+    }
+
+    #[test]
+    fn the_summary_counts_what_was_lost() {
+        let report = |losses| RecoveryReport {
+            frames: 1200,
+            losses,
+            ..RecoveryReport::default()
+        };
+        assert_eq!(summary(&report(0), &[]), "Saved 1200 frames");
+        assert_eq!(
+            summary(&report(3), &["the pad is assumed".to_owned()]),
+            "Saved 1200 frames; 3 places could not be read; the pad is assumed"
+        );
+    }
+}
