@@ -93,7 +93,8 @@ impl AppError {
         };
         match error {
             PlayerError::Read(error) => error.is_damage(),
-            PlayerError::EngineConfig(_) | PlayerError::Invalid(_) => true,
+            PlayerError::EngineConfig(error) => error.is_solved_again(),
+            PlayerError::Invalid(_) => true,
         }
     }
 }

@@ -230,6 +230,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn of_a_damaged_recording_the_first_line_is_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let open = |bytes: &[u8]| {
+            let file = folder.path().join("session.mcap");
+            std::fs::write(&file, bytes).expect("written");
+            let opened = LocalServices::default().load_timeline(&file, &PlayRequest::default());
+            opened.err().expect("cannot be shown")
+        };
+        let whole = include_bytes!("../../tests/data/recordings/version-1.mcap");
+        let cut = open(&whole[..whole.len() * 9 / 10]);
+        assert!(cut.is_damaged && !cut.reason.contains('\n'), "{cut:?}");
+        let foreign = open(b"\x89MCAP0\r\n");
+        assert!(!foreign.is_damaged, "{foreign:?}");
+    }
+
+    #[test]
     fn a_reload_that_worked_takes_the_last_line_back() {
         let played = ReloadNotice::Playing {
             profile: "super-mario".to_owned(),

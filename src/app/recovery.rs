@@ -3,30 +3,42 @@
 use std::path::{Path, PathBuf};
 
 use super::restore::Restorer;
+use super::services::SavedPart;
 use super::{AppError, Progress};
 use crate::eit::REFERENCE_FRAMES;
 use crate::session::{self, RecoveryReport};
 
-/// Saves the readable part as `NAME-saved.mcap`, or with a number if that exists; returns the file and what it holds.
+/// Saves the readable part as `NAME-saved.mcap`, or with a number if that exists.
 ///
 /// # Errors
 /// Too little can be read to replay it, or the copy cannot be written.
 pub(super) fn save_readable_part(
     recording: &Path,
     progress: Progress<'_>,
-) -> Result<(PathBuf, String), AppError> {
-    let saved = unused_name(recording);
+) -> Result<SavedPart, AppError> {
+    let path = unused_name(recording);
     let mut restorer = Restorer::new(progress, None);
     let least_frames = REFERENCE_FRAMES as u64;
-    let report =
-        session::recover(recording, &saved, &mut restorer, least_frames).map_err(|error| {
-            AppError::Content {
-                path: recording.to_owned(),
-                reason: error.to_string(),
-            }
-        })?;
-    let summary = summary(&report, &restorer.replaced);
-    Ok((saved, summary))
+    match session::recover(recording, &path, &mut restorer, least_frames) {
+        Ok(report) => Ok(SavedPart {
+            path,
+            summary: summary(&report, &restorer.replaced),
+            has_frames: report.frames > 0,
+        }),
+        Err(error) => Err(AppError::Content {
+            path: recording.to_owned(),
+            reason: failure(&error.to_string(), &restorer.replaced),
+        }),
+    }
+}
+
+/// Why nothing was saved, what was tried, and the command that tries more. Of all the places that cannot be read, the command tells.
+fn failure(error: &str, replaced: &[String]) -> String {
+    let reason = error.lines().next().unwrap_or_default();
+    let tried: String = replaced.iter().map(|what| format!("\n{what}")).collect();
+    format!(
+        "{reason}{tried}\nhelp: `gelpad recover FILE -o SAVED` saves elsewhere, and takes another pad with --pad"
+    )
 }
 
 fn unused_name(recording: &Path) -> PathBuf {
@@ -41,7 +53,10 @@ fn unused_name(recording: &Path) -> PathBuf {
 }
 
 fn summary(report: &RecoveryReport, replaced: &[String]) -> String {
-    let mut text = format!("Saved {} frames", report.frames);
+    let mut text = match report.frames {
+        0 => format!("Saved {} states of a gamepad", report.controls),
+        frames => format!("Saved {frames} frames"),
+    };
     match report.losses {
         0 => {}
         1 => text.push_str("; one place could not be read"),
@@ -57,6 +72,7 @@ fn summary(report: &RecoveryReport, replaced: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::recording::open_recording;
 
     #[test]
     fn an_existing_file_is_never_replaced() {
@@ -78,15 +94,19 @@ mod tests {
         let cut = &whole[..whole.len() * 9 / 10];
         std::fs::write(&recording, cut).expect("written");
 
-        let (saved, summary) = save_readable_part(&recording, &|_, _| ()).expect("readable");
-        assert_eq!(saved, folder.path().join("cut-saved.mcap"));
-        assert!(summary.starts_with("Saved "), "{summary}");
-        let (mut player, _) = super::super::recording::open_recording(&saved).expect("a recording");
+        let saved = save_readable_part(&recording, &|_, _| ()).expect("readable");
+        assert_eq!(saved.path, folder.path().join("cut-saved.mcap"));
+        assert!(
+            saved.has_frames && saved.summary.starts_with("Saved "),
+            "{saved:?}"
+        );
+        let (mut player, _) = open_recording(&saved.path).expect("a recording");
         while player.next().expect("whole").is_some() {}
         assert_eq!(std::fs::read(&recording).expect("left"), cut);
 
         std::fs::write(&recording, &whole[..400]).expect("written");
-        save_readable_part(&recording, &|_, _| ()).expect_err("nothing to replay");
+        let error = save_readable_part(&recording, &|_, _| ()).expect_err("nothing to replay");
+        assert!(error.to_string().contains("gelpad recover"), "{error}");
         let files = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(files, 2, "no other file is left");
     }
@@ -103,5 +123,10 @@ mod tests {
             summary(&report(3), &["the pad is assumed".to_owned()]),
             "Saved 1200 frames; 3 places could not be read; the pad is assumed"
         );
+        let gamepad = RecoveryReport {
+            controls: 7,
+            ..RecoveryReport::default()
+        };
+        assert_eq!(summary(&gamepad, &[]), "Saved 7 states of a gamepad");
     }
 }

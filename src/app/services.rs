@@ -81,6 +81,17 @@ pub struct OpenError {
     pub is_damaged: bool,
 }
 
+/// What was saved of a damaged recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SavedPart {
+    /// The new recording.
+    pub path: PathBuf,
+    /// What it holds, and what was lost or replaced, for the player.
+    pub summary: String,
+    /// Whether it holds frames, which the window shows; one of a gamepad does not.
+    pub has_frames: bool,
+}
+
 /// Starts games and finds texts.
 pub trait AppServices: Send + Sync {
     /// Starts a game. Takes seconds for a new pad: call it on a thread.
@@ -166,11 +177,11 @@ pub trait AppServices: Send + Sync {
         request: &PlayRequest,
     ) -> Result<RecordingTimeline, OpenError>;
 
-    /// Saves what can be read of a damaged recording beside it, under a new name; returns the file and what it holds. May take seconds.
+    /// Saves what can be read of a damaged recording beside it, under a new name. May take seconds.
     ///
     /// # Errors
-    /// Too little can be read, or the copy cannot be written.
-    fn save_readable_part(&self, recording: &Path) -> Result<(PathBuf, String), String> {
+    /// Too little can be read, or the copy cannot be written: the reason and what to do, for the player.
+    fn save_readable_part(&self, recording: &Path) -> Result<SavedPart, String> {
         let saved = save_readable_part(recording, &|_, _| ());
         saved.map_err(|error| error.to_string())
     }

@@ -10,6 +10,7 @@ use super::comfort::Comfort;
 use super::comfort::last_game::{LastGame, kept_output};
 use super::edit::{BindStep, EditView};
 use super::focus_ring::FocusRing;
+use super::held_keys;
 use super::pad_window::PadWindow;
 use super::picture::Picture;
 use super::play;
@@ -396,8 +397,10 @@ impl App {
 
     /// F1 to F7 switch views.
     fn handle_keys(&mut self, ui: &Ui) {
+        held_keys::drop_repeated_clicks(ui);
         if self.checks_keys() {
-            self.set_up.take_keys(ui);
+            let sent = &self.playing.view.profile.outputs;
+            self.set_up.take_keys(ui, sent);
         }
         if self.tab == Tab::Edit && matches!(self.edit.bind_step, BindStep::Key(_)) {
             // The next key becomes the binding.
@@ -438,7 +441,7 @@ impl App {
         ui.label(egui::RichText::new(mark).color(colour));
         let view = &playing.view;
         let words = format!(
-            "{state}   ·   {:.0} frames/s   ·   {:.2} ms a frame   ·   {} → {}   ·   {}",
+            "{state}   ·   {:.0} frames/s   ·   {:.2} ms delay   ·   {} → {}   ·   {}",
             playing.frames_per_s(),
             view.latency_us as f64 / 1e3,
             playing.request.source_label(),

@@ -1,7 +1,7 @@
 //! A drop-down list that also works with the keyboard alone: Enter chooses and closes, Tab past its end or Esc closes, and the
 //! focus returns to the list's button.
 
-use egui::{ComboBox, Popup, Response, Ui};
+use egui::{ComboBox, Popup, PopupCloseBehavior, Response, Ui};
 
 /// An entry of a list: its value and its label.
 pub(super) type Entry<T> = (T, String);
@@ -18,7 +18,10 @@ pub(super) fn list<T: PartialEq>(
     entries: Vec<Entry<T>>,
 ) -> Option<T> {
     let mut chosen = None;
-    let combo = combo.height(list_height(ui, entries.len()));
+    // A press on the list's own scroll bar leaves it open.
+    let combo = combo
+        .height(list_height(ui, entries.len()))
+        .close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let shown = combo.show_ui(ui, |ui| {
         let mut has_focus = false;
         for (value, text) in entries {

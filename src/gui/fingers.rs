@@ -113,9 +113,10 @@ impl Fingers {
         any
     }
 
-    /// Pins the finger of the mouse where it is; returns whether there was one.
+    /// Pins the newest finger of the mouse or of a key where it is; returns whether there was one.
     pub fn pin(&mut self) -> bool {
-        match self.held.iter_mut().find(|h| h.holder == Holder::Mouse) {
+        let can_pin = |held: &&mut Held| matches!(held.holder, Holder::Mouse | Holder::Digit(_));
+        match self.held.iter_mut().rev().find(can_pin) {
             Some(held) => {
                 held.holder = Holder::Pin;
                 true
@@ -221,6 +222,18 @@ mod tests {
         assert_eq!(fingers.pinned_mm().collect::<Vec<_>>(), [[20.0, 20.0]]);
         fingers.press(Holder::Mouse, [22.0, 21.0]);
         assert!(!fingers.any_down());
+    }
+
+    #[test]
+    fn a_finger_of_a_key_is_pinned_too() {
+        let mut fingers = Fingers::default();
+        fingers.press(Holder::Digit(1), [20.0, 20.0]);
+        assert!(fingers.pin() && !fingers.lift(Holder::Digit(1)));
+        assert!(!fingers.pin(), "no other finger");
+        fingers.press(Holder::Digit(2), [80.0, 50.0]);
+        assert_eq!(fingers.for_pad().len(), 2);
+        assert!(fingers.lift(Holder::Digit(2)));
+        assert_eq!(fingers.pinned_mm().collect::<Vec<_>>(), [[20.0, 20.0]]);
     }
 
     #[test]

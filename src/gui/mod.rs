@@ -15,6 +15,7 @@ pub mod edit;
 mod file_dialog;
 pub mod fingers;
 mod focus_ring;
+mod held_keys;
 pub mod history;
 mod overlay;
 mod pad_nodes;

@@ -120,7 +120,7 @@ pub(super) fn notches(unit: MouseWheelUnit, delta: f32) -> f64 {
     }
 }
 
-/// Space pins the finger of the mouse, Escape lifts all, digits press regions. Returns whether anything changed.
+/// Space pins the newest finger of the mouse or of a digit, Escape lifts all, digits press regions. Returns whether anything changed.
 fn handle_key(key: Key, pressed: bool, place: &PadTransform, playing: &mut Playing) -> bool {
     match key {
         Key::Space if pressed => playing.fingers.pin(),

@@ -30,6 +30,9 @@ pub struct Palette {
     pub bad: Color32,
 }
 
+/// Width of a scroll bar, points.
+const SCROLL_BAR_POINTS: f32 = 14.0;
+
 /// How far the pointer may move within a click, points: hands that shake. Dragging begins beyond.
 const CLICK_POINTS: f32 = 12.0;
 
@@ -122,6 +125,19 @@ pub fn apply_style(ctx: &egui::Context) {
             ]
             .into();
             style.spacing.item_spacing = egui::vec2(8.0, 7.0);
+            // Bars that are always seen and wide enough to be hit: not everybody has a wheel.
+            style.spacing.scroll = egui::style::ScrollStyle {
+                bar_width: SCROLL_BAR_POINTS,
+                floating_width: 0.6 * SCROLL_BAR_POINTS,
+                floating_allocated_width: SCROLL_BAR_POINTS,
+                handle_min_length: 3.0 * SCROLL_BAR_POINTS,
+                dormant_background_opacity: 0.2,
+                dormant_handle_opacity: 0.5,
+                ..egui::style::ScrollStyle::floating()
+            };
+            // A hand that shakes never holds the pointer still over something.
+            style.interaction.show_tooltips_only_when_still = false;
+            style.interaction.tooltip_delay = 0.0;
             style.spacing.button_padding = egui::vec2(11.0, 6.0);
             style.spacing.interact_size.y = 28.0;
             style.spacing.slider_width = 150.0;

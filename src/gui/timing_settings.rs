@@ -138,8 +138,10 @@ pub(super) fn draw_slider(
         let coarse = COARSE_STEPS * step;
         let by = coarse * wheel_notches(ui, &response) + coarse * clicked_steps(ui, setting.label);
         wanted = (wanted + by).clamp(0.0, setting.max);
-        let is_held = ui.input(|input| input.pointer.any_down());
-        (wanted, response.drag_stopped() || (by != 0.0 && !is_held))
+        let (is_held, is_released) =
+            ui.input(|input| (input.pointer.any_down(), input.pointer.any_released()));
+        let is_final = response.drag_stopped() || is_released || (by != 0.0 && !is_held);
+        (wanted, is_final)
     });
     if hint == HintPlace::Below {
         let text = egui::RichText::new(setting.hint).small().weak();

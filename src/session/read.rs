@@ -68,10 +68,7 @@ impl ReadError {
     /// Whether a recording of gelpad is cut off or damaged, so that a part of it may be saved.
     #[must_use]
     pub fn is_damage(&self) -> bool {
-        matches!(
-            self,
-            Self::NoSetup { .. } | Self::Cut { .. } | Self::Damaged { .. }
-        )
+        matches!(self, Self::Cut { .. } | Self::Damaged { .. })
     }
 }
 

@@ -38,6 +38,14 @@ pub struct EngineConfigError {
     pub why: String,
 }
 
+impl EngineConfigError {
+    /// Whether the part follows from the recording's pad, so that a copy can contain it again.
+    #[must_use]
+    pub fn is_solved_again(&self) -> bool {
+        matches!(self.part, "matrix" | "response table")
+    }
+}
+
 impl EngineConfig {
     /// The attachments of a recording.
     #[must_use]

@@ -144,7 +144,7 @@ impl UnknownName {
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let lower = text.to_lowercase();
     known
-        .map(|name| (strsim::osa_distance(&lower, name), name))
+        .map(|name| (strsim::osa_distance(&lower, &name.to_lowercase()), name))
         .min_by_key(|(edits, _)| *edits)
         .filter(|(edits, name)| 2 * edits < name.chars().count().min(lower.chars().count()).max(1))
         .map(|(_, name)| name.to_owned())

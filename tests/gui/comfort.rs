@@ -93,6 +93,26 @@ fn a_slow_click_of_a_shaking_hand_counts() {
 }
 
 #[test]
+fn a_held_enter_key_clicks_once() {
+    let mut stage = stage();
+    let file = stage.services.folder.path().join("users/me.toml");
+    assert!(stage.tab_to("More: Slow keys"));
+    for pressed in [true, true, true, false] {
+        stage.window.event(egui::Event::Key {
+            key: egui::Key::Enter,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+        stage.steps(2);
+    }
+    stage.steps(4);
+    let text = std::fs::read_to_string(&file).expect("saved");
+    assert_eq!(text, "slow_keys_ms = 10\n");
+}
+
+#[test]
 fn a_slow_click_is_one_step_and_a_held_button_repeats() {
     let mut stage = stage();
     let file = stage.services.folder.path().join("users/me.toml");

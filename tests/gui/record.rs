@@ -104,6 +104,19 @@ fn a_file_that_cannot_be_read_says_why() {
 }
 
 #[test]
+fn space_presses_the_control_that_has_the_focus() {
+    let mut stage = stage();
+    assert!(stage.tab_to("Step forward"));
+    stage.key(egui::Key::Space);
+    assert!(stage.shows("frame 2 of"), "{:?}", stage.window);
+    assert!(stage.tab_to("Position in the recording"));
+    stage.key(egui::Key::End);
+    assert!(stage.shows(&format!("frame {FRAMES} of")));
+    stage.key(egui::Key::Home);
+    assert!(stage.shows("frame 1 of"));
+}
+
+#[test]
 fn what_can_be_read_of_a_damaged_recording_is_saved_and_shown() {
     let mut stage = Stage::with_view(Tab::Record, WIDE);
     let file = stage.services.folder.path().join("damaged.mcap");
@@ -111,7 +124,9 @@ fn what_can_be_read_of_a_damaged_recording_is_saved_and_shown() {
     stage.steps(2);
     stage.button("Open");
     stage.wait_until(|stage| stage.shows("this is not a recording"));
-    stage.button("Save what can be read");
+    stage.button("Save what can be read of damaged.mcap");
+    stage.wait_until(|stage| stage.shows("no room on the disk"));
+    stage.button("Save what can be read of damaged.mcap");
     stage.wait_until(|stage| stage.shows(&format!("frame 1 of {FRAMES}")));
     assert!(stage.shows("Saved 121 frames; one place could not be read"));
     assert!(stage.shows("damaged-saved.mcap"));
@@ -232,6 +247,9 @@ fn recordings_are_listed_renamed_and_deleted() {
     assert!(folder.join("level.mcap").exists());
     stage.steps(2);
     stage.button("Delete level");
+    stage.steps(2);
+    let cancel = stage.window.get_by_label("Cancel");
+    assert!(cancel.is_focused(), "Enter keeps the file");
     stage.button("Delete");
     assert!(!folder.join("level.mcap").exists());
 }

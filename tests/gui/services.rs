@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use gelpad::app::services::{
-    AppServices, BoardLine, OpenError, OutputChoice, PlayRequest, SourceChoice, StartError,
-    Started, Watch,
+    AppServices, BoardLine, OpenError, OutputChoice, PlayRequest, SavedPart, SourceChoice,
+    StartError, Started, Watch,
 };
 use gelpad::app::timeline::RecordingTimeline;
 use gelpad::calibrate::Press;
@@ -42,6 +42,8 @@ pub struct TestServices {
     pub board: Mutex<Option<TestBoard>>,
     /// The output that cannot be opened.
     pub broken_output: Mutex<Option<OutputChoice>>,
+    /// Whether there is room for what can be read of a damaged recording: at the second try.
+    can_save: Mutex<bool>,
     /// What the recommended settings make of the presses.
     pub found: Mutex<Found>,
     /// Folders that were shown.
@@ -137,6 +139,7 @@ impl TestServices {
             broken_output: Mutex::new(None),
             found: Mutex::new(Found::Same),
             shown_folders: Mutex::new(Vec::new()),
+            can_save: Mutex::new(false),
         }
     }
 
@@ -218,13 +221,17 @@ impl AppServices for TestServices {
         })
     }
 
-    fn save_readable_part(&self, recording: &Path) -> Result<(PathBuf, String), String> {
-        let saved = recording.with_file_name("damaged-saved.mcap");
+    fn save_readable_part(&self, recording: &Path) -> Result<SavedPart, String> {
+        let mut can_save = self.can_save.lock().expect("no panic");
+        if !std::mem::replace(&mut *can_save, true) {
+            return Err("no room on the disk".to_owned());
+        }
         *self.tape.lock().expect("no panic") = Some(crate::record::timeline());
-        Ok((
-            saved,
-            "Saved 121 frames; one place could not be read".to_owned(),
-        ))
+        Ok(SavedPart {
+            path: recording.with_file_name("damaged-saved.mcap"),
+            summary: "Saved 121 frames; one place could not be read".to_owned(),
+            has_frames: true,
+        })
     }
 
     fn calibration_places(&self, _: &Pad, count: usize) -> Vec<PointMm> {

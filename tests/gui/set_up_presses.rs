@@ -10,7 +10,7 @@ use gelpad::gui::still::touch;
 use gelpad::gui::theme::palette;
 
 use crate::services::{Found, TestServices};
-use crate::set_up::{at, make_the_presses};
+use crate::set_up::{at, make_presses, make_the_presses, wait_for_recommendation};
 use crate::{Stage, WIDE};
 
 /// The step *Personal settings* after all presses, with settings that score as given.
@@ -121,6 +121,19 @@ fn escape_lifts_pinned_fingers_and_leaves_the_field_before_it_stops_the_presses(
     assert!(stage.shows("0 of 24"), "{:?}", stage.window);
     stage.key(egui::Key::Escape);
     assert!(!stage.shows("0 of 24"), "{:?}", stage.window);
+}
+
+#[test]
+fn twelve_presses_may_be_enough() {
+    let mut stage = at(Step::Recommend);
+    stage.button("Start");
+    make_presses(&mut stage, 11);
+    assert!(!stage.has_label("That is enough"), "too few");
+    make_presses(&mut stage, 1);
+    stage.button("That is enough");
+    wait_for_recommendation(&mut stage);
+    assert!(!stage.has_label("Stop") && !stage.shows("stopped"));
+    assert!(stage.shows("of your presses"), "{:?}", stage.window);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Requests presses one after the other and records the touches of each.
 //!
-//! The next press is requested when the pad was touched and then released for [`QUIET_NS`], so a player may press as slowly
+//! The next press is requested when the pad was touched and then released for [`QUIET_NS`], or longer while a second tap is missing, so a player may press as slowly
 //! and as often as needed.
 
 use super::trial::{PressLength, PressRequest, PressTrial};
@@ -9,6 +9,8 @@ use crate::types::{NANOS_PER_MS, Nanos, Phase, Touch};
 
 /// A request ends when the pad was released for this long: longer than the gap between two slow presses.
 pub const QUIET_NS: Nanos = 2_000 * NANOS_PER_MS;
+/// Where two taps are requested, the second one may come this much later: it must not count for the next request.
+const SECOND_TAP_NS: Nanos = 10_000 * NANOS_PER_MS;
 /// Most touch changes recorded for one request.
 const MOST_TOUCHES: usize = 20_000;
 /// Press lengths in the order of the requests.
@@ -125,7 +127,7 @@ impl PressSession {
         }
         let over = !self.open.is_empty()
             && self.down == 0
-            && t_ns.saturating_sub(self.last_ns) >= QUIET_NS;
+            && t_ns.saturating_sub(self.last_ns) >= self.quiet_ns(asked.length);
         if over {
             self.done.push(PressTrial {
                 request: Some(asked.clone()),
@@ -133,6 +135,12 @@ impl PressSession {
             });
         }
         over
+    }
+
+    /// How long the pad is at rest after the last touch of a request.
+    fn quiet_ns(&self, length: PressLength) -> Nanos {
+        let waits = length == PressLength::Twice && self.lifts() == 1;
+        if waits { SECOND_TAP_NS } else { QUIET_NS }
     }
 
     /// Ends the session; a press of the current request counts.
@@ -191,6 +199,26 @@ mod tests {
         assert_eq!(session.lifts(), 1);
         assert!(session.take_frame(3 * QUIET_NS, &[]));
         assert_eq!(session.lifts(), 0, "of the next request");
+    }
+
+    #[test]
+    fn a_slow_second_tap_belongs_to_the_same_request() {
+        let asked = PressRequest {
+            region: "jump".to_owned(),
+            length: PressLength::Twice,
+        };
+        let mut session = PressSession::new(vec![asked.clone(), asked]);
+        let s = |seconds: u64| seconds * 1000 * NANOS_PER_MS;
+        session.take_frame(0, &[touch(Phase::Down)]);
+        session.take_frame(s(1), &[touch(Phase::Up)]);
+        assert!(!session.take_frame(s(8), &[]), "the second tap is missing");
+        session.take_frame(s(9), &[touch(Phase::Down)]);
+        session.take_frame(s(10), &[touch(Phase::Up)]);
+        assert!(session.take_frame(s(12), &[]));
+        session.take_frame(s(13), &[touch(Phase::Down)]);
+        session.take_frame(s(14), &[touch(Phase::Up)]);
+        assert!(session.take_frame(s(24), &[]), "it does not come");
+        assert_eq!(session.finish().len(), 2);
     }
 
     #[test]

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use crate::gui::playing::Playing;
 use crate::profile::Profile;
 
-/// How long an alert is shown, s.
-pub const SHOWN_S: f64 = 0.6;
+/// How long an accepted press is shown, s, ...
+const FLASH_S: f64 = 0.6;
+/// ... and words that are to be read.
+const READ_S: f64 = 5.0;
 
 /// An event that the player should notice.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,14 @@ pub enum Alert {
 }
 
 impl Alert {
+    /// How long it is shown, s; a pause and a disconnected pad until they end.
+    pub fn shown_s(&self) -> f64 {
+        match self {
+            Self::Accepted => FLASH_S,
+            _ => READ_S,
+        }
+    }
+
     /// A word or two.
     pub fn text(&self) -> String {
         match self {
@@ -91,7 +101,7 @@ impl Feedback {
     /// The alert to show and the elapsed share of its time, 0 to 1.
     pub fn shown(&self, now_s: f64) -> Option<(&Alert, f32)> {
         let (alert, since_s) = self.newest.as_ref()?;
-        let age = (now_s - since_s) / SHOWN_S;
+        let age = (now_s - since_s) / alert.shown_s();
         let lasts = matches!(alert, Alert::Paused | Alert::Disconnected);
         (lasts || age < 1.0).then_some((alert, age.clamp(0.0, 1.0) as f32))
     }
@@ -111,7 +121,7 @@ mod tests {
         assert!(feedback.update(&playing, 1.0));
         assert_eq!(feedback.shown(1.1).map(|s| s.0), Some(&Alert::Accepted));
         assert!(!feedback.update(&playing, 1.1), "held, not pressed again");
-        assert_eq!(feedback.shown(1.0 + SHOWN_S), None);
+        assert_eq!(feedback.shown(1.0 + FLASH_S), None);
         playing.view.paused = true;
         assert!(feedback.update(&playing, 2.0));
         assert_eq!(feedback.shown(60.0).map(|s| s.0), Some(&Alert::Paused));

@@ -119,7 +119,7 @@ impl Comfort {
         let has_text =
             self.preferences.large_alerts && (*alert != Alert::Accepted || self.preferences.flash);
         if age < 1.0 && (self.preferences.flash || has_text) {
-            let to_end = feedback::SHOWN_S * f64::from(1.0 - age);
+            let to_end = alert.shown_s() * f64::from(1.0 - age);
             let next_s = if self.preferences.flash {
                 to_end.min(FADE_STEP_S)
             } else {

@@ -83,7 +83,10 @@ fn pressed_key(ui: &Ui) -> Option<egui::Key> {
     ui.input_mut(|input| {
         let key = input.events.iter().find_map(|event| match event {
             egui::Event::Key {
-                key, pressed: true, ..
+                key,
+                pressed: true,
+                repeat: false,
+                ..
             } => Some(*key),
             _ => None,
         })?;

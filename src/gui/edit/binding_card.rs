@@ -10,6 +10,7 @@ use super::document_bindings::{texts, texts_value};
 use super::{EditView, GameContext};
 use crate::gui::choice;
 use crate::gui::theme;
+use crate::gui::timing_settings::clicked_steps;
 use crate::profile::{Fallback, Key, KeyKind, Table, keys};
 
 /// Keys that every binding shows, in this order; those of its gesture and its mode follow.
@@ -20,6 +21,8 @@ const NEW_OUTPUT: &str = "key:space";
 const LETTERS: (f32, f32) = (8.0, 10.5);
 /// Width of the names before the fields, points.
 const NAME_WIDTH: f32 = 96.0;
+/// A click of the buttons beside a number changes it by so many steps of a drag.
+const COARSE_STEP: f64 = 5.0;
 
 impl EditView {
     /// Draws the bindings of the selected region.
@@ -238,12 +241,19 @@ fn draw_number(
     };
     let mut number = written.unwrap_or(default);
     let speed = ((range.end() - range.start()) / 500.0).clamp(0.01, 2.0);
+    let step = speed * COARSE_STEP;
     let field = egui::DragValue::new(&mut number)
-        .range(range)
+        .range(range.clone())
         .speed(speed)
         .max_decimals(2)
         .suffix(unit);
-    let changed = ui.add(field).labelled_by(label.id).changed();
+    let mut changed = ui.add(field).labelled_by(label.id).changed();
+    let steps = clicked_steps(ui, key.name);
+    if steps != 0.0 {
+        let rounded = ((number / step).round() + steps) * step;
+        number = rounded.clamp(*range.start(), *range.end());
+        changed = true;
+    }
     if written.is_none() {
         ui.weak("default");
     } else if theme::small_button(ui, "⟲")

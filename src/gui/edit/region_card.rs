@@ -4,9 +4,12 @@ use egui::Ui;
 
 use super::{EditView, GameContext};
 use crate::gui::theme;
+use crate::gui::timing_settings::clicked_steps;
 use crate::profile::{Profile, Region, Shape};
 use crate::types::Output;
 
+/// Steps of the buttons beside a place or size, percent of the pad.
+const PERCENT_STEP: f64 = 1.0;
 /// Place and size of a new region, fractions of the pad.
 const NEW_REGION: [f64; 4] = [0.4, 0.4, 0.2, 0.2];
 
@@ -70,12 +73,15 @@ impl EditView {
                     info.label = Some(format!("{key} of {name}, percent of the pad"));
                     info
                 });
-                if response.changed() && !self.ask_if_in_grid(name) {
+                let by = PERCENT_STEP * clicked_steps(ui, &format!("{key} of {name}"));
+                percent = (percent + by).clamp(0.0, 100.0);
+                if (response.changed() || by != 0.0) && !self.ask_if_in_grid(name) {
                     self.change(game, |document| {
                         document.set_region(name, &[(key, percent / 100.0)])
                     });
                 }
-                if response.drag_stopped() || response.lost_focus() {
+                let is_released = ui.input(|input| input.pointer.any_released());
+                if is_released || response.lost_focus() {
                     self.end_change();
                 }
             }

@@ -190,7 +190,11 @@ fn problem_line(ui: &mut Ui, problem: Option<&Problem>) -> Option<UiAction> {
     let builder = egui::UiBuilder::new().max_rect(inner).layout(layout);
     let clicked = ui.scope_builder(builder, |ui| {
         let fix = problem.and_then(|problem| problem.fix.as_ref());
-        let button = fix.map(|(label, _)| theme::primary(ui, label));
+        // Another problem has another button: a slow click on the one before does nothing.
+        let draw = |(label, _): &(&str, UiAction)| {
+            ui.push_id(*label, |ui| theme::primary(ui, label)).inner
+        };
+        let button = fix.map(draw);
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.label(egui::RichText::new(mark).color(colour).size(17.0));
             let mut line = egui::Label::new(text).truncate();

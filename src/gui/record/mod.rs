@@ -13,7 +13,7 @@ use egui::{Key, Pos2, Rect, Ui, Vec2};
 
 use self::list::RecordingList;
 use self::player::Player;
-use self::salvage::Salvage;
+use self::salvage::{Salvage, Salvaged};
 use super::background::{Background, take_result};
 use super::picture::{Picture, PictureLayers};
 use super::playing::Playing;
@@ -156,6 +156,7 @@ impl RecordView {
             if self.player.is_some() && ui.button("Close this recording").clicked() {
                 self.player = None;
                 self.notice = None;
+                self.salvage.offer(None);
             }
             clicked.then_some(UiAction::Record)
         });
@@ -189,12 +190,19 @@ impl RecordView {
             ui.add(egui::Label::new(text).wrap());
         }
         match self.salvage.ui(ui, services) {
-            Some(Ok((file, summary))) => {
-                self.suggest(&file);
-                self.open(&file, &playing.request, services);
-                self.notice = Some(format!("{summary}: {}", file.display()));
+            Some(Salvaged {
+                result: Ok(saved),
+                is_awaited,
+            }) => {
+                self.suggest(&saved.path);
+                if is_awaited && saved.has_frames {
+                    self.open(&saved.path, &playing.request, services);
+                }
+                self.notice = Some(format!("{}: {}", saved.summary, saved.path.display()));
             }
-            Some(Err(why)) => self.notice = Some(why),
+            Some(Salvaged {
+                result: Err(why), ..
+            }) => self.notice = Some(why),
             None => {}
         }
         row.inner

@@ -28,6 +28,8 @@ pub(super) struct Player {
     pub(super) marks: [Option<usize>; 2],
     plays: bool,
     loops: bool,
+    /// Whether the bar of the recording has the focus.
+    pub(super) has_bar_focus: bool,
     /// Position, s.
     at_s: f64,
     /// Whether the question is shown that saving would replace other expected events.
@@ -51,6 +53,7 @@ impl Player {
             marks: [None, None],
             plays: false,
             loops: false,
+            has_bar_focus: false,
             at_s: 0.0,
             asks_to_replace: false,
         };
@@ -97,7 +100,9 @@ impl Player {
     pub(super) fn advance(&mut self, ui: &Ui) {
         let no_text = !ui.ctx().text_edit_focused();
         let key = |key| no_text && ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
-        if key(Key::Space) {
+        // On another control, Space presses it.
+        let is_free = self.has_bar_focus || ui.memory(|memory| memory.focused().is_none());
+        if is_free && key(Key::Space) {
             self.plays = !self.plays;
         }
         if key(Key::Comma) {

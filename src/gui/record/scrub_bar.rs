@@ -16,7 +16,8 @@ pub(super) fn ui(ui: &mut Ui, player: &mut Player) {
         let share = f64::from((at.x - line.left()) / line.width()).clamp(0.0, 1.0);
         player.seek((share * player.last() as f64).round() as usize);
     }
-    if response.has_focus() {
+    player.has_bar_focus = response.has_focus();
+    if player.has_bar_focus {
         handle_arrows(ui, &response, player);
     }
     let palette = theme::palette_of(ui);
@@ -39,7 +40,16 @@ pub(super) fn ui(ui: &mut Ui, player: &mut Player) {
 }
 
 fn handle_arrows(ui: &Ui, response: &Response, player: &mut Player) {
-    for (key, by) in [(Key::ArrowLeft, -1), (Key::ArrowRight, 1)] {
+    let (page, end) = (player.last().div_ceil(10) as isize, isize::MAX);
+    let steps = [
+        (Key::ArrowLeft, -1),
+        (Key::ArrowRight, 1),
+        (Key::PageDown, -page),
+        (Key::PageUp, page),
+        (Key::Home, -end),
+        (Key::End, end),
+    ];
+    for (key, by) in steps {
         if ui.input(|input| input.key_pressed(key)) {
             player.step(by);
         }

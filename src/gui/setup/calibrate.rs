@@ -117,10 +117,18 @@ impl CalibrationStep {
             if let Some(expected) = &self.expected {
                 ui.label(expected.to_string());
             }
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let is_enough = self.presses.len() >= FEWEST_PRESSES;
                 if is_enough && ui.button("That is enough: learn from these").clicked() {
                     self.learn(playing, services);
+                }
+                let takes_back = egui::Button::new("Take back the last press");
+                if ui
+                    .add_enabled(!self.presses.is_empty(), takes_back)
+                    .clicked()
+                {
+                    self.presses.pop();
+                    self.notice = None;
                 }
                 if ui.button("Stop").clicked() {
                     self.places.clear();

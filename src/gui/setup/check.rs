@@ -26,15 +26,16 @@ impl OutputCheck {
         self.is_running
     }
 
-    /// Takes the keys that arrive in this window before a widget acts on them.
-    pub(super) fn take_keys(&mut self, ui: &Ui) {
+    /// Takes the keys that the profile sends before a widget acts on them; the player's others work, so that the keyboard alone leads on.
+    pub(super) fn take_keys(&mut self, ui: &Ui, sent: &[Output]) {
         ui.input_mut(|input| {
             input.events.retain(|event| match event {
                 Event::Key { key, pressed, .. } => {
-                    if *pressed
-                        && let Some(output) = keyboard::output_for_key(*key)
-                        && !self.received.contains(&output)
-                    {
+                    let output = keyboard::output_for_key(*key);
+                    let Some(output) = output.filter(|output| sent.contains(output)) else {
+                        return true;
+                    };
+                    if *pressed && !self.received.contains(&output) {
                         self.received.push(output);
                     }
                     false

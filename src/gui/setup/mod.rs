@@ -24,7 +24,7 @@ use super::request::GameContext;
 use super::theme;
 use crate::app::services::{AppServices, SourceChoice, StartError};
 use crate::runtime::PlayCommand;
-use crate::types::PointMm;
+use crate::types::{Output, PointMm};
 
 /// Share of the width for the picture.
 const PICTURE: f32 = 0.46;
@@ -111,9 +111,9 @@ impl SetUpView {
         self.step == Step::Check && self.check.is_running()
     }
 
-    /// Takes those keys before a widget acts on them.
-    pub fn take_keys(&mut self, ui: &Ui) {
-        self.check.take_keys(ui);
+    /// Takes those keys before a widget acts on them: others, such as F1, still work.
+    pub fn take_keys(&mut self, ui: &Ui, sent: &[Output]) {
+        self.check.take_keys(ui, sent);
     }
 
     /// Draws the wizard; returns what the application should do.

@@ -11,6 +11,7 @@ use crate::gui::edit::write_atomically;
 use crate::gui::play::UiAction;
 use crate::gui::request::GameContext;
 use crate::gui::theme;
+use crate::gui::timing_settings::clicked_steps;
 
 /// State of the form.
 #[derive(Default)]
@@ -113,15 +114,26 @@ impl NewPad {
 
 fn number(ui: &mut Ui, name: &str, value: &mut f64, range: std::ops::RangeInclusive<f64>) {
     let label = ui.label(name);
-    let field = DragValue::new(value).range(range).suffix(" mm");
-    ui.add(field.max_decimals(1)).labelled_by(label.id);
+    ui.horizontal(|ui| {
+        let field = DragValue::new(&mut *value)
+            .range(range.clone())
+            .suffix(" mm");
+        ui.add(field.max_decimals(1)).labelled_by(label.id);
+        let wanted = *value + clicked_steps(ui, name);
+        *value = wanted.clamp(*range.start(), *range.end());
+    });
     ui.end_row();
 }
 
 fn count(ui: &mut Ui, name: &str, value: &mut u32, range: std::ops::RangeInclusive<u32>) {
     let label = ui.label(name);
-    ui.add(DragValue::new(value).range(range))
-        .labelled_by(label.id);
+    ui.horizontal(|ui| {
+        ui.add(DragValue::new(&mut *value).range(range.clone()))
+            .labelled_by(label.id);
+        let wanted = i64::from(*value) + clicked_steps(ui, name) as i64;
+        let wanted = u32::try_from(wanted).unwrap_or(0);
+        *value = wanted.clamp(*range.start(), *range.end());
+    });
     ui.end_row();
 }
 

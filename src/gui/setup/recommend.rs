@@ -57,6 +57,14 @@ struct Prompt {
     wanted_lifts: usize,
 }
 
+/// How the player ends the presses before their end.
+enum PromptChoice {
+    /// The presses so far are used.
+    Enough,
+    /// They are dropped.
+    Stop,
+}
+
 impl Prompt {
     /// Takes the current request, what people call its region, and the touches that were lifted since it began.
     fn take(&mut self, number: usize, asked: &PressRequest, title: &str, lifts: usize) {
@@ -98,7 +106,7 @@ impl Prompt {
         };
         match self.lifts {
             0 => "Press now. Esc stops.".to_owned(),
-            _ if !self.is_seen() => "✔ first tap seen: now the second".to_owned(),
+            _ if !self.is_seen() => "✔ first tap seen: now the second, within 10 s".to_owned(),
             lifts if lifts == self.wanted_lifts => {
                 format!(
                     "✔ press {number} of {count} seen. Do not touch the pad for {rest_s} s, {next}."
@@ -190,8 +198,14 @@ impl RecommendStep {
             Some(session.request_count())
         });
         if let Some(count) = count {
-            if self.draw_prompt(ui, count) {
-                self.stop_presses();
+            match self.draw_prompt(ui, count) {
+                Some(PromptChoice::Enough) => {
+                    if let Some(session) = self.session.take() {
+                        self.start_search(session.finish(), playing, services);
+                    }
+                }
+                Some(PromptChoice::Stop) => self.stop_presses(),
+                None => {}
             }
         } else if let Some(session) = self.session.take() {
             self.start_search(session.finish(), playing, services);
@@ -214,8 +228,8 @@ impl RecommendStep {
         wish
     }
 
-    /// What to press now and what has arrived; returns whether the player stops.
-    fn draw_prompt(&self, ui: &mut Ui, count: usize) -> bool {
+    /// What to press now and what has arrived; returns whether the player ends the presses.
+    fn draw_prompt(&self, ui: &mut Ui, count: usize) -> Option<PromptChoice> {
         let prompt = &self.prompt;
         let palette = theme::palette_of(ui);
         ui.label(egui::RichText::new(prompt.instruction()).size(19.0));
@@ -228,7 +242,16 @@ impl RecommendStep {
         let done = prompt.number + usize::from(prompt.is_seen());
         let bar = egui::ProgressBar::new(done as f32 / count as f32);
         ui.add(bar.text(format!("{done} of {count}")));
-        ui.button("Stop").clicked()
+        let mut choice = None;
+        ui.horizontal_wrapped(|ui| {
+            if prompt.number >= FEWEST_TRIALS && ui.button("That is enough").clicked() {
+                choice = Some(PromptChoice::Enough);
+            }
+            if ui.button("Stop").clicked() {
+                choice = Some(PromptChoice::Stop);
+            }
+        });
+        choice
     }
 
     fn start(&mut self, playing: &Playing) {

@@ -110,6 +110,11 @@ impl SignalsView {
         let bars: Vec<Bar> = values.iter().enumerate().map(bar).collect();
         let shown = Plot::new(self.quantity.name())
             .allow_scroll(false)
+            // A drag by accident would have no slow way back.
+            .allow_drag(false)
+            .allow_zoom(false)
+            .allow_axis_zoom_drag(false)
+            .allow_boxed_zoom(false)
             .show_axes([true, true])
             .x_axis_label("channel")
             .height(ui.available_height())
