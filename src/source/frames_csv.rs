@@ -263,7 +263,7 @@ mod tests {
             .expect("missing")
             .to_string();
         assert!(
-            message.starts_with("no/such.csv: No such file"),
+            message.starts_with("no/such.csv: ") && message.contains("os error"),
             "{message}"
         );
     }

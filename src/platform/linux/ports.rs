@@ -26,3 +26,14 @@ pub fn all() -> Vec<SerialPortInfo> {
     }
     serialport::available_ports().unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_that_is_not_listed_is_a_path() {
+        assert!(may_exist("/dev/null"));
+        assert!(!may_exist("/no/such/port"));
+    }
+}

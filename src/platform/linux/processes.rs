@@ -42,3 +42,14 @@ pub(in crate::platform) fn is_running(process: i32) -> bool {
     let state = stat.rsplit_once(") ").map_or("", |(_, rest)| rest);
     exists && !state.starts_with(['Z', 'X'])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_are_cut_as_linux_cuts_them() {
+        assert_eq!(listed_name("supertux2-with-a-long-name"), "supertux2-with-");
+        assert_eq!(listed_name("fceux"), "fceux");
+    }
+}

@@ -219,8 +219,8 @@ mod tests {
         let own = StateFile::create(folder, ":9", NOBODY - 1).expect("created");
         let left = leave(folder, "1.txt", NOBODY, &["key:f", "mouse:left"]);
         leave(folder, "2.txt", std::process::id() as i32, &["key:a"]);
-        let elsewhere = StateFile::create(folder, ":8", NOBODY - 1);
-        assert!(elsewhere.is_ok());
+        let elsewhere = format!("display :8\nparent {NOBODY}\nkey:c\n");
+        fs::write(folder.join("4.txt"), elsewhere).expect("written");
         let found = own.left_down(false);
         assert_eq!(found, [(left.clone(), held(&["key:f", "mouse:left"]))]);
         remove(&left);
