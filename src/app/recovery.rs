@@ -91,7 +91,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let recording = folder.path().join("cut.mcap");
         let whole = include_bytes!("../../tests/data/recordings/version-1.mcap");
-        let cut = &whole[..whole.len() * 9 / 10];
+        // Without its end; its frames are one chunk before that.
+        let cut = &whole[..whole.len() - 100];
         std::fs::write(&recording, cut).expect("written");
 
         let saved = save_readable_part(&recording, &|_, _| ()).expect("readable");

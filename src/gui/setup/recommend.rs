@@ -469,7 +469,7 @@ mod tests {
         prompt.take(2, &asked(PressLength::Twice), "jump", 1);
         assert_eq!(
             prompt.acknowledgement(24),
-            "✔ first tap seen: now the second"
+            "✔ first tap seen: now the second, within 10 s"
         );
         prompt.take(2, &asked(PressLength::Twice), "jump", 2);
         assert!(prompt.is_seen());
