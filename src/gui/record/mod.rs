@@ -189,6 +189,12 @@ impl RecordView {
             let text = egui::RichText::new(notice).color(color);
             ui.add(egui::Label::new(text).wrap());
         }
+        self.draw_salvage(ui, playing, services);
+        row.inner
+    }
+
+    /// The offer to save the readable part of a damaged recording, and what came of it.
+    fn draw_salvage(&mut self, ui: &mut Ui, playing: &Playing, services: &Arc<dyn AppServices>) {
         match self.salvage.ui(ui, services) {
             Some(Salvaged {
                 result: Ok(saved),
@@ -205,7 +211,6 @@ impl RecordView {
             }) => self.notice = Some(why),
             None => {}
         }
-        row.inner
     }
 
     /// Opens a file that is dropped onto the window.

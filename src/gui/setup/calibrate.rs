@@ -111,30 +111,7 @@ impl CalibrationStep {
                 (self.notice, self.learned) = (None, None);
             }
         } else {
-            let done = self.presses.len() as f32 / self.places.len() as f32;
-            let text = format!("{} of {}", self.presses.len(), self.places.len());
-            ui.add(egui::ProgressBar::new(done).text(text));
-            if let Some(expected) = &self.expected {
-                ui.label(expected.to_string());
-            }
-            ui.horizontal_wrapped(|ui| {
-                let is_enough = self.presses.len() >= FEWEST_PRESSES;
-                if is_enough && ui.button("That is enough: learn from these").clicked() {
-                    self.learn(playing, services);
-                }
-                let takes_back = egui::Button::new("Take back the last press");
-                if ui
-                    .add_enabled(!self.presses.is_empty(), takes_back)
-                    .clicked()
-                {
-                    self.presses.pop();
-                    self.notice = None;
-                }
-                if ui.button("Stop").clicked() {
-                    self.places.clear();
-                    self.presses.clear();
-                }
-            });
+            self.draw_progress(ui, game);
         }
         if let Some(path) = &self.saved
             && playing.request.calibration.as_ref() != Some(path)
@@ -157,5 +134,34 @@ impl CalibrationStep {
         draw_success(ui, &self.learned);
         draw_notice(ui, &self.notice);
         wish
+    }
+
+    /// How many places are pressed, what error to expect, and the ways to end.
+    fn draw_progress(&mut self, ui: &mut Ui, game: GameContext<'_>) {
+        let GameContext { playing, services } = game;
+        let done = self.presses.len() as f32 / self.places.len() as f32;
+        let text = format!("{} of {}", self.presses.len(), self.places.len());
+        ui.add(egui::ProgressBar::new(done).text(text));
+        if let Some(expected) = &self.expected {
+            ui.label(expected.to_string());
+        }
+        ui.horizontal_wrapped(|ui| {
+            let is_enough = self.presses.len() >= FEWEST_PRESSES;
+            if is_enough && ui.button("That is enough: learn from these").clicked() {
+                self.learn(playing, services);
+            }
+            let takes_back = egui::Button::new("Take back the last press");
+            if ui
+                .add_enabled(!self.presses.is_empty(), takes_back)
+                .clicked()
+            {
+                self.presses.pop();
+                self.notice = None;
+            }
+            if ui.button("Stop").clicked() {
+                self.places.clear();
+                self.presses.clear();
+            }
+        });
     }
 }
