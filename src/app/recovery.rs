@@ -3,10 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use super::restore::Restorer;
-use super::services::SavedPart;
 use super::{AppError, Progress};
 use crate::eit::REFERENCE_FRAMES;
 use crate::session::{self, RecoveryReport};
+
+/// What was saved of a damaged recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SavedPart {
+    /// The new recording.
+    pub path: PathBuf,
+    /// What it holds, and what was lost or replaced, for the player.
+    pub summary: String,
+    /// Whether it holds frames, which the window shows; one of a gamepad does not.
+    pub has_frames: bool,
+}
 
 /// Saves the readable part as `NAME-saved.mcap`, or with a number if that exists.
 ///

@@ -8,6 +8,7 @@ use super::gamepads;
 pub use super::gamepads::GamepadCheck;
 pub use super::port_report::PortDiagnosis;
 use super::port_report::diagnose;
+pub use super::recovery::SavedPart;
 use super::recovery::save_readable_part;
 pub use super::request::{
     BoardLine, NoiseLevel, OutputChoice, PlayRequest, SourceChoice, WindowArguments,
@@ -79,17 +80,6 @@ pub struct OpenError {
     pub reason: String,
     /// Whether the recording is damaged, so that [`AppServices::save_readable_part`] may help.
     pub is_damaged: bool,
-}
-
-/// What was saved of a damaged recording.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SavedPart {
-    /// The new recording.
-    pub path: PathBuf,
-    /// What it holds, and what was lost or replaced, for the player.
-    pub summary: String,
-    /// Whether it holds frames, which the window shows; one of a gamepad does not.
-    pub has_frames: bool,
 }
 
 /// Starts games and finds texts.
