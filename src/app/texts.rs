@@ -164,9 +164,12 @@ pub(crate) fn user_text(argument: &str) -> Result<Source, AppError> {
 
 fn unknown_user(argument: &str) -> AppError {
     let mut known = own_names("users");
-    known.extend(SHIPPED_USERS.iter().map(|user| user.name.to_owned()));
-    known.sort_unstable();
-    known.dedup();
+    // A file of one's own comes before a shipped one of the same name.
+    for user in SHIPPED_USERS {
+        if !known.iter().any(|own| own == user.name) {
+            known.push(user.name.to_owned());
+        }
+    }
     let help = match nearest(argument, known.iter().map(String::as_str)) {
         Some(name) => format!("did you mean `{name}`?"),
         None => format!("write users/{argument}.toml, here or in your own gelpad folder"),
