@@ -1,11 +1,11 @@
-//! Saves what can be read of a damaged recording beside it, for the window. The damaged file stays as it is.
+//! Saves what can be read of a damaged recording: in a file that the player names, or beside it. The damaged file stays as it is.
 
 use std::path::{Path, PathBuf};
 
 use super::restore::Restorer;
 use super::{AppError, Progress};
 use crate::eit::REFERENCE_FRAMES;
-use crate::session::{self, RecoveryReport};
+use crate::session::{self, CopyError, RecoveryReport};
 
 /// What was saved of a damaged recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +18,32 @@ pub struct SavedPart {
     pub has_frames: bool,
 }
 
+/// A copy of what can be read of a recording.
+pub(crate) struct Recovered {
+    /// What was saved, or why nothing was.
+    pub(crate) result: Result<RecoveryReport, CopyError>,
+    /// What was solved again or replaced, for people: also where nothing is saved, since another pad may be the way on.
+    pub(crate) replaced: Vec<String>,
+    /// Whether a pad was named but not used.
+    pub(crate) is_pad_ignored: bool,
+}
+
+/// Copies what can be read of a recording. `pad` names that of a recording whose own cannot be read.
+pub(crate) fn recover(
+    recording: &Path,
+    to: &Path,
+    pad: Option<&str>,
+    progress: Progress<'_>,
+) -> Recovered {
+    let mut restorer = Restorer::new(progress, pad);
+    let result = session::recover(recording, to, &mut restorer, REFERENCE_FRAMES as u64);
+    Recovered {
+        result,
+        replaced: restorer.replaced,
+        is_pad_ignored: restorer.is_pad_ignored,
+    }
+}
+
 /// Saves the readable part as `NAME-saved.mcap`, or with a number if that exists.
 ///
 /// # Errors
@@ -27,17 +53,16 @@ pub(super) fn save_readable_part(
     progress: Progress<'_>,
 ) -> Result<SavedPart, AppError> {
     let path = unused_name(recording);
-    let mut restorer = Restorer::new(progress, None);
-    let least_frames = REFERENCE_FRAMES as u64;
-    match session::recover(recording, &path, &mut restorer, least_frames) {
+    let recovered = recover(recording, &path, None, progress);
+    match recovered.result {
         Ok(report) => Ok(SavedPart {
             path,
-            summary: summary(&report, &restorer.replaced),
+            summary: summary(&report, &recovered.replaced),
             has_frames: report.frames > 0,
         }),
         Err(error) => Err(AppError::Content {
             path: recording.to_owned(),
-            reason: failure(&error.to_string(), &restorer.replaced),
+            reason: failure(&error.to_string(), &recovered.replaced),
         }),
     }
 }
@@ -120,6 +145,23 @@ mod tests {
         assert!(error.to_string().contains("gelpad recover"), "{error}");
         let files = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(files, 2, "no other file is left");
+    }
+
+    #[test]
+    fn a_recording_that_is_gone_or_whose_copy_has_no_name_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let gone = folder.path().join("gone.mcap");
+        let error = save_readable_part(&gone, &|_, _| ()).expect_err("gone");
+        assert!(error.to_string().contains("gone.mcap"), "{error}");
+
+        // The name of the copy is longer than file systems take.
+        let long = folder.path().join(format!("{}.mcap", "x".repeat(248)));
+        let whole = include_bytes!("../../tests/data/recordings/version-1.mcap");
+        std::fs::write(&long, &whole[..whole.len() - 100]).expect("written");
+        let error = save_readable_part(&long, &|_, _| ()).expect_err("too long");
+        assert!(error.to_string().contains("-o SAVED"), "{error}");
+        let files = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(files, 1, "only the damaged one");
     }
 
     #[test]

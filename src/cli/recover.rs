@@ -6,27 +6,24 @@ use super::args::RecoverArgs;
 use super::exit::Ending;
 use super::message::say;
 use super::progress::SolveBar;
-use crate::app::restore::Restorer;
-use crate::eit::REFERENCE_FRAMES;
+use crate::app::recovery;
 use crate::files;
-use crate::session;
 
 pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
     files::refuse_input(&args.file, &args.output)?;
     let bar = SolveBar::default();
     let progress = |done, rows| bar.update(done, rows);
-    let mut restorer = Restorer::new(&progress, args.pad.as_deref());
-    let least_frames = REFERENCE_FRAMES as u64;
-    let salvaged = session::recover(&args.file, &args.output, &mut restorer, least_frames);
+    let recovered = recovery::recover(&args.file, &args.output, args.pad.as_deref(), &progress);
     bar.finish();
-    // Also where nothing is saved: another pad may be the way on.
-    for replaced in &restorer.replaced {
+    for replaced in &recovered.replaced {
         say(&format!("warning: {replaced}"));
     }
-    if restorer.is_pad_ignored {
+    if recovered.is_pad_ignored {
         say("note: --pad is ignored, since the recording's own pad can be read");
     }
-    let salvage = salvaged.with_context(|| args.file.display().to_string())?;
+    let salvage = recovered
+        .result
+        .with_context(|| args.file.display().to_string())?;
     let suffix = if salvage.was_whole {
         ""
     } else {
@@ -48,7 +45,7 @@ pub(super) fn recover(args: &RecoverArgs) -> anyhow::Result<Ending> {
             salvage.dropped_inputs
         ));
     }
-    if !salvage.is_incomplete() && restorer.replaced.is_empty() {
+    if !salvage.is_incomplete() && recovered.replaced.is_empty() {
         say("nothing was lost");
         return Ok(Ending::Done);
     }

@@ -5,6 +5,7 @@
 mod comfort;
 mod edit;
 mod edit_bindings;
+mod edit_files;
 mod edit_text;
 mod names;
 mod play;
