@@ -30,7 +30,12 @@ fn main() {
 
 /// The commit of the working folder: of git, or of the file that `cargo package` writes.
 fn checked_out() -> Option<String> {
-    println!("cargo:rerun-if-changed=.git/HEAD");
+    // `HEAD` names a branch, and its log grows with each commit. A file that is missing would mean a build each time.
+    for watched in [".git/HEAD", ".git/logs/HEAD"] {
+        if std::path::Path::new(watched).exists() {
+            println!("cargo:rerun-if-changed={watched}");
+        }
+    }
     if let Ok(text) = std::fs::read_to_string(".cargo_vcs_info.json") {
         let after = text.split("\"sha1\": \"").nth(1)?;
         return after.get(..12).map(str::to_owned);

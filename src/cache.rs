@@ -1,7 +1,8 @@
-//! Response tables on disk: solving one takes seconds, so it is done once per pad.
+//! Response tables and linearised pads on disk: solving a table takes seconds, and a linearised pad half of the time of a
+//! start, so it is done once per pad.
 //!
 //! The file name is a hash of the pad's key, and the file contains the key: for a changed pad, a changed solver or a
-//! damaged file, the table is solved again.
+//! damaged file, it is solved again.
 
 use std::fs;
 use std::io::Write as _;
@@ -13,7 +14,7 @@ use crc::{CRC_64_XZ, Crc};
 use rayon::prelude::*;
 
 use crate::eit::response::ResponseRow;
-use crate::eit::{ResponseBuilder, ResponseTable, SetupError};
+use crate::eit::{Linearised, ResponseBuilder, ResponseTable, SetupError};
 use crate::pad::Pad;
 use crate::touch::SensingBuilder;
 use crate::types::Method;
@@ -79,21 +80,21 @@ pub fn solve(pad: &Pad, progress: RowProgress<'_>) -> Result<ResponseTable, Setu
 /// # Errors
 /// A folder or file that cannot be written.
 pub fn store(table: &ResponseTable, folder: &Path) -> std::io::Result<()> {
-    fs::create_dir_all(folder)?;
-    // Renamed when complete, so that no reader finds a partial table.
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(&table.to_bytes())?;
-    file.persist(folder.join(file_name(table.key())))?;
-    Ok(())
+    write(folder, &file_name(table.key()), &table.to_bytes())
 }
 
-/// Removes a pad's table, if it is there.
+/// Removes what is stored of a pad, if it is there.
 pub fn remove(pad: &Pad, folder: &Path) {
-    // Only disk space is lost where that fails.
-    let _ = fs::remove_file(folder.join(file_name(&ResponseBuilder::key(pad))));
+    for name in [
+        file_name(&ResponseBuilder::key(pad)),
+        linearised_name(&Linearised::key(pad)),
+    ] {
+        // Only disk space is lost where that fails.
+        let _ = fs::remove_file(folder.join(name));
+    }
 }
 
-/// A pad's sensing builder. The matrix is prepared while the table is loaded or solved.
+/// A pad's sensing builder. The linearised pad is prepared while the table is loaded or solved.
 ///
 /// # Errors
 /// A pad that cannot be solved.
@@ -102,11 +103,37 @@ pub fn sensing_builder(
     method: Method,
     progress: impl Fn(usize, usize) + Send + Sync,
 ) -> Result<SensingBuilder, SetupError> {
-    let (table, builder) = rayon::join(
+    let (table, linearised) = rayon::join(
         || load_or_solve(pad, &progress),
-        || SensingBuilder::new(pad, method),
+        || linearised(pad, folder().as_deref()),
     );
-    Ok(builder?.with_table(Arc::new(table?)))
+    Ok(SensingBuilder::from_linearised(linearised?, pad, method).with_table(Arc::new(table?)))
+}
+
+/// The linearised pad: loaded from the cache, or solved and stored there.
+fn linearised(pad: &Pad, folder: Option<&Path>) -> Result<Linearised, SetupError> {
+    let Some(folder) = folder else {
+        return Linearised::from_pad(pad);
+    };
+    let key = Linearised::key(pad);
+    let name = linearised_name(&key);
+    let stored = fs::read(folder.join(&name)).ok();
+    if let Some(stored) = stored.and_then(|bytes| Linearised::from_bytes(&bytes, pad, &key)) {
+        return Ok(stored);
+    }
+    let linearised = Linearised::from_pad(pad)?;
+    // It takes milliseconds to solve again, and where the folder is at fault, the table's warning says so.
+    let _ = write(folder, &name, &linearised.to_bytes(&key));
+    Ok(linearised)
+}
+
+/// Writes a file that no reader finds before it is complete.
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
+    fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(folder.join(name))?;
+    Ok(())
 }
 
 /// A pad's table: loaded from the cache, or solved and stored there.
@@ -131,6 +158,51 @@ pub fn load_or_solve(pad: &Pad, progress: RowProgress<'_>) -> Result<ResponseTab
 }
 
 fn file_name(key: &str) -> String {
+    format!("responses-{:016x}.bin", hash(key))
+}
+
+fn linearised_name(key: &str) -> String {
+    format!("linearised-{:016x}.bin", hash(key))
+}
+
+fn hash(key: &str) -> u64 {
     const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
-    format!("responses-{:016x}.bin", CRC.checksum(key.as_bytes()))
+    CRC.checksum(key.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pad::shipped_pad;
+
+    fn round_tank() -> Pad {
+        let text = shipped_pad("round-tank").expect("shipped").toml;
+        Pad::from_toml("round-tank", text).expect("sound")
+    }
+
+    #[test]
+    fn a_linearised_pad_is_stored_once_and_solved_again_where_its_file_is_damaged() {
+        let (pad, folder) = (round_tank(), tempfile::tempdir().expect("writable"));
+        let path = folder.path().join(linearised_name(&Linearised::key(&pad)));
+        let read = || {
+            linearised(&pad, Some(folder.path()))
+                .expect("solvable")
+                .jacobian
+        };
+        let solved = read();
+        let whole = fs::read(&path).expect("stored");
+        assert_eq!(read(), solved);
+        fs::write(&path, &whole[..whole.len() / 2]).expect("writable");
+        assert_eq!(read(), solved);
+        assert_eq!(fs::read(&path).expect("stored again"), whole);
+        remove(&pad, folder.path());
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_cache_that_cannot_be_written_stops_nothing() {
+        let file = tempfile::NamedTempFile::new().expect("writable");
+        let linearised = linearised(&round_tank(), Some(file.path())).expect("solvable");
+        assert!(!linearised.active.is_empty());
+    }
 }

@@ -69,15 +69,25 @@ impl SensingBuilder {
     /// # Errors
     /// A pad that cannot be solved.
     pub fn new(pad: &Pad, method: Method) -> Result<Self, SetupError> {
-        Ok(Self {
-            linearised: Linearised::from_pad(pad)?,
+        Ok(Self::from_linearised(
+            Linearised::from_pad(pad)?,
+            pad,
+            method,
+        ))
+    }
+
+    /// A builder without a response table, from the pad linearised already.
+    #[must_use]
+    pub fn from_linearised(linearised: Linearised, pad: &Pad, method: Method) -> Self {
+        Self {
+            linearised,
             method,
             touch_sign: pad.touch_sign,
             outline: pad.outline,
             table: None,
             drives: pad.protocol.drives(),
             learned: pad.learned.clone(),
-        })
+        }
     }
 
     /// The reconstruction method.

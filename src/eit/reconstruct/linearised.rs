@@ -11,7 +11,7 @@ use crate::types::PixelGrid;
 /// Edge of a reconstruction pixel, mm: about 1,000 pixels of the shipped pad hold conductor.
 pub const PIXEL_MM: f64 = 2.5;
 /// Most pixels along a side; larger pads get larger pixels.
-const MOST_PIXELS: f64 = 80.0;
+pub(super) const MOST_PIXELS: f64 = 80.0;
 
 /// The hyperparameter of the paper, scaled as in `quadratic`.
 pub const LAMBDA: f64 = 0.01;

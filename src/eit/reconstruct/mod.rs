@@ -9,6 +9,7 @@ mod imager;
 mod kernel;
 pub mod l1;
 mod linearised;
+mod linearised_bytes;
 mod quadratic;
 mod reconstruction;
 

@@ -63,16 +63,22 @@ pub(super) fn pack<'a>(
 pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Vec<f32> {
     let steps = steps(places);
     let count = bytes.len() / BYTES;
-    let mut integers: Vec<i32> = Vec::with_capacity(count);
-    for index in 0..count {
-        let zigzag = u32::from_le_bytes([0, 1, 2, 3].map(|plane| bytes[plane * count + index]));
-        let difference = (zigzag >> 1) as i32 ^ -((zigzag & 1) as i32);
-        let before = index.checked_sub(TERMS * rank).map_or(0, |at| integers[at]);
-        integers.push(before.wrapping_add(difference));
-    }
+    let [first, second, third, highest] =
+        [0, 1, 2, 3].map(|plane| &bytes[plane * count..][..count]);
     let mut terms = Vec::with_capacity(count);
-    for (integers, step) in integers.chunks(POWERS * rank).zip(steps.iter().cycle()) {
-        terms.extend(integers.iter().map(|integer| *integer as f32 * step));
+    // The integers of one place, from which those of the next differ.
+    let mut integers = vec![0i32; TERMS * rank];
+    for start in (0..count).step_by(integers.len()) {
+        let end = count.min(start + integers.len());
+        let planes = [first, second, third, highest].map(|plane| &plane[start..end]);
+        for (index, integer) in integers[..end - start].iter_mut().enumerate() {
+            let zigzag = u32::from_le_bytes(planes.map(|plane| plane[index]));
+            let difference = (zigzag >> 1) as i32 ^ -((zigzag & 1) as i32);
+            *integer = integer.wrapping_add(difference);
+        }
+        for (integers, step) in integers[..end - start].chunks(POWERS * rank).zip(&steps) {
+            terms.extend(integers.iter().map(|integer| *integer as f32 * step));
+        }
     }
     terms
 }
