@@ -42,6 +42,7 @@ pub(crate) use file_watch::{FileWatcher, WatchedFile};
 pub(crate) use play::{FirstUse, Game, PreparedGame};
 pub(crate) use read_ahead::ReadAhead;
 pub(crate) use reload::ReloadNotice;
+pub(crate) use table_solver::{TableInProgress, TableSolver};
 
 /// Receives the number of solved rows and of all rows while a pad is solved.
 pub(crate) type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);

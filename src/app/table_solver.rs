@@ -10,7 +10,7 @@ use std::time::Duration;
 use crate::cache;
 use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
-use crate::runtime;
+use crate::runtime::{self, PlayCommand, RunningGame};
 
 /// How often a start that needs the table asks whether it is solved.
 const POLL: Duration = Duration::from_millis(20);
@@ -42,6 +42,15 @@ impl TableInProgress {
     #[must_use]
     pub fn table(&self) -> Option<Arc<ResponseTable>> {
         self.solved.get()?.clone()
+    }
+
+    /// Sends a game the table that it was started without, once that is solved; returns whether it did. None is left where the
+    /// solver has ended.
+    pub fn hand_over(table: &mut Option<Arc<Self>>, running: &mut RunningGame) -> bool {
+        table
+            .take_if(|table| table.has_ended())
+            .and_then(|ended| ended.table())
+            .is_some_and(|table| running.send_command(PlayCommand::Table(table)))
     }
 
     fn report(&self, done_rows: usize, rows: usize) {

@@ -11,7 +11,9 @@ use super::message::say;
 use super::progress::SolveBar;
 use super::summary::summary_text;
 use crate::app::services::{OutputChoice, PlayRequest, SourceChoice};
-use crate::app::{AppError, FirstUse, Game, PreparedGame, ReloadNotice};
+use crate::app::{
+    AppError, FirstUse, Game, PreparedGame, ReloadNotice, TableInProgress, TableSolver,
+};
 use crate::output::OutputError;
 use crate::platform::signals::{HANG_UP, INTERRUPT, Signals};
 use crate::platform::terminal::{KeyCommand, Terminal, TerminalLost};
@@ -21,6 +23,11 @@ use crate::runtime::{PlayCommand, SessionSummary};
 const PERIOD: Duration = Duration::from_millis(33);
 /// Longest wait for the output at the end.
 const END_LIMIT: Duration = Duration::from_secs(5);
+
+/// Said of a pad that is used for the first time, and some seconds later.
+const SOLVING: &str =
+    "first use of this pad: touches are found in images until its responses are solved";
+const SOLVED: &str = "the responses of this pad are solved: touches are located in the voltages";
 
 /// The level on the simulated pad; no keys are sent.
 pub(super) fn play_level() -> anyhow::Result<Ending> {
@@ -53,12 +60,7 @@ fn can_show_view() -> bool {
 /// Plays until the source ends, a signal comes or the terminal is closed.
 fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     let terminal = Terminal::attached();
-    let bar = SolveBar::default();
-    let prepared = PreparedGame::prepare(
-        request,
-        &FirstUse::Wait(&|done, rows| bar.update(done, rows)),
-    )?;
-    bar.finish();
+    let prepared = prepare(request)?;
     prepared.warnings.iter().for_each(exit::warn);
     if let Some(note) = &prepared.output_note {
         say(note);
@@ -99,6 +101,19 @@ fn run(request: &PlayRequest, shows_view: bool) -> anyhow::Result<Ending> {
     }
 }
 
+/// Opens everything. A board plays at once, the first time too: its player waits. Other sources, whose events must not depend on when the
+/// table is ready, wait for it.
+fn prepare(request: &PlayRequest) -> Result<PreparedGame, AppError> {
+    if matches!(request.source, SourceChoice::Serial(_)) && request.record.is_none() {
+        return PreparedGame::prepare(request, &FirstUse::PlayAtOnce(&TableSolver::default()));
+    }
+    let bar = SolveBar::default();
+    let wait = FirstUse::Wait(&|done, rows| bar.update(done, rows));
+    let prepared = PreparedGame::prepare(request, &wait)?;
+    bar.finish();
+    Ok(prepared)
+}
+
 /// Draws and waits until the game ends; returns the signal that ended it, if one did.
 fn follow(
     game: &mut Game,
@@ -106,6 +121,13 @@ fn follow(
     terminal: &Terminal,
     mut view: Option<&mut LiveView>,
 ) -> Option<i32> {
+    let show = |view: &mut Option<&mut LiveView>, notice: String| match view {
+        Some(view) => view.show_notice(notice),
+        None => say(&notice),
+    };
+    if game.table.is_some() {
+        show(&mut view, SOLVING.to_owned());
+    }
     while !game.running.is_finished() {
         if let Some(signal) = signals.received() {
             return Some(signal);
@@ -119,11 +141,11 @@ fn follow(
                 None => say(&reload_text(&notice)),
             });
         }
+        if TableInProgress::hand_over(&mut game.table, &mut game.running) {
+            show(&mut view, SOLVED.to_owned());
+        }
         if let Some(identifier) = &mut game.identifier {
-            identifier.poll(&mut game.running, &mut |notice| match view.as_deref_mut() {
-                Some(view) => view.show_notice(notice),
-                None => say(&notice),
-            });
+            identifier.poll(&mut game.running, &mut |notice| show(&mut view, notice));
         }
         let Some(view) = view.as_deref_mut() else {
             std::thread::sleep(PERIOD);

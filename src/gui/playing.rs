@@ -160,11 +160,7 @@ impl Playing {
         if let Some(hand) = &mut self.hand {
             hand.flush();
         }
-        if let Some(ended) = self.table.take_if(|table| table.has_ended())
-            && let Some(table) = ended.table()
-        {
-            running.send_command(PlayCommand::Table(table));
-        }
+        TableInProgress::hand_over(&mut self.table, running);
         self.skip_reason = match self.view.frames {
             0 => running.skip_reason(),
             _ => None,
