@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use gelpad::cache;
 use gelpad::eit::identify::{IdentifyError, identify, one_by_one};
@@ -250,6 +250,11 @@ impl Drop for Board {
     }
 }
 
+#[allow(clippy::disallowed_methods, reason = "times are printed, not tested")]
+fn now() -> Instant {
+    Instant::now()
+}
+
 /// Plays the board with a cache of this test's own until a message contains each of these texts in turn, for at most a minute. Returns
 /// the messages.
 fn play_until(folder: &Path, more: &[&str], texts: &[&str]) -> Vec<String> {
@@ -274,12 +279,14 @@ fn play_until(folder: &Path, more: &[&str], texts: &[&str]) -> Vec<String> {
             }
         })
         .expect("a thread");
+    let started = now();
     let mut said = Vec::new();
     let mut awaited = texts.iter();
     let mut next = awaited.next();
     while let Some(text) = next {
         match lines.recv_timeout(Duration::from_secs(60)) {
             Ok(line) => {
+                println!("{:.2} s: {line}", started.elapsed().as_secs_f64());
                 if line.contains(text) {
                     next = awaited.next();
                 }
@@ -338,6 +345,23 @@ fn a_board_is_identified_in_play_and_known_the_next_time() {
     let _board = Board::start(folder.path(), "edinburgh-lattice", untouched);
     let said = play_until(folder.path(), &["-vv"], &["readings at rest:"]);
     assert!(!said.concat().contains("identified"), "{said:?}");
+}
+
+/// Prints what is said and when (`--nocapture`): how long the first use of a board takes, and the second.
+#[test]
+fn a_board_plays_at_once_from_nothing_is_identified_and_needs_neither_the_next_time() {
+    let (folder, _) = bench();
+    std::fs::remove_dir_all(folder.path().join("cache")).expect("removed");
+    let untouched = "t:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    let _board = Board::start(folder.path(), "./built.toml", untouched);
+    let in_turn = [
+        "first use of this pad",
+        "the responses of this pad are solved",
+        "pad identified: its readings are",
+    ];
+    play_until(folder.path(), &[], &in_turn);
+    let said = play_until(folder.path(), &[], &["this pad was identified before"]);
+    assert!(!said.concat().contains("first use"), "{said:?}");
 }
 
 #[test]
