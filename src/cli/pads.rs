@@ -20,20 +20,7 @@ const FEWEST_READINGS: usize = 25;
 pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
     let mut stdout = std::io::stdout().lock();
     match command {
-        PadCommand::List => {
-            for shipped in SHIPPED_PADS {
-                let pad = Pad::from_toml(shipped.name, shipped.toml)?;
-                writeln!(stdout, "{:20} {}", pad.name, pad.about)?;
-            }
-            for path in own_texts("pads") {
-                let name = std::path::Path::new(&path).file_stem().unwrap_or_default();
-                let name = name.to_string_lossy();
-                // A pad with mistakes is listed, too: `pad check` shows them.
-                let about = load_pad(&name).map_or("has mistakes".to_owned(), |own| own.pad.about);
-                let row = format!("{name:20} {about} (yours)");
-                writeln!(stdout, "{}", printable(&row))?;
-            }
-        }
+        PadCommand::List => list(&mut stdout)?,
         PadCommand::Check { pad: argument } => {
             let pad = load_pad(argument)?.pad;
             let matrix = reconstruction(&pad, Method::default())?;
@@ -77,6 +64,23 @@ pub(super) fn run(command: &PadCommand) -> anyhow::Result<Ending> {
         }
     }
     Ok(Ending::Done)
+}
+
+/// A line for each pad: the shipped, then one's own.
+fn list(stdout: &mut impl std::io::Write) -> anyhow::Result<()> {
+    for shipped in SHIPPED_PADS {
+        let pad = Pad::from_toml(shipped.name, shipped.toml)?;
+        writeln!(stdout, "{:20} {}", pad.name, pad.about)?;
+    }
+    for path in own_texts("pads") {
+        let name = std::path::Path::new(&path).file_stem().unwrap_or_default();
+        let name = name.to_string_lossy();
+        // A pad with mistakes is listed, too: `pad check` shows them.
+        let about = load_pad(&name).map_or("has mistakes".to_owned(), |own| own.pad.about);
+        let row = format!("{name:20} {about} (yours)");
+        writeln!(stdout, "{}", printable(&row))?;
+    }
+    Ok(())
 }
 
 fn facts(pad: &Pad, linearised: &Linearised) -> String {
