@@ -12,6 +12,7 @@ use gelpad::cache;
 use gelpad::eit::identify::{IdentifyError, identify, one_by_one};
 use gelpad::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm, shipped_pad};
 use gelpad::source::{Noise, SimulatedPad};
+use rustix::process::{Pid, Signal, kill_process};
 
 fn drawing(name: &str) -> Pad {
     Pad::from_toml(name, shipped_pad(name).expect("shipped").toml).expect("sound")
@@ -362,6 +363,42 @@ fn a_board_plays_at_once_from_nothing_is_identified_and_needs_neither_the_next_t
     play_until(folder.path(), &[], &in_turn);
     let said = play_until(folder.path(), &[], &["this pad was identified before"]);
     assert!(!said.concat().contains("first use"), "{said:?}");
+}
+
+#[test]
+fn a_game_that_is_ended_while_its_pad_is_being_solved_leaves_nothing_half_done() {
+    let (folder, _) = bench();
+    std::fs::remove_dir_all(folder.path().join("cache")).expect("removed");
+    let untouched = "t:60000 down 1 80 50\nt:60100 up 1\nt:60200 end";
+    let _board = Board::start(folder.path(), "edinburgh-lattice", untouched);
+    let start = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gelpad"));
+        command
+            .current_dir(folder.path())
+            .env(cache::FOLDER_VARIABLE, folder.path().join("cache"))
+            .args(["play", "--source", "serial:board", "--output", "trace"])
+            .arg("--headless")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        command.spawn().expect("started")
+    };
+    let mut stopped = start();
+    let mut lines = BufReader::new(stopped.stderr.take().expect("piped")).lines();
+    let is_solving = |line: std::io::Result<String>| line.is_ok_and(|l| l.contains("first use"));
+    assert!(lines.any(is_solving));
+    kill_process(Pid::from_child(&stopped), Signal::INT).expect("running");
+    let after: Vec<String> = lines.map_while(Result::ok).collect();
+    let ending = stopped.wait().expect("ended");
+    assert_eq!(ending.code(), Some(130), "{after:?}");
+    assert!(
+        after.iter().any(|line| line.contains("frames")),
+        "{after:?}"
+    );
+    // The one that was ended has left nothing that the next takes for a table.
+    let solved = "the responses of this pad are solved";
+    play_until(folder.path(), &[], &["first use", solved]);
+    let next = play_until(folder.path(), &["-vv"], &["readings at rest:"]);
+    assert!(!next.concat().contains("first use"), "{next:?}");
 }
 
 #[test]

@@ -44,13 +44,19 @@ impl TableInProgress {
         self.solved.get()?.clone()
     }
 
-    /// Sends a game the table that it was started without, once that is solved; returns whether it did. None is left where the
-    /// solver has ended.
+    /// Sends a game the table that it was started without, once that is solved; returns whether it did. `table` is none from then on,
+    /// or once solving has failed; it stays while the engine is too busy for the command.
     pub fn hand_over(table: &mut Option<Arc<Self>>, running: &mut RunningGame) -> bool {
-        table
-            .take_if(|table| table.has_ended())
-            .and_then(|ended| ended.table())
-            .is_some_and(|table| running.send_command(PlayCommand::Table(table)))
+        let Some(solved) = table.as_ref().and_then(|table| table.solved.get()) else {
+            return false;
+        };
+        let is_sent = solved
+            .clone()
+            .is_some_and(|solved| running.send_command(PlayCommand::Table(solved)));
+        if is_sent || solved.is_none() {
+            *table = None;
+        }
+        is_sent
     }
 
     fn report(&self, done_rows: usize, rows: usize) {
