@@ -18,6 +18,8 @@ const LONGEST: f64 = 0.3;
 const SPREAD: [f64; 2] = [0.35, 0.3];
 /// A fit ends when a step explains less than this more, squared deviations: decisions need no more.
 const SETTLED: f64 = 0.1;
+/// Damping of the first step: a typical finger in the middle of a cell of 10 mm is not near enough for a whole one.
+const FIRST_DAMPING: f64 = 1.0;
 /// Channels that are summed together.
 const LANES: usize = 8;
 /// Smallest strength.
@@ -75,7 +77,7 @@ pub(super) fn fit<'a>(
 ) -> Option<Fitted> {
     let mut touch = start;
     let mut best: Option<(TouchModel, Normal)> = None;
-    let mut damping = 1e-3;
+    let mut damping = FIRST_DAMPING;
     for _ in 0..steps {
         let normal = Normal::at(table, bounds, &touch, parts.clone(), memory);
         match &best {
@@ -97,6 +99,11 @@ pub(super) fn fit<'a>(
         }
         let step = damped.cholesky()?.solve(&normal.gradient);
         touch = moved(from, step, bounds);
+        // Near the end a step does as the slopes say: it needs no other look at the readings.
+        if step.dot(&normal.gradient) < SETTLED {
+            best = best.map(|(_, normal)| (touch, normal));
+            break;
+        }
     }
     let (touch, normal) = best?;
     let covariance = normal.matrix.try_inverse()?;

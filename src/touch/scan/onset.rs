@@ -16,6 +16,8 @@ use crate::types::{PointMm, Touch, distance_mm};
 const ALONG: f64 = 10.0;
 /// Least squared deviations that a finger explains: every part asks again at many places, sixteen times as often as frames do.
 const LEAST_GAIN: f64 = 60.0;
+/// A change that is seen in more parts than this and is still unsure stays so.
+const LASTING_PARTS: usize = 8;
 /// Steps of the first fit of a finger, ...
 const FIRST_STEPS: usize = 7;
 /// ... and of the next ones, which start from the one before.
@@ -25,7 +27,7 @@ const REST: f64 = 4.0;
 /// ... and this share of what changed.
 const REST_SHARE: f64 = 0.1;
 /// Its place is known to this standard deviation, mm: a region needs no more.
-const PLACE_MM: f64 = 1.2;
+const PLACE_MM: f64 = 1.4;
 /// A place that is farther than this from the best one is another, mm; ...
 const ELSEWHERE_MM: f64 = 16.0;
 /// ... fits that end nearer than this to each other are the same.
@@ -124,14 +126,19 @@ impl OnsetModel {
             let all = self.fit_first(&best, down, evidence, best.parts, memory);
             let parts = best.parts - 1;
             match all {
-                Err(_) if parts >= ONSET_PARTS => self
+                // Half a part of many makes no difference.
+                Err(_) if (ONSET_PARTS..LASTING_PARTS).contains(&parts) => self
                     .fit_first(&best, down, evidence, parts, memory)
                     .map(|fitted| (fitted, parts)),
                 all => all.map(|fitted| (fitted, best.parts)),
             }
         };
+        let lasts = best.parts > LASTING_PARTS;
         found
-            .map_err(|refusal| refusals.add(best.gain, refusal))
+            .map_err(|refusal| match lasts {
+                true => refusals.add(best.gain, Refusal::Other),
+                false => refusals.add(best.gain, refusal),
+            })
             .ok()
     }
 
