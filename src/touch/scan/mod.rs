@@ -131,14 +131,20 @@ impl Scan {
             if !self.has_failed_lift {
                 self.unclear_frames = 0;
             }
-        } else if let Some((fitted, since)) = self.find_onset(detector) {
+            return;
+        }
+        let fits = self.refusals.count();
+        if let Some((fitted, since)) = self.find_onset(detector) {
             self.mark_since(since);
             self.is_after_lift = false;
             self.refusals.clear();
             self.begin_landing(fitted, since);
             self.run(detector, part.t_ns, Run::Landing, changed);
-        } else {
+        } else if ends_frame || self.refusals.count() == fits {
             self.run_when_due(detector, part.t_ns, ends_frame, changed);
+        } else {
+            // A refused fit took as long as a run: that is for the next part.
+            self.parts += 1;
         }
     }
 

@@ -133,12 +133,12 @@ impl OnsetModel {
                 all => all.map(|fitted| (fitted, best.parts)),
             }
         };
-        let lasts = best.parts > LASTING_PARTS;
+        let refused = |refusal| match best.parts > LASTING_PARTS {
+            true => Refusal::Lasting,
+            false => refusal,
+        };
         found
-            .map_err(|refusal| match lasts {
-                true => refusals.add(best.gain, Refusal::Other),
-                false => refusals.add(best.gain, refusal),
-            })
+            .map_err(|refusal| refusals.add(best.gain, refused(refusal)))
             .ok()
     }
 

@@ -7,6 +7,8 @@
 const UNSURE_GROWTH: f64 = 1.05;
 /// What is no new finger must grow by this factor.
 const OTHER_GROWTH: f64 = 1.2;
+/// What lasts must grow by this factor.
+const LASTING_GROWTH: f64 = 1.5;
 
 /// Why a fitted finger was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +17,8 @@ pub(super) enum Refusal {
     Unsure,
     /// It leaves too much, or is a finger that is down already.
     Other,
+    /// It was seen in so many parts that the next ones will not say more.
+    Lasting,
 }
 
 /// The refusals since the end of the last frame.
@@ -22,12 +26,19 @@ pub(super) enum Refusal {
 pub(super) struct Refusals {
     /// A candidate is fitted if it explains more than so many squared deviations.
     needed_gain: f64,
+    /// How many there were.
+    count: usize,
 }
 
 impl Refusals {
     /// Forgets the refusals.
     pub(super) fn clear(&mut self) {
         self.needed_gain = 0.0;
+    }
+
+    /// How many refusals there were so far.
+    pub(super) fn count(self) -> usize {
+        self.count
     }
 
     /// Whether a candidate that explains so many squared deviations is worth a fit.
@@ -40,8 +51,10 @@ impl Refusals {
         let growth = match refusal {
             Refusal::Unsure => UNSURE_GROWTH,
             Refusal::Other => OTHER_GROWTH,
+            Refusal::Lasting => LASTING_GROWTH,
         };
         self.needed_gain = growth * gain;
+        self.count += 1;
     }
 }
 
