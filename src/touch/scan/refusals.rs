@@ -72,6 +72,10 @@ mod tests {
         refusals.add(70.0, Refusal::Other);
         assert!(!refusals.allow(83.0));
         assert!(refusals.allow(85.0));
+        refusals.add(100.0, Refusal::Lasting);
+        assert!(!refusals.allow(149.0));
+        assert!(refusals.allow(151.0));
+        assert_eq!(refusals.count(), 3);
         refusals.clear();
         assert!(refusals.allow(60.0));
     }
