@@ -1,4 +1,5 @@
-//! A session in parts is recorded, replayed to the bit, and exported as frames.
+//! A session in parts is recorded, replayed to the bit, and exported as frames; rows of frames are read as parts, whatever is wrong
+//! with them.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -116,4 +117,56 @@ fn a_session_in_parts_replays_to_the_bit_and_gives_its_frames() {
         "release key:left",
     ];
     assert_eq!(keys(&again), played, "{said}");
+}
+
+/// The events of a recorded session whose frames are read drive by drive, after `damage` to its lines.
+fn scanned(folder: &Path, damage: impl Fn(usize, &mut [f64])) -> [Vec<String>; 2] {
+    let whole = include_str!("../data/lattice-presses/session.csv");
+    let damaged: Vec<String> = whole
+        .lines()
+        .enumerate()
+        .map(|(index, line)| match line.split_once(',') {
+            Some((t_ms, volts)) if index > 0 => {
+                let values = volts.split(',').map(|volt| volt.parse().expect("a number"));
+                let mut volts: Vec<f64> = values.collect();
+                damage(index, &mut volts);
+                let volts: Vec<String> = volts.iter().map(f64::to_string).collect();
+                format!("{t_ms},{}", volts.join(","))
+            }
+            _ => line.to_owned(),
+        })
+        .collect();
+    let file = folder.join("frames.csv");
+    std::fs::write(&file, damaged.join("\n")).expect("written");
+    let file = file.display().to_string();
+    let (events, said, status) = run(&["replay", &file, "--scan", "--print", "events"]);
+    assert_eq!(status, Some(0), "{said}");
+    ["press", "release"].map(|what| {
+        let with = events.lines().filter_map(|line| line.split_once(what));
+        with.map(|(_, key)| key.trim().to_owned()).collect()
+    })
+}
+
+#[test]
+fn a_damaged_frame_or_a_reading_that_stays_off_costs_no_press_of_a_frame_in_parts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [presses, releases] = scanned(folder.path(), |_, _| {});
+    assert_eq!((presses.len(), releases.len()), (40, 40));
+    for factor in [3.0, 0.0, -1.0] {
+        let damaged = scanned(folder.path(), |index, volts| {
+            if index == 1500 {
+                volts.iter_mut().for_each(|volt| *volt *= factor);
+            }
+        });
+        assert_eq!(damaged[0], presses, "one frame times {factor}");
+        assert_eq!(damaged[1], releases, "one frame times {factor}");
+    }
+    // A change that lasts and that no finger explains is asked about ever less often: fingers are found beside it.
+    let [pressed, released] = scanned(folder.path(), |index, volts| {
+        if index >= 1200 {
+            volts[16] *= 1.04;
+        }
+    });
+    assert!((40..=41).contains(&pressed.len()), "{pressed:?}");
+    assert_eq!(pressed.len(), released.len(), "no key sticks");
 }

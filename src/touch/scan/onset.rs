@@ -16,7 +16,7 @@ use crate::types::{PointMm, Touch, distance_mm};
 const ALONG: f64 = 10.0;
 /// Least squared deviations that a finger explains: every part asks again at many places, sixteen times as often as frames do.
 const LEAST_GAIN: f64 = 60.0;
-/// A change that is seen in more parts than this and is still unsure stays so.
+/// A change that is seen in more parts than this and is still refused stays so.
 const LASTING_PARTS: usize = 8;
 /// Steps of the first fit of a finger, ...
 const FIRST_STEPS: usize = 7;
