@@ -25,6 +25,9 @@ fn main() {
     if is_windows || variable("CARGO_FEATURE_GILRS").is_some() {
         features.push("gamepads");
     }
+    if is_windows && variable("CARGO_FEATURE_VIGEM").is_some() {
+        features.push("virtual gamepad");
+    }
     println!("cargo:rustc-env=GELPAD_FEATURES={}", features.join(", "));
 }
 

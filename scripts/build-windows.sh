@@ -3,7 +3,7 @@
 # Usage: scripts/build-windows.sh [--release]
 set -euo pipefail
 cd "$(dirname "$0")/.."
-scripts/cargo-windows.sh build --quiet --bin gelpad "$@"
+scripts/cargo-windows.sh build --quiet --features vigem --bin gelpad "$@"
 profile=debug
 [ "${1:-}" != --release ] || profile=release
 exe=${GELPAD_WINDOWS_TARGET:-$PWD/target/windows}/x86_64-pc-windows-gnu/$profile/gelpad.exe

@@ -13,4 +13,4 @@ export CC_x86_64_pc_windows_gnu=x86_64-w64-mingw32-gcc AR_x86_64_pc_windows_gnu=
 export CARGO_TARGET_DIR=${GELPAD_WINDOWS_TARGET:-$PWD/target/windows}
 command=$1
 shift
-exec cargo "$command" -Z build-std=std,panic_unwind,test --target x86_64-pc-windows-gnu --locked "$@"
+exec cargo --config scripts/windows-tests.toml "$command" -Z build-std=std,panic_unwind,test --target x86_64-pc-windows-gnu --locked "$@"

@@ -18,7 +18,7 @@ make_all() {
     >"$out/CHANGES-$version.md"
   # Every crate of both programs, with its licence.
   for target in x86_64-unknown-linux-gnu x86_64-pc-windows-gnu; do
-    cargo metadata --locked --format-version 1 --filter-platform $target --features gilrs |
+    cargo metadata --locked --format-version 1 --filter-platform $target --features gilrs,vigem |
       python3 scripts/bill-of-materials.py "$version" "$commit" $target >"$out/gelpad-$version-$target.cdx.json"
   done
   (cd "$out" && find . -maxdepth 1 -type f ! -name SHA256SUMS -printf '%P\n' | sort | xargs sha256sum >SHA256SUMS)

@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 gelpad=$(realpath "${1:-target/debug/gelpad}")
 # The tests build the program with them; building it alone first would compile some crates twice.
-tests=(--lib --test scenarios --test profiles --test windows)
+tests=(--features vigem --lib --test scenarios --test profiles --test windows)
 scripts/cargo-windows.sh test --quiet --no-run "${tests[@]}"
 exe=$PWD/target/windows/x86_64-pc-windows-gnu/debug/gelpad.exe
 work=$(mktemp -d)
@@ -25,7 +25,7 @@ export DISPLAY=:$(cat "$work/display")
 unset WAYLAND_DISPLAY
 # One server for all: a program does not wait for a new one. It must be the first to start.
 mkdir "$WINEPREFIX"
-wineserver64 -p
+wineserver64 -p >/dev/null 2>&1
 wine64 wineboot --init >/dev/null 2>&1
 
 windows() { scripts/run-in-wine.sh "$exe" "$@"; }
@@ -84,6 +84,19 @@ grep -qi openeit "$work/listened"
 timeout 30 scripts/run-in-wine.sh "$exe" play super-mario --pad openeit-lattice --source serial:COM5 --output trace --headless \
   --record "$(path "$work/board.mcap")" >/dev/null 2>"$work/played" || true
 tail -3 "$work/played" | sed 's/^/   /'
+
+step "the end of the session releases the key and finishes the recording"
+windows play super-mario --source "simulated:$(path "$work/hold.txt")" --output keyboard --headless --seed 1 \
+  --record "$(path "$work/ended.mcap")" >/dev/null 2>"$work/ended" &
+held=$!
+started+=($held)
+sleep 6
+wine64 wineboot --end-session >/dev/null 2>&1
+wait $held 2>/dev/null || true
+"$gelpad" replay "$work/ended.mcap" --print events >"$work/ended.events" 2>"$work/ended" || { cat "$work/ended"; exit 1; }
+tail -2 "$work/ended.events" | sed 's/^/   /'
+tail -1 "$work/ended.events" | grep -q release
+wine64 wineboot --init >/dev/null 2>&1
 
 step "the window, pressed with the mouse"
 windows >/dev/null 2>"$work/window" &

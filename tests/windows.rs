@@ -65,6 +65,10 @@ fn trials() -> Vec<libtest_mimic::Trial> {
         trial("an_event_arrives_soon", keys::latency),
         trial("killed_gelpads_leave_nothing_down", kills::killed),
         trial("a_killed_watcher_is_not_missed", kills::with_a_watcher),
+        trial(
+            "the_end_of_the_session_releases_keys",
+            kills::end_of_session,
+        ),
         match is_wine {
             false => ctrl_break,
             // The script presses Ctrl-C in a terminal instead.

@@ -174,7 +174,9 @@ impl GamepadSource {
             return;
         }
         let gamepad = self.gilrs.gamepad(id);
-        let looks_own = (gamepad.vendor_id(), gamepad.product_id()) == OWN_ID;
+        let identity = (gamepad.vendor_id(), gamepad.product_id());
+        // XInput names no vendor.
+        let looks_own = identity == OWN_ID || identity == (None, None);
         if looks_own && matches!(self.own, OwnPad::Expected) {
             self.own = OwnPad::Is(id);
             return;

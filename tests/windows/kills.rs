@@ -20,6 +20,10 @@ use windows_sys::Win32::System::Threading::{
     CREATE_NEW_PROCESS_GROUP, OpenProcess, PROCESS_TERMINATE, TerminateProcess,
 };
 use windows_sys::Win32::UI::Input::KeyboardAndMouse::GetAsyncKeyState;
+use windows_sys::Win32::UI::WindowsAndMessaging::{
+    FindWindowW, GetWindowThreadProcessId, SMTO_BLOCK, SendMessageTimeoutW, WM_ENDSESSION,
+    WM_QUERYENDSESSION,
+};
 
 use crate::logger::{KeyMessage, Logger, PATIENCE};
 
@@ -143,6 +147,59 @@ pub fn ctrl_break() -> Result<()> {
     released(&logger, down, Instant::now())?;
     ensure!(
         gelpad.child.wait()?.code() == Some(131),
+        "another exit code"
+    );
+    Ok(())
+}
+
+/// The end of the session: gelpad lets it happen, releases the key itself and ends with the code of SIGTERM.
+pub fn end_of_session() -> Result<()> {
+    let logger = Logger::open()?;
+    let (mut gelpad, down) = Gelpad::holding(&logger)?;
+    let title: Vec<u16> = "gelpad waits for the end of the session\0"
+        .encode_utf16()
+        .collect();
+    let mut owner = 0;
+    let send = |window, message, ending| {
+        let mut answer = 0;
+        // SAFETY: the answer outlives the call; both messages carry numbers.
+        let is_answered = unsafe {
+            SendMessageTimeoutW(
+                window,
+                message,
+                ending,
+                0,
+                SMTO_BLOCK,
+                5_000,
+                &raw mut answer,
+            )
+        };
+        (is_answered != 0).then_some(answer)
+    };
+    // SAFETY: the title ends with 0 and outlives the call, and so does the number.
+    let window = unsafe {
+        let window = FindWindowW(std::ptr::null(), title.as_ptr());
+        GetWindowThreadProcessId(window, &raw mut owner);
+        window
+    };
+    ensure!(owner == gelpad.child.id(), "gelpad has no such window");
+    ensure!(
+        send(window, WM_QUERYENDSESSION, 0) == Some(1),
+        "gelpad keeps people from logging off"
+    );
+    // Another program does: play goes on.
+    send(window, WM_ENDSESSION, 0);
+    ensure!(
+        logger
+            .within(Duration::from_millis(500))?
+            .is_none_or(|key| key.is_down),
+        "the key is released although the session goes on"
+    );
+    // The program ends instead of answering.
+    send(window, WM_ENDSESSION, 1);
+    released(&logger, down, Instant::now())?;
+    ensure!(
+        gelpad.child.wait()?.code() == Some(143),
         "another exit code"
     );
     Ok(())

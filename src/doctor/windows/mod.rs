@@ -8,6 +8,7 @@ pub mod rule;
 mod timing;
 
 use super::{CheckLine, DoctorReport, section};
+use crate::platform::outputs::gamepad_driver;
 
 /// Runs all checks on this computer. Moves the mouse by nothing.
 pub(super) fn check_this_computer() -> DoctorReport {
@@ -32,10 +33,13 @@ pub(super) fn check_this_computer() -> DoctorReport {
 /// What a virtual gamepad and gamepads as a source need on this computer.
 #[must_use]
 pub fn gamepad_lines() -> Vec<CheckLine> {
-    let virtual_pad = CheckLine::note(
-        "virtual gamepad",
-        "Windows has none without a driver: gelpad sends keys and mouse",
-    );
+    let virtual_pad = match gamepad_driver() {
+        Ok(()) => CheckLine::ok("virtual gamepad", "the driver ViGEmBus is installed"),
+        Err(reason) => CheckLine::note(
+            "virtual gamepad",
+            format!("{reason}; keys and the mouse work without it"),
+        ),
+    };
     let source = match cfg!(gamepads) {
         true => CheckLine::ok("gamepads as a source", "built in"),
         false => CheckLine::note(

@@ -15,9 +15,12 @@ pub mod processes;
 pub mod pseudo_terminal;
 mod rights;
 mod scan_codes;
+mod session_end;
 pub mod signals;
 pub mod terminal;
 pub mod timer;
+#[cfg(feature = "vigem")]
+mod vigem;
 pub(super) mod watch;
 
 pub use watch::run_watcher;

@@ -1,7 +1,7 @@
 //! What ends a game: Ctrl-C, Ctrl-Break, a closed console, the end of the session.
 //!
-//! Windows calls a handler in a thread of its own. When the handler of a closed console or of the end of a session returns, Windows
-//! ends the program, so that handler waits: the game releases its keys and ends the program meanwhile. As on other systems, a
+//! Windows calls a handler in a thread of its own; the end of the session comes to a hidden window (`session_end.rs`). When the handler of a
+//! closed console or of the end of a session returns, Windows ends the program, so that handler waits: the game releases its keys and ends the program meanwhile. As on other systems, a
 //! program that does not react is ended, and a second event ends it immediately; the watchers then release the keys.
 #![allow(
     unsafe_code,
@@ -13,10 +13,12 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::Duration;
 
 use windows_sys::Win32::System::Console::{
-    CTRL_BREAK_EVENT, CTRL_C_EVENT, CTRL_CLOSE_EVENT, SetConsoleCtrlHandler,
+    CTRL_BREAK_EVENT, CTRL_C_EVENT, CTRL_CLOSE_EVENT, CTRL_LOGOFF_EVENT, SetConsoleCtrlHandler,
 };
 use windows_sys::Win32::System::Threading::{GetCurrentProcess, TerminateProcess};
 use windows_sys::core::BOOL;
+
+use super::session_end;
 
 /// Number of Ctrl-C, as on other systems.
 pub const INTERRUPT: i32 = 2;
@@ -47,7 +49,13 @@ impl Signals {
         // SAFETY: the handler only uses atomics, threads and calls of the system.
         match unsafe { SetConsoleCtrlHandler(Some(handle), 1) } {
             0 => Err(io::Error::last_os_error()),
-            _ => Ok(Self(())),
+            _ => {
+                session_end::listen(|| {
+                    // SAFETY: it may be called from any thread.
+                    unsafe { handle(CTRL_LOGOFF_EVENT) };
+                });
+                Ok(Self(()))
+            }
         }
     }
 
