@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds gelpad for Windows and tests it under wine, then builds the packages of Linux and Windows and tries them.
-# Installs by apt what it needs. Called by .ci/run with GELPAD_TEST_WINDOWS=1.
+# Installs by apt what it needs. Called by .ci/run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 gelpad=target/debug/gelpad

@@ -197,6 +197,10 @@ impl Locator {
             motion.weigh(stay_ratio(touch, &self.fit.responses[index], noise));
             self.motions.push(motion);
         }
+        // Events of recordings with tables of one sign stay as they were.
+        if self.model.table.has_both_signs() {
+            self.place_held(noise);
+        }
     }
 
     /// The touches of the last frame, in the order in which they were found.

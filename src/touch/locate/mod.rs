@@ -10,6 +10,7 @@ mod beside;
 mod deformation;
 mod deformed;
 mod fit;
+mod held;
 mod locator;
 mod metric;
 mod model;

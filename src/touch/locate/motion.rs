@@ -5,6 +5,7 @@
 //! at its first frame's place. (Bar-Shalom, Li and Kirubarajan 2001, sections 5.2 and 6.3: discrete white noise of the
 //! acceleration.)
 
+use super::held::HeldMean;
 use crate::types::PointMm;
 
 /// How fast a finger is when it lands, mm/s, ...
@@ -17,6 +18,8 @@ const ACCELERATION_MM_PER_S2: f64 = 500.0;
 const TREMBLE_MM: f64 = 0.03;
 /// A measurement is unexpected if its squared distance exceeds this many variances: 1 of 400 by noise.
 const UNEXPECTED: f64 = 12.0;
+/// A finger moves if its squared speed exceeds this many variances.
+const MOVES: f64 = 6.0;
 /// A finger that moves less than this between two frames is looked for where it was, mm.
 const LEAST_STEP_MM: f64 = 1.0;
 /// Weight of a frame in the mean of what a touch explains.
@@ -73,9 +76,11 @@ impl Axis {
 }
 
 /// How one touch moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Motion {
     axes: [Axis; 2],
+    /// What it changed while it did not move.
+    held: HeldMean,
     /// What the touch explains as a multiple of what it needs to stay, over the last frames.
     evidence: f64,
     /// Whether it explained too little in the last frame.
@@ -89,6 +94,7 @@ impl Motion {
     pub(super) fn new(place_mm: PointMm, variances_mm2: [f64; 2]) -> Self {
         Self {
             axes: [0, 1].map(|k| Axis::new(place_mm[k], variances_mm2[k], LANDING_MM_PER_S)),
+            held: HeldMean::default(),
             evidence: 1.0,
             was_weak: false,
             step_mm: [0.0; 2],
@@ -109,7 +115,28 @@ impl Motion {
 
     /// The place by all frames so far.
     pub(super) fn place_mm(&self) -> PointMm {
-        self.axes.map(|axis| axis.at_mm)
+        match self.held.touch() {
+            Some(touch) => touch.centre_mm,
+            None => self.axes.map(|axis| axis.at_mm),
+        }
+    }
+
+    /// Takes what the touch changed in a frame: its response and what no touch explains, whitened. Returns the mean of the frames in
+    /// which it was held, if there are several.
+    pub(super) fn hold(&mut self, response: &[f32], residual: &[f32]) -> Option<&mut HeldMean> {
+        if self.is_moving() {
+            self.held.clear();
+        }
+        self.held.add(response, residual);
+        (self.held.frames() > 1).then_some(&mut self.held)
+    }
+
+    /// Whether the finger moves more than noise makes it seem to.
+    fn is_moving(&self) -> bool {
+        let squares = self
+            .axes
+            .map(|axis| axis.mm_per_s * axis.mm_per_s / axis.velocity);
+        squares[0] + squares[1] > MOVES
     }
 
     /// Moves the expected place on by a time.
@@ -147,6 +174,7 @@ impl Motion {
             .sum();
         for k in 0..2 {
             if surprise > UNEXPECTED {
+                self.held.clear();
                 self.axes[k] = Axis::new(place_mm[k], variances_mm2[k], MOVING_MM_PER_S);
             } else {
                 self.axes[k].correct(place_mm[k], variances_mm2[k]);
