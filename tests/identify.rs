@@ -9,7 +9,11 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use gelpad::cache;
-use gelpad::eit::identify::{IdentifyError, identify, one_by_one};
+use gelpad::eit::Press;
+use gelpad::eit::identify::{
+    IdentifiedPad, IdentifyError, KnownPress, KnownPresses, RestReadings, identify,
+    identify_with_presses, one_by_one,
+};
 use gelpad::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm, shipped_pad};
 use gelpad::source::{Noise, SimulatedPad};
 use rustix::process::{Pid, Signal, kill_process};
@@ -117,6 +121,100 @@ fn readings_of_another_pad_are_refused() {
     );
 }
 
+/// A pad of which each piece of channel differs by itself: more unknowns than readings at rest.
+fn uneven(drawing: &Pad) -> Pad {
+    let cells = cell_sites_mm(drawing).into_iter().enumerate();
+    let cells = cells.map(|(index, site)| (site, 1.0 + 0.2 * libm::sin(2.4 * index as f64)));
+    drawing.with_deviations(Deviations::new(cells.collect(), Vec::new()))
+}
+
+/// Presses on a grid, a finger's width apart, of one hand; each is told to be where it is, or at another place.
+fn presses(pad: &Pad, told: impl Fn(usize, [f64; 2]) -> [f64; 2]) -> Vec<KnownPress> {
+    let simulated = SimulatedPad::new(pad).expect("solvable");
+    let rest = simulated.volts(&[]).expect("solved");
+    let places = (0..5).flat_map(|i| (0..5).map(move |j| [i, j].map(|k| 14.0 + 18.0 * k as f64)));
+    let press = |(index, place_mm): (usize, [f64; 2])| {
+        let finger = Press {
+            centre_mm: place_mm,
+            radius_mm: 7.0 + 0.5 * libm::sin(index as f64),
+            rise: 1.0 + 0.3 * libm::cos(2.0 * index as f64),
+        };
+        let volts = simulated.volts(&[finger]).expect("solved");
+        let pairs = volts.iter().zip(&rest);
+        KnownPress {
+            place_mm: told(index, place_mm),
+            changes: pairs.map(|(volt, rest)| volt / rest - 1.0).collect(),
+        }
+    };
+    places.enumerate().map(press).collect()
+}
+
+fn with_presses(
+    drawing: &Pad,
+    volts: &[f64],
+    presses: &[KnownPress],
+) -> Result<IdentifiedPad, IdentifyError> {
+    let deviations = vec![1e-4; volts.len()];
+    let rest = RestReadings {
+        volts,
+        deviations: &deviations,
+    };
+    let known = KnownPresses {
+        presses,
+        noise: 1e-4,
+    };
+    identify_with_presses(drawing, rest, known, &one_by_one)
+}
+
+#[test]
+fn presses_tell_what_the_untouched_pad_leaves_open() {
+    let drawing = drawing("edinburgh-lattice");
+    let truth = uneven(&drawing);
+    let volts = rest(&truth);
+    let alone = identify(&drawing, &volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
+    let [alone, _] = errors(&alone.pad, &truth);
+    // A hand that is 1 mm beside the places, in all directions.
+    let beside = |index: usize, [x, y]: [f64; 2]| {
+        let angle = 2.4 * index as f64;
+        [x + libm::cos(angle), y + libm::sin(angle)]
+    };
+    for (name, told, share) in [
+        (
+            "exact",
+            &(|_, place| place) as &dyn Fn(usize, [f64; 2]) -> [f64; 2],
+            0.5,
+        ),
+        ("beside", &beside, 0.7),
+    ] {
+        let found = with_presses(&drawing, &volts, &presses(&truth, told)).expect("found");
+        let [cells, _] = errors(&found.pad, &truth);
+        println!("{name}: {cells:.4} of {alone:.4}");
+        assert!(cells < share * alone, "{name}: {cells} of {alone}");
+        assert!(found.unexplained.is_empty(), "{:?}", found.unexplained);
+        assert!(found.misfit[1] < 0.003, "{:?}", found.misfit);
+    }
+}
+
+#[test]
+fn presses_at_other_places_are_left_out_and_those_of_another_pad_refused() {
+    let drawing = drawing("edinburgh-lattice");
+    let truth = uneven(&drawing);
+    let volts = rest(&truth);
+    let one_wrong = presses(&truth, |index, [x, y]| match index {
+        6 => [x + 50.0, y + 30.0],
+        _ => [x, y],
+    });
+    let found = with_presses(&drawing, &volts, &one_wrong).expect("found");
+    assert_eq!(found.unexplained, [6]);
+    let mirrored = presses(&truth, |index, [x, y]| [100.0 - y, x + 0.01 * index as f64]);
+    let error = with_presses(&drawing, &volts, &mirrored).expect_err("other places");
+    assert!(
+        matches!(error, IdentifyError::OtherPresses { .. }),
+        "{error}"
+    );
+    assert!(error.to_string().contains("bottom-left"), "{error}");
+}
+
 /// `gelpad` in a folder, with its tables.
 fn gelpad(folder: &Path, arguments: &[&str]) -> (bool, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
@@ -183,6 +281,36 @@ fn the_command_writes_a_pad_that_has_these_readings() {
     assert!(!is_done && said.contains("found.toml exists"), "{said}");
     let (is_done, said) = gelpad(folder.path(), &["pad", "check", "./found.toml"]);
     assert!(is_done, "{said}");
+    // With presses that were recorded on it.
+    let rows = presses(&truth, |_, place| place);
+    let mut file = format!("x_mm,y_mm{}\n", head.concat().replace('v', "d"));
+    for KnownPress { place_mm, changes } in &rows {
+        let [x, y] = place_mm;
+        let changes = changes
+            .iter()
+            .zip(&volts)
+            .map(|(d, v)| format!(",{}", d * v));
+        let _ = writeln!(file, "{x},{y}{}", changes.collect::<String>());
+    }
+    std::fs::write(folder.path().join("presses.csv"), &file).expect("written");
+    let with_presses = [
+        "pad",
+        "identify",
+        "--source",
+        "replay:rest.csv",
+        "--presses",
+        "presses.csv",
+    ];
+    let (is_done, said) = gelpad(folder.path(), &with_presses);
+    assert!(!is_done && said.contains("row without a place"), "{said}");
+    let untouched: Vec<String> = volts.iter().map(|volt| format!(",{volt}")).collect();
+    file.push_str(&format!(",{}\n", untouched.concat()));
+    std::fs::write(folder.path().join("presses.csv"), &file).expect("written");
+    let (is_done, said) = gelpad(folder.path(), &with_presses);
+    assert!(
+        is_done && said.contains("presses      25, all explained"),
+        "{said}"
+    );
     // The simulated pad, by default.
     let (is_done, said) = gelpad(folder.path(), &["pad", "identify"]);
     assert!(is_done && said.contains("electrodes "), "{said}");

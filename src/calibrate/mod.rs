@@ -31,7 +31,7 @@ pub use error::{CalibrateError, FEWEST_PRESSES, PlaceErrors, PressesError};
 pub use file_name::calibration_file_name;
 pub use learned_pad::{LearnedErrors, learn_maps, learned_errors};
 pub use next_places::{NextPlace, next_places, places_between};
-pub use press_recorder::{PressRecorder, RecordedPress, Touching};
+pub use press_recorder::{MEAN_FRAMES, PressRecorder, RecordedPress, Touching};
 pub use presses::{ModelPrediction, Press, Presses, presses_csv};
 pub use regression::Regression;
 pub use superposed::{MOST_PLACES, SuperposedMaps};

@@ -14,7 +14,7 @@ use crate::types::{Contact, PointMm};
 /// The first frames of a press are left out: the finger is still sinking in.
 const SETTLE_FRAMES: usize = 5;
 /// Frames of a press that are averaged, where the model locates it.
-const MEAN_FRAMES: usize = 15;
+pub const MEAN_FRAMES: usize = 15;
 
 /// How the pad is touched in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

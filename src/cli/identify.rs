@@ -7,6 +7,7 @@ use anyhow::bail;
 
 use super::args::IdentifyArgs;
 use super::exit::Ending;
+use crate::app::calibration::load_presses;
 use crate::app::identify::{FoundPad, describe, identify_pad};
 use crate::app::pads::load_drawn_pad;
 use crate::app::services::{NoiseLevel, SourceChoice};
@@ -28,12 +29,14 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         snr_db: args.snr,
         seed: args.seed,
     };
+    let presses = args.presses.as_deref().map(load_presses).transpose()?;
     let mut source = match &args.source {
         SourceChoice::Level => untouched_pad(&drawing.pad, level)?,
         choice => open_pad_source(choice, args.board.line(), level, &drawing.pad)?,
     };
     source.require_frames();
-    let found = identify_pad(&drawing, source.as_mut(), args.frames as usize)?;
+    let wanted = args.frames as usize;
+    let found = identify_pad(&drawing, source.as_mut(), wanted, presses.as_ref())?;
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", printable(&describe(&found)))?;
     if let Some(path) = &args.output {

@@ -12,7 +12,10 @@ use toml_edit::{Array, DocumentMut, Item, Table, Value, value};
 
 use super::AppError;
 use super::pads::{PadText, start_workers};
-use crate::eit::identify::{IdentifiedPad, identify};
+use crate::calibrate::{MEAN_FRAMES, Presses};
+use crate::eit::identify::{
+    IdentifiedPad, KnownPress, KnownPresses, RestReadings, identify_with_presses,
+};
 use crate::pad::Pad;
 use crate::source::{SkipLog, Source, SourceReading};
 use crate::stats::{quantile, rms};
@@ -32,17 +35,23 @@ pub(crate) struct FoundPad {
     pub toml: String,
     /// Frames read.
     pub frames: usize,
+    /// Presses that were given.
+    pub presses: usize,
 }
 
-/// Reads untouched frames and finds the pad.
+/// Reads untouched frames and finds the pad, with the help of presses if there are any.
 ///
 /// # Errors
-/// A source that fails or sends too few frames; readings that no such pad explains.
+/// A source that fails or sends too few frames; readings or presses that no such pad explains; presses without the readings of the
+/// untouched pad, or of another number of channels.
 pub(crate) fn identify_pad(
     drawing: &PadText,
     source: &mut dyn Source,
     frames: usize,
+    presses: Option<&Presses>,
 ) -> Result<FoundPad, AppError> {
+    let presses = presses.map(|presses| known_presses(&drawing.pad, presses));
+    let presses = presses.transpose()?.unwrap_or_default();
     start_workers()?;
     let read = read_frames(source, frames)?;
     if read.len() < FEWEST_FRAMES {
@@ -52,7 +61,15 @@ pub(crate) fn identify_pad(
         )));
     }
     let (volts, deviations) = medians(&read);
-    let found = identify(&drawing.pad, &volts, &deviations, &beside_each_other)
+    let rest = RestReadings {
+        volts: &volts,
+        deviations: &deviations,
+    };
+    let known = KnownPresses {
+        presses: &presses,
+        noise: press_noise(&deviations, read.len()),
+    };
+    let found = identify_with_presses(&drawing.pad, rest, known, &beside_each_other)
         .map_err(|error| AppError::Unsuitable(error.to_string()))?;
     let toml = text_with(&drawing.toml, &found.pad)
         .ok_or_else(|| AppError::Unsuitable("the pad's text has no tables".to_owned()))?;
@@ -60,7 +77,41 @@ pub(crate) fn identify_pad(
         found,
         toml,
         frames: read.len(),
+        presses: presses.len(),
     })
+}
+
+/// Presses as relative changes.
+fn known_presses(pad: &Pad, presses: &Presses) -> Result<Vec<KnownPress>, AppError> {
+    if presses.channels() != pad.channels() {
+        return Err(AppError::Unsuitable(format!(
+            "the presses have {} readings each, {} has {}",
+            presses.channels(),
+            pad.name,
+            pad.channels()
+        )));
+    }
+    let all: Vec<usize> = (0..presses.len()).collect();
+    let changes = presses.relative_changes(&all).ok_or_else(|| {
+        AppError::Unsuitable(
+            "the presses have no readings of the untouched pad\n  help: add them as a row without a place: `,,v0,v1,...`"
+                .to_owned(),
+        )
+    })?;
+    let known = presses.list().iter().zip(changes.row_iter());
+    Ok(known
+        .map(|(press, changes)| KnownPress {
+            place_mm: press.place_mm,
+            changes: changes.iter().copied().collect(),
+        })
+        .collect())
+}
+
+/// Relative deviation of a press's change, from the deviations of medians over `frames` frames: it is a mean of fewer.
+fn press_noise(deviations: &[f64], frames: usize) -> f64 {
+    let finite = deviations.iter().copied().filter(|one| one.is_finite());
+    let of_frame = quantile(finite, 0.5).unwrap_or(0.0) * (frames as f64).sqrt();
+    of_frame / (MEAN_FRAMES as f64).sqrt()
 }
 
 /// Runs jobs on the threads of the present pool.
@@ -166,8 +217,28 @@ pub(crate) fn describe(found: &FoundPad) -> String {
             electrode.shift_mm
         ));
     }
+    if found.presses > 0 {
+        lines.push(format!("presses      {}", describe_presses(found)));
+    }
     lines.extend(broken(pad));
     lines.join("\n")
+}
+
+/// How many presses were used, and which were not.
+fn describe_presses(found: &FoundPad) -> String {
+    let left_out = &found.found.unexplained;
+    let used = found.presses - left_out.len();
+    if left_out.is_empty() {
+        return format!("{used}, all explained");
+    }
+    let rows: Vec<String> = left_out
+        .iter()
+        .map(|press| (press + 1).to_string())
+        .collect();
+    format!(
+        "{used} used; not explained, and left out: number {} (at another place, or of two fingers?)",
+        rows.join(", ")
+    )
 }
 
 /// Cells that conduct much less than those around them: channels that may be torn.

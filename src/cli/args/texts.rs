@@ -52,6 +52,9 @@ pub(in crate::cli) struct IdentifyArgs {
     /// Where frames come from: `serial:PORT`, `replay:FILE` or `simulated[:SCRIPT]`
     #[arg(long, default_value = "simulated", value_parser = source)]
     pub source: SourceChoice,
+    /// Presses of this pad, as `gelpad calibrate --presses FILE` records them: they tell what the untouched pad leaves open
+    #[arg(long, value_name = "FILE.csv")]
+    pub presses: Option<PathBuf>,
     /// File for the pad as found
     #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,

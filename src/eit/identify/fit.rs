@@ -18,7 +18,7 @@ const FIRST_SWEEPS: usize = 2;
 /// ... with this standard deviation of their logarithms beforehand: a pad is seldom ten times worse than usual.
 const LOG_SPREAD_SD: f64 = 1.5;
 /// Standard deviation of the logarithm of the board's gain, beside the gain that fits best.
-const GAIN_SD: f64 = 0.1;
+pub(super) const GAIN_SD: f64 = 0.1;
 
 /// Values of the unknowns.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(super) struct Estimate {
     /// Cells, shifts, stretches.
     pub(super) values: Vec<f64>,
     /// Factors of the components' deviations; none before the first search.
-    spreads: Vec<f64>,
+    pub(super) spreads: Vec<f64>,
 }
 
 impl Estimate {
@@ -51,13 +51,13 @@ impl Estimate {
 /// Readings and their derivatives at the present estimate.
 pub(super) struct LinearModel {
     /// Usable readings x unknowns, in the readings' units.
-    slopes: Mat<f64>,
+    pub(super) slopes: Mat<f64>,
     /// What a change of the gain does to each reading.
-    gain: Vec<f64>,
+    pub(super) gain: Vec<f64>,
     /// Differences that are to be explained.
-    residuals: Vec<f64>,
+    pub(super) residuals: Vec<f64>,
     /// Variance of each reading.
-    variances: Vec<f64>,
+    pub(super) variances: Vec<f64>,
 }
 
 impl LinearModel {
@@ -127,12 +127,8 @@ pub(super) fn most_likely(model: &LinearModel, prior: &Prior, present: &Estimate
         });
         let factor = covariance.llt(Side::Lower).ok()?;
         let weighted = factor.solve(&target);
-        let usual: f64 = spreads
-            .iter()
-            .map(|spread| libm::log(*spread) / LOG_SPREAD_SD)
-            .map(|log| -0.5 * log * log)
-            .sum();
-        Some((evidence(&factor, &weighted, &target) + usual, weighted))
+        let likely = evidence(&factor, &weighted, &target) + usual(spreads);
+        Some((likely, weighted))
     };
     let is_first = present.spreads.is_empty();
     let mut spreads = if is_first {
@@ -161,6 +157,15 @@ pub(super) fn most_likely(model: &LinearModel, prior: &Prior, present: &Estimate
         }
     }
     Estimate { values, spreads }
+}
+
+/// Logarithm of how usual spreads are, without its constant.
+pub(super) fn usual(spreads: &[f64]) -> f64 {
+    spreads
+        .iter()
+        .map(|spread| libm::log(*spread) / LOG_SPREAD_SD)
+        .map(|log| -0.5 * log * log)
+        .sum()
 }
 
 /// A component's covariance times the transposed slopes: unknowns x readings.

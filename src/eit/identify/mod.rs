@@ -6,9 +6,12 @@
 //! The unknown gain of the board is an unknown like the others. Contact impedances are not: four-electrode readings hardly show
 //! them.
 //!
+//! Presses at known places tell more of the same unknowns (`presses`).
+//!
 //! Invariant: readings that no such pad explains are refused, never fitted half.
 
 mod fit;
+mod presses;
 mod prior;
 mod sensitivity;
 
@@ -17,6 +20,7 @@ use faer::Mat;
 use super::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm};
 use fit::{Estimate, LinearModel};
+pub use presses::KnownPress;
 
 /// The forward model's own error, as a share of a reading: two meshes differ by so much.
 const MODEL_ERROR: f64 = 2e-3;
@@ -60,6 +64,8 @@ pub struct IdentifiedPad {
     pub pad: Pad,
     /// Root mean square of the relative differences between readings and model: as drawn, and as found.
     pub misfit: [f64; 2],
+    /// Presses, by their numbers, that this pad does not explain: at another place than told, or not of one finger.
+    pub unexplained: Vec<usize>,
 }
 
 /// Why no pad is found.
@@ -88,6 +94,18 @@ pub enum IdentifyError {
         /// Misfits as drawn and as found.
         misfit: [f64; 2],
     },
+    /// The presses belong to another pad, or their places to other presses.
+    #[error(
+        "{unexplained} of {presses} presses are not explained by any pad like {pad}: check that they were recorded on this pad, with this order of its electrodes, and that their places are in mm from the bottom-left"
+    )]
+    OtherPresses {
+        /// Name of the pad.
+        pad: String,
+        /// Presses of which too much is left.
+        unexplained: usize,
+        /// All presses.
+        presses: usize,
+    },
     /// Only a pad that is torn nearly everywhere has such readings.
     #[error(
         "no pad like {pad} has these readings: its layer would conduct {factor:.0} times more or less from place to place; check that the board measures (one that is stuck sends such readings), that its electrodes are wired in order and that nothing touches the pad"
@@ -102,8 +120,26 @@ pub enum IdentifyError {
     },
 }
 
-/// Finds the pad that has these readings at rest (any unit), whose relative standard deviations are given; infinite for readings
-/// to leave out. What the drawing says of the conductance is ignored. Half of the time goes into jobs that `run` may run beside each other.
+/// Readings of a pad at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct RestReadings<'a> {
+    /// A reading for each channel, in any unit.
+    pub volts: &'a [f64],
+    /// Their relative standard deviations; infinite for readings to leave out.
+    pub deviations: &'a [f64],
+}
+
+/// Presses at known places, on the same pad.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownPresses<'a> {
+    /// The presses.
+    pub presses: &'a [KnownPress],
+    /// Relative standard deviation of a change.
+    pub noise: f64,
+}
+
+/// Finds the pad that has these readings at rest. What the drawing says of the conductance is ignored. Half of the time goes into jobs that
+/// `run` may run beside each other.
 ///
 /// # Errors
 /// See [`IdentifyError`].
@@ -114,6 +150,26 @@ pub fn identify(
     drawing: &Pad,
     volts: &[f64],
     deviations: &[f64],
+    run: &RunJobs<'_>,
+) -> Result<IdentifiedPad, IdentifyError> {
+    let none = KnownPresses {
+        presses: &[],
+        noise: 0.0,
+    };
+    identify_with_presses(drawing, RestReadings { volts, deviations }, none, run)
+}
+
+/// Finds the pad that has these readings at rest and that these presses change so.
+///
+/// # Errors
+/// See [`IdentifyError`].
+///
+/// # Panics
+/// If there is not one reading and one deviation for each channel, or not one change of each press.
+pub fn identify_with_presses(
+    drawing: &Pad,
+    RestReadings { volts, deviations }: RestReadings<'_>,
+    known: KnownPresses<'_>,
     run: &RunJobs<'_>,
 ) -> Result<IdentifiedPad, IdentifyError> {
     let channels = drawing.channels();
@@ -129,25 +185,30 @@ pub fn identify(
     }
     let search = Search::new(drawing.drawing(), volts, &usable, deviations);
     let (estimate, misfit) = search.run(run)?;
-    let cells = &estimate.values[..search.sites.len()];
-    let square: f64 = cells.iter().map(|log| log * log).sum();
-    let unevenness = libm::sqrt(square / cells.len().max(1) as f64);
-    let pad = search.drawing.name.clone();
-    // NaN explains nothing either.
-    let is_explained = misfit[1] <= MOST_MISFIT;
-    if !is_explained {
-        return Err(IdentifyError::OtherPad { pad, misfit });
-    }
-    if unevenness > MOST_UNEVEN {
-        return Err(IdentifyError::Uneven {
+    search.check(&estimate, misfit)?;
+    if known.presses.is_empty() {
+        let pad = search.pad_with(&estimate.values);
+        return Ok(IdentifiedPad {
             pad,
-            factor: libm::exp(unevenness),
             misfit,
+            unexplained: Vec::new(),
         });
     }
+    let (refined, unexplained) = search.refine(estimate, known.presses, known.noise, run)?;
+    if 2 * unexplained.len() > known.presses.len() {
+        return Err(IdentifyError::OtherPresses {
+            pad: search.drawing.name.clone(),
+            unexplained: unexplained.len(),
+            presses: known.presses.len(),
+        });
+    }
+    let refined = Trial::new(&search, refined)?;
+    let misfit = [misfit[0], refined.compared.misfit()];
+    search.check(&refined.estimate, misfit)?;
     Ok(IdentifiedPad {
-        pad: search.pad_with(&estimate.values),
+        pad: refined.pad,
         misfit,
+        unexplained,
     })
 }
 
@@ -186,6 +247,27 @@ impl<'a> Search<'a> {
             usable,
             deviations,
         }
+    }
+
+    /// Refuses an estimate that does not explain the readings.
+    fn check(&self, estimate: &Estimate, misfit: [f64; 2]) -> Result<(), IdentifyError> {
+        let cells = &estimate.values[..self.sites.len()];
+        let square: f64 = cells.iter().map(|log| log * log).sum();
+        let unevenness = libm::sqrt(square / cells.len().max(1) as f64);
+        let pad = self.drawing.name.clone();
+        // NaN explains nothing either.
+        let is_explained = misfit[1] <= MOST_MISFIT;
+        if !is_explained {
+            return Err(IdentifyError::OtherPad { pad, misfit });
+        }
+        if unevenness > MOST_UNEVEN {
+            return Err(IdentifyError::Uneven {
+                pad,
+                factor: libm::exp(unevenness),
+                misfit,
+            });
+        }
+        Ok(())
     }
 
     /// The most likely estimate, and the misfits of the drawing and of the estimate.

@@ -85,6 +85,30 @@ impl Prior {
         }
     }
 
+    /// The covariance of all unknowns, with each component's deviations multiplied by its spread.
+    pub(super) fn covariance(&self, spreads: &[f64]) -> Mat<f64> {
+        let mut covariance = Mat::zeros(self.len(), self.len());
+        for (component, spread) in self.components.iter().zip(spreads) {
+            let times = spread * spread;
+            let (first, variances) = match component {
+                Component::Cells(own) => {
+                    for j in 0..self.cells {
+                        for i in 0..self.cells {
+                            covariance[(i, j)] += times * own[(i, j)];
+                        }
+                    }
+                    continue;
+                }
+                Component::Shifts(variances) => (self.cells, variances),
+                Component::Stretches(variances) => (self.cells + self.electrodes, variances),
+            };
+            for (index, variance) in variances.iter().enumerate() {
+                covariance[(first + index, first + index)] += times * variance;
+            }
+        }
+        covariance
+    }
+
     /// Number of unknowns.
     pub(super) fn len(&self) -> usize {
         self.cells + 2 * self.electrodes

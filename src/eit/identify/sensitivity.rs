@@ -6,7 +6,7 @@ use faer::Mat;
 
 use super::{RunJobs, Solved};
 use crate::eit::jacobian::cell_jacobian;
-use crate::eit::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
+use crate::eit::{ContactModel, Fields, ForwardError, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Electrode, ElectrodeDeviation, Pad};
 
 /// Electrodes are moved and stretched by this much, mm, on a mesh with edges this many times as long as the reconstruction's: the
@@ -16,23 +16,27 @@ const COARSER: f64 = 1.8;
 
 /// Channels x cells: change of a reading per relative change of a cell's conductance, V/A.
 pub(super) fn of_cells(solved: &Solved, pad: &Pad, cells: usize) -> Mat<f64> {
-    let mesh = solved.model.mesh();
-    let of_triangle: Vec<(usize, f64)> = mesh
-        .background_s_per_m(pad)
-        .into_iter()
+    let conductivity = solved.model.mesh().background_s_per_m(pad);
+    of_cells_with(&solved.model, &solved.fields, pad, &conductivity, cells)
+}
+
+/// The same with any conductivity of the triangles, S/m, and its fields.
+pub(super) fn of_cells_with(
+    model: &ForwardModel,
+    fields: &Fields,
+    pad: &Pad,
+    conductivity: &[f64],
+    cells: usize,
+) -> Mat<f64> {
+    let of_triangle: Vec<(usize, f64)> = conductivity
+        .iter()
         .enumerate()
         .map(|(triangle, siemens)| {
-            let cell = pad.deviations.cell_at(mesh.centroid_mm(triangle));
-            (cell.unwrap_or(0), siemens)
+            let cell = pad.deviations.cell_at(model.mesh().centroid_mm(triangle));
+            (cell.unwrap_or(0), *siemens)
         })
         .collect();
-    cell_jacobian(
-        &solved.model,
-        &solved.fields,
-        &pad.protocol,
-        &of_triangle,
-        cells,
-    )
+    cell_jacobian(model, fields, &pad.protocol, &of_triangle, cells)
 }
 
 /// Channels x (shifts, stretches) of a pad's electrodes: relative change of a reading per mm. Zero for an electrode that has no room to

@@ -14,7 +14,9 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind};
 use super::score::{REACH_MM, Score};
 use super::sensing::Sensing;
-use crate::eit::identify::{IdentifyError, identify, one_by_one};
+use crate::eit::identify::{
+    IdentifyError, KnownPresses, RestReadings, identify, identify_with_presses, one_by_one,
+};
 use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
 use crate::stats::mean;
@@ -22,7 +24,7 @@ use crate::study::figure::{ConductanceMap, Figure};
 use crate::study::{StudyError, job};
 use crate::touch::SensingBuilder;
 use built::{BuiltPad, Tolerance};
-use pressed::{Corrected, PRESSES};
+use pressed::{PRESS_FRAMES, PRESSES, press};
 
 /// White noise, dB, proportional to each reading.
 const SNR_DB: f64 = 60.0;
@@ -287,7 +289,8 @@ fn locate_on_pad(
     let frames = instrument.frames(&built.specimen.rest, draws.seed(), REST_FRAMES);
     let means = channel_means(&frames);
     let noise = super::noise::share(SNR_DB) / libm::sqrt(REST_FRAMES as f64);
-    let identified = identify(drawing, &means, &vec![noise; means.len()], &one_by_one);
+    let deviations = vec![noise; means.len()];
+    let identified = identify(drawing, &means, &deviations, &one_by_one);
     // As in play, a pad that is not found is played with its drawing.
     let (found, misfit) = match &identified {
         Ok(identified) => (&identified.pad, identified.misfit),
@@ -308,14 +311,31 @@ fn locate_on_pad(
         .map(|sensing| sensing.rested(&instrument, seed))
         .collect::<Result<Vec<_>, _>>()?;
     let own_draws = Draws::new(drawing, bench.seed, stream + PRESS_STREAMS);
-    let mut corrected = Corrected::learn(&built, &instrument, &means, &rested[1], own_draws)?;
+    let presses = press(&built, &instrument, &means, &rested[1], own_draws)?;
+    let with_presses = identify_with_presses(
+        drawing,
+        RestReadings {
+            volts: &means,
+            deviations: &deviations,
+        },
+        KnownPresses {
+            presses: &presses,
+            noise: super::noise::share(SNR_DB)
+                * libm::sqrt(1.0 / PRESS_FRAMES as f64 + 1.0 / REST_FRAMES as f64),
+        },
+        &one_by_one,
+    );
+    let refined = with_presses.map_or_else(|_| found.clone(), |identified| identified.pad);
+    let derived = ResponseBuilder::from_drawing(&refined, drawn_table(builder)?)?;
+    let refined = sensing_of(&refined, builder, derived)?;
+    let refined = refined.rested(&instrument, seed)?;
     let mut models: [Located; 4] = Default::default();
     for _ in 0..touches {
         let presses = draws.presses(1)?;
         let (volts, _) = built.specimen.pressed(&built.pad, &presses)?;
         let frame = instrument.frame(&volts, draws.seed());
         let [drawn, found, true_model] = [0, 1, 2].map(|model| rested[model].contacts(&frame));
-        let pressed = corrected.contacts(&frame, &found);
+        let pressed = refined.contacts(&frame);
         let contacts = [drawn, found, pressed, true_model];
         for (contacts, located) in contacts.iter().zip(&mut models) {
             let score = Score::new(&presses, contacts, REACH_MM * bench.scale);
