@@ -7,6 +7,8 @@ cd "$(dirname "$0")/.."
 scripts/windows-toolchain.sh
 folder=$PWD/target/windows-toolchain
 export RUSTC=$folder/bin/rustc RUSTC_BOOTSTRAP=1
+# For releases.
+[ -z "${GELPAD_REPRODUCIBLE:-}" ] || export PATH=$PWD/scripts/windows-tools:$PATH
 export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER=x86_64-w64-mingw32-gcc
 export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER=$PWD/scripts/run-in-wine.sh
 export CC_x86_64_pc_windows_gnu=x86_64-w64-mingw32-gcc AR_x86_64_pc_windows_gnu=x86_64-w64-mingw32-ar

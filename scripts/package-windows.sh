@@ -7,7 +7,7 @@ exe=${1:-}
 [ -d "$generated" ] || generate
 if [ -z "$exe" ]; then
   # A linker that writes no time into the program.
-  exe=$(RUSTFLAGS="$release_flags -C link-arg=-Wl,--no-insert-timestamp" GELPAD_WINDOWS_TARGET=$PWD/target/release-windows \
+  exe=$(GELPAD_REPRODUCIBLE=1 RUSTFLAGS="$release_flags -C link-arg=-Wl,--no-insert-timestamp" GELPAD_WINDOWS_TARGET=$PWD/target/release-windows \
     scripts/build-windows.sh --release)
 fi
 stage=$(mktemp -d)
