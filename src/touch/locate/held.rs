@@ -3,13 +3,9 @@
 //! In much noise a single frame shows place and size of a finger poorly, and a mean of poor fits is poorer than a fit to the mean: the
 //! response is not linear, and each fit leans towards a typical finger.
 
-use super::fit::Bounds;
-use super::locator::Locator;
 use super::metric::{Whitened, energy};
 use crate::eit::response::TouchModel;
 
-/// Steps of the fit.
-const STEPS: usize = 8;
 /// A mean is of at most this many frames, so that a press that grows harder is followed.
 const MOST_FRAMES: u32 = 8;
 
@@ -45,44 +41,19 @@ impl HeldMean {
         self.frames
     }
 
+    /// The mean of what the touch changed.
+    pub(super) fn mean(&self) -> &Whitened {
+        &self.mean
+    }
+
+    /// Sets the touch that explains the mean.
+    pub(super) fn set_touch(&mut self, touch: TouchModel) {
+        self.touch = Some(touch);
+    }
+
     /// The touch that explains the mean; none for a single frame.
     pub(super) fn touch(&self) -> Option<&TouchModel> {
         self.touch.as_ref()
-    }
-}
-
-impl Locator {
-    /// Places every touch that does not move by the mean of its frames.
-    pub(super) fn place_held(&mut self, noise: f64) {
-        for (index, motion) in self.motions.iter_mut().enumerate() {
-            let response = &self.fit.responses[index].value;
-            let Some(held) = motion.hold(response, &self.fit.residual) else {
-                continue;
-            };
-            let bounds = Bounds {
-                prior_weight: noise / f64::from(held.frames),
-                ..self.bounds
-            };
-            let problem = self.model.problem(&held.mean, &bounds);
-            // A single frame's fit may have ended beside the least cost.
-            let peak = || {
-                let found = self
-                    .model
-                    .templates
-                    .peak(&held.mean.coordinates, bounds.sign);
-                found.map(|peak| bounds.typical(peak.place_mm))
-            };
-            let starts = [Some(self.fit.touches[index]), held.touch.or_else(peak)];
-            let mut least_cost = f64::INFINITY;
-            for start in starts.into_iter().flatten() {
-                self.trial.set_touches(&[start], problem);
-                self.trial.descend(STEPS, problem);
-                if self.trial.cost < least_cost {
-                    least_cost = self.trial.cost;
-                    held.touch = Some(self.trial.touches[0]);
-                }
-            }
-        }
     }
 }
 

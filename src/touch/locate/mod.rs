@@ -17,6 +17,7 @@ mod model;
 mod motion;
 mod new_touches;
 mod odd;
+mod place_held;
 mod recent;
 mod responses;
 mod sign;
