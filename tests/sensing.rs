@@ -6,6 +6,8 @@
 mod bench;
 #[path = "sensing/faults.rs"]
 mod faults;
+#[path = "sensing/held.rs"]
+mod held;
 mod lattice;
 
 use bench::{Bench, FRAMES_PER_MINUTE, finger};

@@ -106,6 +106,7 @@ impl Locator {
     pub fn set_weights(&mut self, model: Arc<LocatorModel>) {
         self.model = model;
         self.recent.clear();
+        self.forget_held();
         self.refused_cost = 0.0;
         self.unclear_cost = 0.0;
     }
@@ -124,6 +125,7 @@ impl Locator {
     pub fn undo_frame(&mut self) {
         self.fit.touches.clone_from(&self.before);
         self.recent.clear();
+        self.forget_held();
     }
 
     /// Forgets all touches.

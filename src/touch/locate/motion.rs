@@ -18,6 +18,8 @@ const ACCELERATION_MM_PER_S2: f64 = 500.0;
 const TREMBLE_MM: f64 = 0.03;
 /// A measurement is unexpected if its squared distance exceeds this many variances: 1 of 400 by noise.
 const UNEXPECTED: f64 = 12.0;
+/// The mean of a finger's frames lags if it places it so many variances away, squared.
+const LAGS: f64 = 20.0;
 /// A finger moves if its squared speed exceeds this many variances.
 const MOVES: f64 = 6.0;
 /// A finger that moves less than this between two frames is looked for where it was, mm.
@@ -129,6 +131,25 @@ impl Motion {
         }
         self.held.add(response, residual);
         (self.held.frames() > 1).then_some(&mut self.held)
+    }
+
+    /// Starts the mean of the frames again.
+    pub(super) fn forget_held(&mut self) {
+        self.held.clear();
+    }
+
+    /// Starts the mean again if it places the finger where it no longer is: a slow finger is behind the mean of its frames.
+    pub(super) fn leave_lagging_mean(&mut self) {
+        let Some(touch) = self.held.touch() else {
+            return;
+        };
+        let squares = [0, 1].map(|k| {
+            let off_mm = touch.centre_mm[k] - self.axes[k].at_mm;
+            off_mm * off_mm / self.axes[k].place
+        });
+        if squares[0] + squares[1] > LAGS {
+            self.held.clear();
+        }
     }
 
     /// Whether the finger moves more than noise makes it seem to.

@@ -8,6 +8,13 @@ use crate::eit::response::TouchModel;
 const STEPS: usize = 8;
 
 impl Locator {
+    /// Starts the means of all touches again: they hold a damaged frame, or were made with other weights.
+    pub(super) fn forget_held(&mut self) {
+        for motion in &mut self.motions {
+            motion.forget_held();
+        }
+    }
+
     /// Places every touch that does not move by the mean of its frames.
     pub(super) fn place_held(&mut self, noise: f64) {
         for (index, motion) in self.motions.iter_mut().enumerate() {
@@ -43,6 +50,7 @@ impl Locator {
             if let Some((_, touch)) = best {
                 held.set_touch(touch);
             }
+            motion.leave_lagging_mean();
         }
     }
 }
