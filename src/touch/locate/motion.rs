@@ -18,10 +18,11 @@ const ACCELERATION_MM_PER_S2: f64 = 500.0;
 const TREMBLE_MM: f64 = 0.03;
 /// A measurement is unexpected if its squared distance exceeds this many variances: 1 of 400 by noise.
 const UNEXPECTED: f64 = 12.0;
-/// The mean of a finger's frames lags if it places it so many variances away, squared.
+/// The mean of a finger's frames lags if its squared distance from the finger exceeds this many variances.
 const LAGS: f64 = 20.0;
-/// A finger moves if its squared speed exceeds this many variances.
+/// A finger moves if its squared speed exceeds this many variances, and may creep if it exceeds so many.
 const MOVES: f64 = 6.0;
+const CREEPS: f64 = 2.0;
 /// A finger that moves less than this between two frames is looked for where it was, mm.
 const LEAST_STEP_MM: f64 = 1.0;
 /// Weight of a frame in the mean of what a touch explains.
@@ -138,26 +139,33 @@ impl Motion {
         self.held.clear();
     }
 
-    /// Starts the mean again if it places the finger where it no longer is: a slow finger is behind the mean of its frames.
+    /// Starts the mean again if the finger creeps away from it: it is so far behind a finger that seems to move.
     pub(super) fn leave_lagging_mean(&mut self) {
         let Some(touch) = self.held.touch() else {
             return;
         };
-        let squares = [0, 1].map(|k| {
-            let off_mm = touch.centre_mm[k] - self.axes[k].at_mm;
-            off_mm * off_mm / self.axes[k].place
-        });
-        if squares[0] + squares[1] > LAGS {
+        let mut squared_distance = 0.0;
+        let mut along = 0.0;
+        for (axis, mean_mm) in self.axes.iter().zip(touch.centre_mm) {
+            let behind_mm = axis.at_mm - mean_mm;
+            squared_distance += behind_mm * behind_mm / axis.place;
+            along += behind_mm * axis.mm_per_s;
+        }
+        if squared_distance > LAGS && along > 0.0 && self.squared_speed() > CREEPS {
             self.held.clear();
         }
     }
 
     /// Whether the finger moves more than noise makes it seem to.
     fn is_moving(&self) -> bool {
-        let squares = self
-            .axes
-            .map(|axis| axis.mm_per_s * axis.mm_per_s / axis.velocity);
-        squares[0] + squares[1] > MOVES
+        self.squared_speed() > MOVES
+    }
+
+    /// In units of its variance.
+    fn squared_speed(&self) -> f64 {
+        let axes = self.axes.iter();
+        axes.map(|axis| axis.mm_per_s * axis.mm_per_s / axis.velocity)
+            .sum()
     }
 
     /// Moves the expected place on by a time.
