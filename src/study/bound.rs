@@ -10,9 +10,8 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use super::{Press, StudyError, conductivity_factor};
-use crate::eit::{Fields, ForwardModel, PRESS_UNKNOWNS, element_jacobian};
-use crate::pad::{Pad, TouchSign};
-use crate::types::PointMm;
+use crate::eit::{ForwardModel, PRESS_UNKNOWNS, PressedPad};
+use crate::pad::Pad;
 
 /// Least errors of an unbiased estimate of one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,64 +61,6 @@ pub(super) fn mean_distance_mm([xx, yy, xy]: [f64; 3]) -> f64 {
     (std::f64::consts::PI / 2.0).sqrt() * mean_radius
 }
 
-/// A pad in its touched state, solved.
-#[derive(Clone, Copy, Debug)]
-pub struct PressedPad<'a> {
-    /// The forward model.
-    pub model: &'a ForwardModel,
-    /// The solution.
-    pub fields: &'a Fields,
-    /// Conductivity of each triangle without the presses, S/m.
-    pub background: &'a [f64],
-    /// The presses.
-    pub presses: &'a [Press],
-}
-
-impl PressedPad<'_> {
-    /// Derivatives of the readings by every unknown; valid for any noise.
-    #[must_use]
-    pub fn slopes(&self, pad: &Pad) -> Slopes {
-        let under = self.under(pad.touch_sign);
-        let triangles: Vec<usize> = under.iter().map(|(triangle, _)| *triangle).collect();
-        let jacobian = element_jacobian(self.model, self.fields, &pad.protocol, &triangles);
-        let unknowns = PRESS_UNKNOWNS * self.presses.len();
-        let conductivity =
-            Mat::from_fn(under.len(), unknowns, |row, unknown| under[row].1[unknown]);
-        Slopes {
-            presses: self.presses.to_vec(),
-            derivative: jacobian * conductivity,
-        }
-    }
-
-    /// The triangles under the presses, with the derivatives of their conductivity by every unknown.
-    fn under(&self, sign: TouchSign) -> Vec<(usize, Vec<f64>)> {
-        let mesh = self.model.mesh();
-        (0..mesh.triangles.len())
-            .filter_map(|triangle| {
-                let points = mesh.quarter_points_mm(triangle);
-                let is_under =
-                    |point: &PointMm| self.presses.iter().any(|p| p.rise_share(*point) > 0.0);
-                points.iter().any(is_under).then(|| {
-                    let mut mean = vec![0.0; PRESS_UNKNOWNS * self.presses.len()];
-                    for point in points {
-                        let level = self.background[triangle]
-                            * conductivity_factor(self.presses, sign, point)
-                            / 4.0;
-                        for (part, press) in mean.chunks_exact_mut(PRESS_UNKNOWNS).zip(self.presses)
-                        {
-                            let gain = f64::from(sign.factor()) * level / press.factor(point);
-                            for (sum, slope) in part.iter_mut().zip(press.derivatives(point)) {
-                                *sum += gain * slope;
-                            }
-                        }
-                    }
-                    (triangle, mean)
-                })
-            })
-            .collect()
-    }
-}
-
 /// Derivatives of the readings by place, radius and rise of every press.
 #[derive(Clone, Debug)]
 pub struct Slopes {
@@ -129,6 +70,15 @@ pub struct Slopes {
 }
 
 impl Slopes {
+    /// Those of a pad in its touched state; valid for any noise.
+    #[must_use]
+    pub fn new(pressed: &PressedPad<'_>, pad: &Pad) -> Self {
+        Self {
+            presses: pressed.presses.to_vec(),
+            derivative: pressed.slopes(&pad.protocol),
+        }
+    }
+
     /// The derivatives of each reading by the unknowns of the first press, in these deviations of the readings (V/A).
     pub(super) fn of_first_press(&self, deviations: &[f64]) -> Vec<[f64; PRESS_UNKNOWNS]> {
         let channels = deviations.iter().enumerate();
@@ -202,8 +152,9 @@ pub fn place_bound_mm(
         fields: &fields,
         background: &background,
         presses: &presses,
+        sign: pad.touch_sign,
     };
-    match touched.slopes(pad).bounds(&deviations) {
+    match Slopes::new(&touched, pad).bounds(&deviations) {
         Some(bounds) => Ok(bounds[0].rms_mm()),
         None => Err(StudyError::refused(format!(
             "the voltages do not determine a touch at {:?} mm",
@@ -215,7 +166,9 @@ pub fn place_bound_mm(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eit::Fields;
     use crate::eit::{ContactModel, Mesh, MeshSize};
+    use crate::pad::TouchSign;
     use crate::pad::{DEFAULT_PAD, shipped_pad};
 
     fn bound(variances: [f64; 3]) -> PressBound {
@@ -285,6 +238,7 @@ mod tests {
                 fields: &self.fields(presses),
                 background: &self.background,
                 presses,
+                sign: self.pad.touch_sign,
             })
         }
     }
@@ -302,7 +256,7 @@ mod tests {
         for sign in [TouchSign::Rise, TouchSign::Fall] {
             let bench = Bench::new(sign);
             let presses = [press(30.0), press(40.0)];
-            let exact = bench.with(&presses, |touched| touched.slopes(&bench.pad));
+            let exact = bench.with(&presses, |touched| Slopes::new(&touched, &bench.pad));
             let steps = [0.05, 0.05, 0.05, 0.01];
             for (unknown, step) in steps.into_iter().enumerate() {
                 let volts = |by: f64| {
@@ -343,7 +297,7 @@ mod tests {
                 .map(|volt| volt.abs() * 1e-3)
                 .collect();
             bench
-                .with(presses, |touched| touched.slopes(&bench.pad))
+                .with(presses, |touched| Slopes::new(&touched, &bench.pad))
                 .bounds(&deviations)
                 .expect("determined")[0]
                 .rms_mm()

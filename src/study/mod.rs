@@ -18,7 +18,7 @@ pub mod width;
 
 pub use crate::eit::{Press, conductivity_factor};
 use bound::mean_distance_mm;
-pub use bound::{PressBound, PressedPad, Slopes, place_bound_mm};
+pub use bound::{PressBound, Slopes, place_bound_mm};
 pub use merit::{Merit, Raster};
 pub use phantom::{Phantom, Shape};
 pub use vary::ParameterSweep;

@@ -2,9 +2,9 @@
 //! mesh. All voltages of a specimen come from one such pad.
 
 use super::draws::Draws;
-use crate::eit::{ContactModel, Fields, ForwardError, ForwardModel, Mesh, MeshSize};
+use crate::eit::{ContactModel, Fields, ForwardError, ForwardModel, Mesh, MeshSize, PressedPad};
 use crate::pad::Pad;
-use crate::study::{Press, PressedPad, Slopes, conductivity_factor};
+use crate::study::{Press, Slopes, conductivity_factor};
 use crate::types::PointMm;
 
 /// Contact impedances are uniform within this share of the pad's value.
@@ -95,8 +95,9 @@ impl Specimen {
             fields: &fields,
             background: &self.background,
             presses,
+            sign: pad.touch_sign,
         };
-        Ok((fields.voltages(&pad.protocol), touched.slopes(pad)))
+        Ok((fields.voltages(&pad.protocol), Slopes::new(&touched, pad)))
     }
 }
 
