@@ -73,6 +73,12 @@ code=0
 (sleep 6 && printf '\003' && sleep 3) | timeout 60 script -qefc "$hold" "$work/console" >/dev/null 2>&1 || code=$?
 [ "$code" = 130 ] || { cat "$work/console"; echo "exit code $code instead of 130" >&2; exit 1; }
 
+step "without the driver ViGEmBus a gamepad is refused with a reason"
+code=0
+windows play racing --source "simulated:$(path "$work/hold.txt")" --output gamepad --headless >/dev/null 2>"$work/refused" || code=$?
+sed 's/^/   /' "$work/refused"
+[ "$code" != 0 ] && grep -q 'ViGEmBus, which is not installed' "$work/refused"
+
 step "a board on COM5"
 "$gelpad" device --port "$work/board" --format openeit --pad openeit-lattice >/dev/null 2>"$work/device" &
 started+=($!)
