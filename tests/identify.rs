@@ -4,11 +4,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
+use gelpad::cache;
 use gelpad::eit::identify::{IdentifyError, identify, one_by_one};
 use gelpad::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm, shipped_pad};
 use gelpad::source::{Noise, SimulatedPad};
 
 mod identify {
+    mod guided;
     mod in_play;
     mod presses;
 }
@@ -131,11 +133,12 @@ fn recorded(volts: &[f64]) -> String {
     csv
 }
 
-/// `gelpad` in a folder, with its tables.
+/// `gelpad` in a folder, with the tables in the folder's `cache`.
 fn gelpad(folder: &Path, arguments: &[&str]) -> (bool, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_gelpad"))
         .current_dir(folder)
         .args(arguments)
+        .env(cache::FOLDER_VARIABLE, folder.join("cache"))
         .output()
         .expect("started");
     let said = [output.stdout, output.stderr].concat();

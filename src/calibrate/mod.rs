@@ -24,6 +24,7 @@ mod region;
 mod regression;
 mod superposed;
 mod touch_rows;
+mod untouched_level;
 
 pub use correct::{FittedCorrection, fit_correction};
 pub use curve::{LearningCurve, learning_curve};
@@ -36,3 +37,4 @@ pub use presses::{ModelPrediction, Press, Presses, presses_csv};
 pub use regression::Regression;
 pub use superposed::{MOST_PLACES, SuperposedMaps};
 pub use touch_rows::{TouchRow, TouchRows};
+pub use untouched_level::UntouchedLevel;

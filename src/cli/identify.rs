@@ -1,19 +1,22 @@
-//! `gelpad pad identify`: the pad as it is, from its readings at rest.
+//! `gelpad pad identify`: the pad as it is, from its readings at rest and, if there are any, from presses.
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
 use super::args::IdentifyArgs;
 use super::exit::Ending;
+use super::guided_presses::{Outcome, PressSource, check_files, record_guided};
+use super::progress::Spinner;
 use crate::app::calibration::load_presses;
-use crate::app::identify::{FoundPad, describe, identify_pad};
+use crate::app::identify::{FoundPad, describe, identify_pad, read_frames};
 use crate::app::pads::load_drawn_pad;
 use crate::app::services::{NoiseLevel, SourceChoice};
 use crate::app::source::{open_pad_source, untouched_pad};
 use crate::app::texts::as_pad_argument;
 use crate::files;
+use crate::pad::Pad;
 use crate::study::figure::ConductanceMap;
 use crate::types::printable;
 
@@ -29,14 +32,26 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         snr_db: args.snr,
         seed: args.seed,
     };
-    let presses = args.presses.as_deref().map(load_presses).transpose()?;
-    let mut source = match &args.source {
-        SourceChoice::Level => untouched_pad(&drawing.pad, level)?,
-        choice => open_pad_source(choice, args.board.line(), level, &drawing.pad)?,
+    let mut ending = Ending::Done;
+    let (untouched, presses) = match args.points {
+        Some(count) => match record(args, &drawing.pad, level, count)? {
+            Outcome::Signal(signal) => return Ok(Ending::Signal(signal)),
+            Outcome::Pressed(recorded) => {
+                if !recorded.is_complete {
+                    ending = Ending::LostData;
+                }
+                (recorded.untouched, Some(recorded.presses))
+            }
+        },
+        None => {
+            let presses = args.presses.as_deref().map(load_presses).transpose()?;
+            (read_untouched(args, &drawing.pad, level)?, presses)
+        }
     };
-    source.require_frames();
-    let wanted = args.frames as usize;
-    let found = identify_pad(&drawing, source.as_mut(), wanted, presses.as_ref())?;
+    let spinner = Spinner::new();
+    spinner.show("looking for the pad that has these readings");
+    let found = identify_pad(&drawing, &untouched, presses.as_ref())?;
+    drop(spinner);
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", printable(&describe(&found)))?;
     if let Some(path) = &args.output {
@@ -51,7 +66,43 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
     if let Some(path) = &args.map {
         files::write(path, &map(&found, path)?)?;
     }
-    Ok(Ending::Done)
+    Ok(ending)
+}
+
+fn read_untouched(
+    args: &IdentifyArgs,
+    drawing: &Pad,
+    level: NoiseLevel,
+) -> anyhow::Result<Vec<Vec<f32>>> {
+    let mut source = match &args.source {
+        SourceChoice::Level => untouched_pad(drawing, level)?,
+        choice => open_pad_source(choice, args.board.line(), level, drawing)?,
+    };
+    source.require_frames();
+    Ok(read_frames(source.as_mut(), args.frames as usize)?)
+}
+
+/// Records presses at shown places, and what the pad reads between them.
+fn record(
+    args: &IdentifyArgs,
+    drawing: &Pad,
+    level: NoiseLevel,
+    count: usize,
+) -> anyhow::Result<Outcome> {
+    let file = args.presses.as_deref();
+    let outputs: Vec<&Path> = args
+        .output
+        .iter()
+        .chain(&args.map)
+        .map(PathBuf::as_path)
+        .collect();
+    check_files(file, &outputs)?;
+    let source = PressSource {
+        choice: &args.source,
+        board: args.board.line(),
+        noise: level,
+    };
+    record_guided(drawing, source, count, None, file)
 }
 
 /// Refuses to overwrite the drawing, or a file that is there.

@@ -40,13 +40,13 @@ fn text_of(pad: &Pad) -> String {
 }
 
 /// A simulated board on a pseudo-terminal; dropping it ends it.
-struct Board {
+pub struct Board {
     process: Child,
     port: PathBuf,
 }
 
 impl Board {
-    fn start(folder: &Path, pad: &str, script: &str) -> Self {
+    pub fn start(folder: &Path, pad: &str, script: &str) -> Self {
         Self::with_options(folder, pad, script, &[])
     }
 
@@ -146,7 +146,7 @@ fn kept_pad(folder: &Path) -> Pad {
 }
 
 /// A folder with a pad as built and a cache with the table of the drawing.
-fn bench() -> (tempfile::TempDir, Pad) {
+pub fn bench() -> (tempfile::TempDir, Pad) {
     let folder = tempfile::tempdir().expect("a folder");
     let drawing = drawing("edinburgh-lattice");
     let table = cache::load_or_solve(&drawing, &|_, _| ()).expect("solvable");

@@ -10,7 +10,7 @@ use gelpad::eit::identify::{
 use gelpad::pad::{Channel, Deviations, Pad, Pair, TouchSign, cell_sites_mm};
 use gelpad::source::SimulatedPad;
 
-use crate::{drawing, errors, gelpad, recorded, rest};
+use crate::{built, drawing, errors, gelpad, recorded, rest};
 
 /// A pad whose pieces differ one by one. There are more of them than independent readings at rest.
 fn uneven(drawing: &Pad) -> Pad {
@@ -209,4 +209,17 @@ fn the_command_takes_presses_with_a_row_of_the_untouched_pad() {
         is_done && said.contains("presses      25, all explained"),
         "{said}"
     );
+}
+
+#[test]
+fn presses_of_another_pad_of_the_same_kind_are_refused() {
+    let drawing = drawing("edinburgh-lattice");
+    let volts = rest(&uneven(&drawing));
+    let of_another = presses(&built(&drawing), |_, place| place);
+    let error = with_presses(&drawing, &volts, &of_another).expect_err("another pad");
+    assert!(
+        matches!(error, IdentifyError::Contradicted { .. }),
+        "{error}"
+    );
+    assert!(error.to_string().contains("presses again"), "{error}");
 }

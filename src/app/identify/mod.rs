@@ -39,35 +39,33 @@ pub(crate) struct FoundPad {
     pub presses: usize,
 }
 
-/// Reads untouched frames and finds the pad, with the help of presses if there are any.
+/// Finds the pad that has these readings when nothing touches it, frame by frame, with the help of presses if there are any.
 ///
 /// # Errors
-/// A source that fails or sends too few frames; readings or presses that no such pad explains; presses without the readings of the
-/// untouched pad, or of another number of channels.
+/// Too few frames; readings or presses that no such pad explains; presses without the readings of the untouched pad, or of another
+/// number of channels.
 pub(crate) fn identify_pad(
     drawing: &PadText,
-    source: &mut dyn Source,
-    frames: usize,
+    untouched: &[Vec<f32>],
     presses: Option<&Presses>,
 ) -> Result<FoundPad, AppError> {
     let presses = presses.map(|presses| known_presses(&drawing.pad, presses));
     let presses = presses.transpose()?.unwrap_or_default();
     start_workers()?;
-    let read = read_frames(source, frames)?;
-    if read.len() < FEWEST_FRAMES {
+    if untouched.len() < FEWEST_FRAMES {
         return Err(AppError::Unsuitable(format!(
-            "the source sent {} frames: at least {FEWEST_FRAMES} of the untouched pad are needed",
-            read.len()
+            "the source sent {} frames of the untouched pad: at least {FEWEST_FRAMES} are needed",
+            untouched.len()
         )));
     }
-    let (volts, deviations) = medians(&read);
+    let (volts, deviations) = medians(untouched);
     let rest = RestReadings {
         volts: &volts,
         deviations: &deviations,
     };
     let known = KnownPresses {
         presses: &presses,
-        noise: press_noise(&deviations, read.len()),
+        noise: press_noise(&deviations, untouched.len()),
     };
     let found = identify_with_presses(&drawing.pad, rest, known, &beside_each_other)
         .map_err(|error| AppError::Unsuitable(error.to_string()))?;
@@ -76,7 +74,7 @@ pub(crate) fn identify_pad(
     Ok(FoundPad {
         found,
         toml,
-        frames: read.len(),
+        frames: untouched.len(),
         presses: presses.len(),
     })
 }
@@ -119,7 +117,14 @@ fn beside_each_other(count: usize, job: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(job);
 }
 
-fn read_frames(source: &mut dyn Source, wanted: usize) -> Result<Vec<Vec<f32>>, AppError> {
+/// Reads frames until there are so many or the source ends.
+///
+/// # Errors
+/// A source that fails.
+pub(crate) fn read_frames(
+    source: &mut dyn Source,
+    wanted: usize,
+) -> Result<Vec<Vec<f32>>, AppError> {
     let mut frames = Vec::with_capacity(wanted);
     let mut log = SkipLog::default();
     while frames.len() < wanted {

@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::board::BoardArgs;
 use super::values::{points, size_mm, snr, source};
-use crate::app::services::SourceChoice;
+use crate::app::services::{NoiseLevel, SourceChoice};
+use crate::cli::guided_presses::PressSource;
 use crate::types::Method;
 
 #[derive(Args, Debug)]
@@ -66,4 +67,18 @@ pub(in crate::cli) struct CalibrateArgs {
     /// Seed of the simulated noise and of the robot's errors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+}
+
+impl CalibrateArgs {
+    /// Where presses come from, given what `--source` names.
+    pub(in crate::cli) fn press_source<'a>(&self, choice: &'a SourceChoice) -> PressSource<'a> {
+        PressSource {
+            choice,
+            board: self.board.line(),
+            noise: NoiseLevel {
+                snr_db: self.snr,
+                seed: self.seed,
+            },
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::board::BoardArgs;
-use super::values::{snr, source};
+use super::values::{points, snr, source};
 use crate::app::services::SourceChoice;
 
 #[derive(Debug, Subcommand)]
@@ -31,16 +31,18 @@ pub(in crate::cli) enum PadCommand {
         #[arg(long)]
         toml: bool,
     },
-    /// Find how the connected pad differs from its drawing, from a second of untouched frames
+    /// Find how the connected pad differs from its drawing, from a second of untouched frames and, if you like, presses
     #[command(after_help = "\
 Examples:
   gelpad pad identify --source serial:/dev/ttyACM0 -o my-pad.toml     then: gelpad play --pad ./my-pad.toml ...
   gelpad pad identify ./my-pad.toml --source replay:untouched.csv --map found.png
+  gelpad pad identify --source serial:/dev/ttyACM0 --points 30 --presses mine.csv -o my-pad.toml
+                                                                      asks for presses, too: they tell more of the pad
   gelpad pad identify                                                 the simulated pad differs by its mesh only
 
 `gelpad play` does this on boards while you play; the command shows what was found.
 
-The pad must not be touched. Nothing is written if no pad like the drawing explains the readings.")]
+The pad must not be touched, but with --points where a place is shown. Nothing is written if no pad like the drawing explains the readings.")]
     Identify(IdentifyArgs),
 }
 
@@ -52,9 +54,13 @@ pub(in crate::cli) struct IdentifyArgs {
     /// Where frames come from: `serial:PORT`, `replay:FILE` or `simulated[:SCRIPT]`
     #[arg(long, default_value = "simulated", value_parser = source)]
     pub source: SourceChoice,
-    /// Presses of this pad, as `gelpad calibrate --presses FILE` records them: they tell what the untouched pad leaves open
+    /// Presses of this pad, as `gelpad calibrate --presses FILE` records them: they tell what the untouched pad leaves open. With
+    /// --points, the file for the recorded presses
     #[arg(long, value_name = "FILE.csv")]
     pub presses: Option<PathBuf>,
+    /// Show this many places, to be pressed one after the other (simulated: a robot presses)
+    #[arg(long, value_name = "N", value_parser = points)]
+    pub points: Option<usize>,
     /// File for the pad as found
     #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,

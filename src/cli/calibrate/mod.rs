@@ -3,32 +3,27 @@
 mod evaluate;
 mod learned;
 mod recommend;
-mod record;
-mod source;
 
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
 use super::args::CalibrateArgs;
 use super::exit::Ending;
+use super::guided_presses::{Outcome, check_files, record_guided};
 use super::message::say;
-use super::progress::{Spinner, solve_pad};
+use super::progress::Spinner;
 use crate::app::calibration::{default_path, is_pad_file, load_presses, save};
 use crate::app::learned_pad::check_presses;
 use crate::app::pads::load_pad;
-use crate::app::places::{calibration_places, pressable_places};
+use crate::app::places::pressable_places;
 use crate::app::services::SourceChoice;
 use crate::calibrate::{
-    FEWEST_PRESSES, LearningCurve, PlaceErrors, Presses, Regression, fit_correction,
-    learning_curve, next_places, places_between, presses_csv,
+    LearningCurve, PlaceErrors, Presses, Regression, fit_correction, learning_curve, next_places,
+    places_between,
 };
-use crate::files;
 use crate::pad::Pad;
-use crate::platform::signals::Signals;
-use crate::touch::Detector;
 use crate::types::PointMm;
-use record::Presser;
 
 /// Twice as many presses are recommended if they reduce the error by at least this fraction.
 const WORTHWHILE_GAIN: f64 = 0.1;
@@ -54,75 +49,32 @@ pub(super) fn calibrate(args: &CalibrateArgs) -> anyhow::Result<Ending> {
 
 fn record(args: &CalibrateArgs, source: &SourceChoice) -> anyhow::Result<Ending> {
     let pad = load_pad(&args.pad)?.pad;
-    check_files(args)?;
-    let method = args.method.or(pad.method).unwrap_or_default();
+    let outputs: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
+    check_files(args.presses.as_deref(), &outputs)?;
+    let source = args.press_source(source);
+    let file = args.presses.as_deref();
     // The calibration corrects the detector that `play` uses, so that detector locates the presses.
-    let sensing = solve_pad(&pad, method)?.build_initial()?;
-    let detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
-    let places = calibration_places(&pad, args.points);
-    let mut source_of_presses = source::open(args, &pad, source, &places)?;
-    let presser = match source {
-        SourceChoice::Serial(_) => Presser::Person,
-        _ => Presser::Script,
+    let recorded = match record_guided(&pad, source, args.points, args.method, file)? {
+        Outcome::Signal(signal) => return Ok(Ending::Signal(signal)),
+        Outcome::Pressed(recorded) => recorded,
     };
-    // Minutes of work: what was pressed is kept, also after Ctrl-C or an error.
-    let signals = Signals::listen()?;
-    let mut list = Vec::new();
-    let recorded = record::record(
-        &pad,
-        detector,
-        source_of_presses.as_mut(),
-        presser,
-        &places,
-        &mut list,
-        &|| signals.received(),
-    );
-    if let Some(path) = args.presses.as_ref().filter(|_| !list.is_empty()) {
-        files::write(path, presses_csv(&list).as_bytes())?;
-        say(&format!("{} presses: {}", list.len(), path.display()));
-    }
-    if let Some(signal) = recorded? {
-        return Ok(Ending::Signal(signal));
-    }
-    if list.len() < FEWEST_PRESSES {
-        bail!(
-            "{} presses were recorded, but at least {FEWEST_PRESSES} are needed",
-            list.len()
-        );
-    }
-    let complete = list.len() == places.len();
-    let presses = Presses::new("the recording", list)?;
-    let ending = learn(args, &presses, Some(pad))?;
-    if let Some(signal) = signals.received() {
-        return Ok(Ending::Signal(signal));
-    }
-    Ok(if complete { ending } else { Ending::LostData })
-}
-
-/// Checks, before anybody presses a pad, that the files can be written.
-fn check_files(args: &CalibrateArgs) -> anyhow::Result<()> {
-    if let Some(file) = args.presses.as_ref().filter(|file| file.exists()) {
-        bail!(
-            "{} exists: it would be overwritten\n  help: name another file, or learn from it without --source",
+    let has_drawing = pad.learned.is_none();
+    let ending = learn(args, &recorded.presses, Some(pad))?;
+    if let (Some(file), SourceChoice::Serial(port), true) = (file, source.choice, has_drawing) {
+        say(&format!(
+            "these presses tell how the pad itself differs from its drawing, too:\n  gelpad pad identify {} --source serial:{port} --presses {} -o FILE.toml",
+            args.pad,
             file.display()
-        );
+        ));
     }
-    for path in args.output.iter().chain(&args.presses) {
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            bail!(
-                "{} cannot be written: there is no folder {}",
-                path.display(),
-                folder.display()
-            );
-        }
+    if let Some(signal) = recorded.signals.received() {
+        return Ok(Ending::Signal(signal));
     }
-    if args.presses.is_none() {
-        say("the presses are not saved: add --presses FILE to save them");
-    }
-    Ok(())
+    Ok(if recorded.is_complete {
+        ending
+    } else {
+        Ending::LostData
+    })
 }
 
 /// Prints the expected error of a calibration, and saves it if the presses contain the model's places.

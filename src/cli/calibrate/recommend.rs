@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use anyhow::bail;
 
-use super::source::open;
 use crate::app::pads::load_pad;
 use crate::app::profiles::check_text;
 use crate::app::services::SourceChoice;
@@ -53,7 +52,7 @@ pub(super) fn run(
     let method = args.method.or(pad.method).unwrap_or_default();
     let sensing = solve_pad(&pad, method)?.build_initial()?;
     let detector = Detector::for_pad(Arc::new(sensing), &pad.protocol);
-    let mut source = open(args, &pad, choice, &[])?;
+    let mut source = args.press_source(choice).open(&pad, &[])?;
     // Minutes of work: the presses are used, also after Ctrl-C.
     let signals = Signals::listen()?;
     let session = PressSession::new(PressSession::default_requests(

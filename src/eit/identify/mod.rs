@@ -43,6 +43,8 @@ const MOST_MISFIT: f64 = 0.05;
 /// of a stuck board, equal on all channels, are explained by a pad that is torn nearly everywhere. Pads with ten torn channels
 /// of 220 stay below 0.7.
 const MOST_UNEVEN: f64 = 1.0;
+/// Presses with which the readings at rest are further off than this, and twice as far as without them, contradict these readings.
+const MOST_CONTRADICTION: f64 = 0.01;
 /// Electrodes are found at most this far from their drawing, mm, and this much longer or shorter, as a share.
 const MOST_SHIFT_MM: f64 = 2.0;
 const MOST_STRETCH: f64 = 0.5;
@@ -105,6 +107,18 @@ pub enum IdentifyError {
         unexplained: usize,
         /// All presses.
         presses: usize,
+    },
+    /// The presses ask for a pad that has other readings at rest.
+    #[error(
+        "the presses contradict the untouched pad: its readings are {:.1} % off with them, {:.1} % without; record the presses again, one finger at a time, on the pad as it is now",
+        100.0 * .with,
+        100.0 * .without
+    )]
+    Contradicted {
+        /// Misfit of the readings at rest with the presses.
+        with: f64,
+        /// Misfit without them.
+        without: f64,
     },
     /// Only a pad that is torn nearly everywhere has such readings.
     #[error(
@@ -203,7 +217,11 @@ pub fn identify_with_presses(
         });
     }
     let refined = Trial::new(&search, refined)?;
-    let misfit = [misfit[0], refined.compared.misfit()];
+    let (with, without) = (refined.compared.misfit(), misfit[1]);
+    if with > MOST_CONTRADICTION.max(2.0 * without) {
+        return Err(IdentifyError::Contradicted { with, without });
+    }
+    let misfit = [misfit[0], with];
     search.check(&refined.estimate, misfit)?;
     Ok(IdentifiedPad {
         pad: refined.pad,

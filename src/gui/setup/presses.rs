@@ -1,6 +1,6 @@
 //! Presses and touches gathered from the views of a running game. Pure.
 
-use crate::calibrate::{PressRecorder, RecordedPress, Touching};
+use crate::calibrate::{PressRecorder, RecordedPress, Touching, UntouchedLevel};
 use crate::runtime::View;
 use crate::types::{Nanos, Phase, PointMm, Touch};
 
@@ -8,6 +8,7 @@ use crate::types::{Nanos, Phase, PointMm, Touch};
 #[derive(Clone, Debug, Default)]
 pub struct ViewPresses {
     recorder: PressRecorder,
+    level: UntouchedLevel,
     last_ns: Nanos,
 }
 
@@ -19,7 +20,11 @@ impl ViewPresses {
         }
         self.last_ns = view.t_ns;
         let touching = Touching::from_contacts(view.touches.len(), &view.signals.contacts);
-        let changes = view.signals.changes.iter().copied().map(f64::from);
+        let signals = &view.signals;
+        let is_touched = !view.touches.is_empty();
+        let changes = self
+            .level
+            .take_frame(is_touched, &signals.volts, &signals.changes);
         self.recorder.take_frame(touching, changes, shown_mm)
     }
 }

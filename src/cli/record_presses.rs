@@ -1,11 +1,11 @@
-//! Records presses: shows a place, waits for the press, shows the next.
+//! Records presses: shows a place, waits for the press, shows the next. What the pad reads between them is kept, too.
 
 use anyhow::bail;
 
+use super::map::Map;
+use super::message::say;
 use crate::app::error_estimate::ErrorEstimate;
-use crate::calibrate::{Press, PressRecorder, RecordedPress, Touching};
-use crate::cli::map::Map;
-use crate::cli::message::say;
+use crate::calibrate::{Press, PressRecorder, RecordedPress, Touching, UntouchedLevel};
 use crate::pad::Pad;
 use crate::source::{SkipLog, Source, SourceReading};
 use crate::touch::Detector;
@@ -13,6 +13,8 @@ use crate::types::{Frame, PointMm};
 
 /// Width of the map, characters.
 const MAP_COLUMNS: usize = 40;
+/// Frames of the untouched pad that are kept: one second.
+const MOST_UNTOUCHED: usize = 100;
 
 /// Who presses the pad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +25,17 @@ pub(super) enum Presser {
     Script,
 }
 
-/// Records presses at places until all are pressed, the source ends or a signal comes, which is returned. The presses made before an
-/// error are in `presses`, too.
+/// What was recorded.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Recorded {
+    /// The presses.
+    pub presses: Vec<Press>,
+    /// Readings of the untouched pad: some of the first frames without a touch.
+    pub untouched: Vec<Vec<f32>>,
+}
+
+/// Records presses at places until all are pressed, the source ends or a signal comes, which is returned. What was recorded before an
+/// error is in `recorded`, too.
 ///
 /// # Errors
 /// A source that fails; a script that ends with fewer presses than places, since it is then unknown which one is missing.
@@ -32,12 +43,12 @@ pub(super) fn record(
     pad: &Pad,
     detector: Detector,
     source: &mut dyn Source,
-    presser: Presser,
-    places: &[PointMm],
-    presses: &mut Vec<Press>,
+    (presser, places): (Presser, &[PointMm]),
+    recorded: &mut Recorded,
     interrupted: &dyn Fn() -> Option<i32>,
 ) -> anyhow::Result<Option<i32>> {
     let mut recorder = DetectedPresses::new(detector);
+    let Recorded { presses, untouched } = recorded;
     let (mut index, mut refused) = (0, 0);
     let mut log = SkipLog::default();
     let mut estimate = ErrorEstimate::default();
@@ -54,7 +65,11 @@ pub(super) fn record(
         match source.read()? {
             SourceReading::Frame(frame) => {
                 log.frame();
-                match recorder.take_frame(&frame, places[index]) {
+                let press = recorder.take_frame(&frame, places[index]);
+                if recorder.level.is_untouched() && untouched.len() < MOST_UNTOUCHED {
+                    untouched.push(frame.volts);
+                }
+                match press {
                     RecordedPress::Pending => {}
                     RecordedPress::Refused(why) => {
                         refused += 1;
@@ -99,6 +114,7 @@ pub(super) fn record(
 struct DetectedPresses {
     detector: Detector,
     recorder: PressRecorder,
+    level: UntouchedLevel,
 }
 
 impl DetectedPresses {
@@ -106,6 +122,7 @@ impl DetectedPresses {
         Self {
             detector,
             recorder: PressRecorder::default(),
+            level: UntouchedLevel::default(),
         }
     }
 
@@ -114,7 +131,7 @@ impl DetectedPresses {
         let down = self.detector.touches_down().len();
         let touching = Touching::from_contacts(down, self.detector.uncorrected_contacts());
         let (changes, _) = self.detector.changes_and_explained();
-        let changes = changes.iter().copied().map(f64::from);
+        let changes = self.level.take_frame(down > 0, &frame.volts, changes);
         self.recorder.take_frame(touching, changes, shown_mm)
     }
 }
@@ -143,7 +160,7 @@ mod tests {
     use crate::calibrate::{Presses, fit_correction};
     use crate::eit::Reconstruction;
     use crate::pad::shipped_pad;
-    use crate::source::{Noise, RobotSource};
+    use crate::source::{Noise, RobotSource, SimulatedPad};
     use crate::types::Method;
 
     #[test]
@@ -159,18 +176,26 @@ mod tests {
         }
         let mut robot =
             RobotSource::new(&shifted, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
-        let mut presses = Vec::new();
+        let mut recorded = Recorded::default();
         record(
             &pad,
             Detector::new(Arc::new(matrix)),
             &mut robot,
-            Presser::Script,
-            &places,
-            &mut presses,
+            (Presser::Script, &places),
+            &mut recorded,
             &|| None,
         )
         .expect("recorded");
+        let Recorded { presses, untouched } = recorded;
         assert!(presses.len() >= 36, "{} presses", presses.len());
+        let rest = SimulatedPad::new(&shifted).expect("solvable");
+        let rest = rest.volts(&[]).expect("solved");
+        assert_eq!(untouched.len(), MOST_UNTOUCHED);
+        for volts in &untouched {
+            let pairs = volts.iter().zip(&rest);
+            let off = crate::stats::rms(pairs.map(|(volt, rest)| f64::from(*volt) / rest - 1.0));
+            assert!(off < 3e-3, "a frame that was kept is {off} off");
+        }
         let presses = Presses::new("recorded", presses).expect("spread");
         let fitted = fit_correction(&presses, pad.outline.size_mm()).expect("learned");
         assert!(
