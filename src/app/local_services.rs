@@ -1,10 +1,11 @@
 //! The services of the window on this computer.
 
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
 
 use super::calibration;
 use super::folders::{own_folder, own_texts, recordings_folder};
-use super::identify::PadIdentifier;
+use super::identify::{FoundFromPresses, GuidedReadings, PadIdentifier, begin_identifying};
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
 use super::play::{FirstUse, Game, PreparedGame};
@@ -89,6 +90,14 @@ impl AppServices for LocalServices {
 
     fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String> {
         learn(pad, presses).map_err(|error| error.to_string())
+    }
+
+    fn begin_identifying(
+        &self,
+        request: &PlayRequest,
+        readings: GuidedReadings,
+    ) -> mpsc::Receiver<FoundFromPresses> {
+        begin_identifying(request.pad.clone(), readings)
     }
 
     fn recommend(

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc;
 
 use super::gamepads;
 pub use super::gamepads::GamepadCheck;
+pub use super::identify::{FoundFromPresses, GuidedReadings};
 pub use super::port_report::PortDiagnosis;
 use super::port_report::diagnose;
 pub use super::recovery::SavedPart;
@@ -184,6 +186,14 @@ pub trait AppServices: Send + Sync {
     /// # Errors
     /// Why nothing can be learned or saved.
     fn calibrate(&self, pad: &Pad, presses: Vec<Press>) -> Result<(PathBuf, String), String>;
+
+    /// Begins to find how the pad of a request differs from its drawing, from guided presses; what is found is saved as a pad of the
+    /// player's own. Takes seconds.
+    fn begin_identifying(
+        &self,
+        request: &PlayRequest,
+        readings: GuidedReadings,
+    ) -> mpsc::Receiver<FoundFromPresses>;
 
     /// Recommends settings from guided presses.
     ///

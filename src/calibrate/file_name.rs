@@ -1,11 +1,16 @@
-//! Names of calibration files.
+//! Names for files that must not overwrite others.
 
-/// `PAD.calibration.json`, or `PAD-2.calibration.json` and so on if that name is taken: no calibration is overwritten.
+/// `PAD.calibration.json`, or `PAD-2.calibration.json` and so on if that name is taken.
 pub fn calibration_file_name(pad: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    let mut name = format!("{pad}.calibration.json");
+    free_file_name(pad, "calibration.json", is_taken)
+}
+
+/// `STEM.ENDING`, or `STEM-2.ENDING` and so on if that name is taken.
+pub fn free_file_name(stem: &str, ending: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let mut name = format!("{stem}.{ending}");
     let mut number = 2;
     while is_taken(&name) {
-        name = format!("{pad}-{number}.calibration.json");
+        name = format!("{stem}-{number}.{ending}");
         number += 1;
     }
     name

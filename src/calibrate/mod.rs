@@ -29,7 +29,7 @@ mod untouched_level;
 pub use correct::{FittedCorrection, fit_correction};
 pub use curve::{LearningCurve, learning_curve};
 pub use error::{CalibrateError, FEWEST_PRESSES, PlaceErrors, PressesError};
-pub use file_name::calibration_file_name;
+pub use file_name::{calibration_file_name, free_file_name};
 pub use learned_pad::{LearnedErrors, learn_maps, learned_errors};
 pub use next_places::{NextPlace, next_places, places_between};
 pub use press_recorder::{MEAN_FRAMES, PressRecorder, RecordedPress, Touching};

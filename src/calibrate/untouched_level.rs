@@ -65,10 +65,10 @@ impl UntouchedLevel {
         let mut sums = vec![0.0; first.len()];
         for frame in self.recent.iter().take(count) {
             for (sum, volt) in sums.iter_mut().zip(frame) {
-                *sum += f64::from(*volt) / count as f64;
+                *sum += f64::from(*volt);
             }
         }
-        self.volts = sums;
+        self.volts = sums.iter().map(|sum| sum / count as f64).collect();
         self.recent.clear();
     }
 }

@@ -157,6 +157,29 @@ fn guided_presses_become_a_calibration() {
 }
 
 #[test]
+fn guided_presses_find_the_pad_as_it_is() {
+    let mut stage = at(Step::Calibrate);
+    stage.button("Begin");
+    for _ in 0..20 {
+        stage.update_view(|view| view.signals.volts = vec![1.0; 208]);
+    }
+    for press in 0..9 {
+        press_the_shown_place(&mut stage, press);
+    }
+    stage.button("That is enough: learn from these");
+    stage.steps(2);
+    assert!(
+        stage.shows("9 presses and some untouched frames"),
+        "{:?}",
+        stage.window
+    );
+    stage.button("Play with the pad as it is");
+    let last = stage.services.last_request().expect("a start");
+    assert!(last.pad.ends_with("pad-found.toml"), "{}", last.pad);
+    assert!(last.calibration.is_none());
+}
+
+#[test]
 fn presses_that_teach_nothing_are_kept_and_more_places_follow() {
     let mut stage = at(Step::Calibrate);
     *stage.services.calibration_error.lock().expect("no panic") = Some("they disagree".to_owned());

@@ -1,9 +1,12 @@
 //! Identifies a pad from its untouched frames: those of a source for `gelpad pad identify`, those of a game while it is played.
 
+mod from_presses;
 mod in_play;
 mod kept;
 mod untouched;
 
+pub(super) use from_presses::begin as begin_identifying;
+pub use from_presses::{FoundFromPresses, GuidedReadings};
 pub(super) use in_play::Identification;
 pub(crate) use in_play::PadIdentifier;
 

@@ -1,7 +1,9 @@
-//! The calibration step: the player presses shown places, and gelpad learns how far the model is off at each.
+//! The calibration step: the player presses shown places, and gelpad learns how far the model is off at each, and what the pad itself is
+//! like.
 
 use egui::Ui;
 
+use super::found_pad::FoundPad;
 use super::presses::ViewPresses;
 use super::{draw_notice, draw_success, paragraph};
 use crate::app::error_estimate::{ErrorEstimate, ExpectedError};
@@ -32,6 +34,7 @@ pub(super) struct CalibrationStep {
     /// What the last calibration has learned.
     learned: Option<String>,
     saved: Option<std::path::PathBuf>,
+    found: FoundPad,
 }
 
 impl Default for CalibrationStep {
@@ -46,6 +49,7 @@ impl Default for CalibrationStep {
             notice: None,
             learned: None,
             saved: None,
+            found: FoundPad::default(),
         }
     }
 }
@@ -58,8 +62,13 @@ impl CalibrationStep {
         services: &dyn AppServices,
     ) -> Option<PointMm> {
         self.expected = self.estimate.poll().or(self.expected);
+        self.found.poll();
         let place = *self.places.get(self.presses.len())?;
-        match self.recorder.take_view(&playing.view, place) {
+        let recorded = self.recorder.take_view(&playing.view, place);
+        if self.recorder.is_untouched() {
+            self.found.take_untouched(&playing.view);
+        }
+        match recorded {
             RecordedPress::Pending => {}
             RecordedPress::Refused(why) => self.notice = Some(why.to_owned()),
             RecordedPress::Complete(press) => {
@@ -80,7 +89,8 @@ impl CalibrationStep {
         match services.calibrate(&playing.pad, self.presses.clone()) {
             Ok((path, summary)) => {
                 self.places.clear();
-                self.presses.clear();
+                let presses = std::mem::take(&mut self.presses);
+                self.found.begin(playing, services, presses);
                 self.saved = Some(path);
                 self.learned = Some(summary);
             }
@@ -109,6 +119,7 @@ impl CalibrationStep {
                 self.saved = None;
                 (self.estimate, self.expected) = (ErrorEstimate::default(), None);
                 (self.notice, self.learned) = (None, None);
+                self.found = FoundPad::default();
             }
         } else {
             self.draw_progress(ui, game);
@@ -133,7 +144,7 @@ impl CalibrationStep {
         }
         draw_success(ui, &self.learned);
         draw_notice(ui, &self.notice);
-        wish
+        wish.or(self.found.ui(ui, playing))
     }
 
     /// How many places are pressed, what error to expect, and the ways to end.

@@ -3,6 +3,7 @@
 mod board;
 mod calibrate;
 mod check;
+mod found_pad;
 mod gamepad_checks;
 mod new_pad;
 mod orientation;

@@ -27,6 +27,11 @@ impl ViewPresses {
             .take_frame(is_touched, &signals.volts, &signals.changes);
         self.recorder.take_frame(touching, changes, shown_mm)
     }
+
+    /// Whether nothing touches the pad in the view last taken, and no finger has just left it.
+    pub fn is_untouched(&self) -> bool {
+        self.level.is_untouched()
+    }
 }
 
 /// Turns views, which hold the touches that are down, into touches that go down, move and go up.

@@ -1,0 +1,91 @@
+//! The pad as it is, found from the presses of the calibration step while the game goes on.
+
+use std::path::PathBuf;
+use std::sync::mpsc;
+
+use egui::Ui;
+
+use super::{draw_notice, draw_success};
+use crate::app::services::{AppServices, GuidedReadings, PlayRequest};
+use crate::calibrate::Press;
+use crate::gui::play::UiAction;
+use crate::gui::playing::Playing;
+use crate::gui::theme;
+use crate::runtime::View;
+use crate::types::Nanos;
+
+/// Frames of the untouched pad that are kept.
+const MOST_UNTOUCHED: usize = 100;
+
+/// What is known of the pad as it is.
+#[derive(Default)]
+pub(super) struct FoundPad {
+    untouched: Vec<Vec<f32>>,
+    last_ns: Nanos,
+    running: Option<mpsc::Receiver<Result<(PathBuf, String), String>>>,
+    saved: Option<PathBuf>,
+    summary: Option<String>,
+    notice: Option<String>,
+}
+
+impl FoundPad {
+    /// Keeps the readings of a view of the untouched pad; a view that was taken before is ignored.
+    pub(super) fn take_untouched(&mut self, view: &View) {
+        let is_new = view.t_ns != self.last_ns && !view.signals.volts.is_empty();
+        self.last_ns = view.t_ns;
+        if is_new && self.untouched.len() < MOST_UNTOUCHED {
+            self.untouched.push(view.signals.volts.clone());
+        }
+    }
+
+    /// Begins to find the pad from presses. A pad that was learned has no drawing to differ from.
+    pub(super) fn begin(
+        &mut self,
+        playing: &Playing,
+        services: &dyn AppServices,
+        presses: Vec<Press>,
+    ) {
+        let untouched = std::mem::take(&mut self.untouched);
+        *self = Self::default();
+        if playing.pad.learned.is_none() {
+            let readings = GuidedReadings { presses, untouched };
+            self.running = Some(services.begin_identifying(&playing.request, readings));
+        }
+    }
+
+    /// Looks for what was found since the last call.
+    pub(super) fn poll(&mut self) {
+        let Some(running) = &self.running else { return };
+        match running.try_recv() {
+            Err(mpsc::TryRecvError::Empty) => return,
+            Ok(Ok((path, summary))) => (self.saved, self.summary) = (Some(path), Some(summary)),
+            Ok(Err(why)) => self.notice = Some(format!("the pad is kept as drawn: {why}")),
+            // Its thread is gone: nothing is known.
+            Err(mpsc::TryRecvError::Disconnected) => {}
+        }
+        self.running = None;
+    }
+
+    /// What was found, and a way to play with it.
+    pub(super) fn ui(&self, ui: &mut Ui, playing: &Playing) -> Option<UiAction> {
+        if self.running.is_some() {
+            ui.horizontal_wrapped(|ui| {
+                ui.spinner();
+                ui.label("looking for the pad that explains these presses");
+            });
+        }
+        draw_success(ui, &self.summary);
+        draw_notice(ui, &self.notice);
+        let path = self.saved.as_ref()?;
+        let pad = path.display().to_string();
+        let is_offered = playing.request.pad != pad;
+        (is_offered && theme::primary(ui, "Play with the pad as it is").clicked()).then(|| {
+            // A calibration was learned with the pad as drawn.
+            UiAction::Play(PlayRequest {
+                pad,
+                calibration: None,
+                ..playing.request.clone()
+            })
+        })
+    }
+}
