@@ -256,7 +256,7 @@ impl AppServices for TestServices {
         _: &PlayRequest,
         readings: GuidedReadings,
     ) -> mpsc::Receiver<FoundFromPresses> {
-        let (found_in, found) = mpsc::channel();
+        let (found_in, found) = mpsc::sync_channel(1);
         let path = self.folder.path().join("pad-found.toml");
         let untouched = match readings.untouched.len() {
             0..5 => "few",

@@ -28,7 +28,7 @@ pub(in crate::app) fn begin(
     pad: String,
     readings: GuidedReadings,
 ) -> mpsc::Receiver<FoundFromPresses> {
-    let (found_in, found) = mpsc::channel();
+    let (found_in, found) = mpsc::sync_channel(1);
     let thread = std::thread::Builder::new().name("identify".to_owned());
     let spawned = thread.spawn(move || {
         let folder = own_folder().map(|folder| folder.join("pads"));
