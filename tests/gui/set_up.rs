@@ -151,7 +151,7 @@ fn guided_presses_become_a_calibration() {
     }
     assert_eq!(*stage.services.calibrated.lock().expect("no panic"), 12);
     assert!(stage.shows("now by 1.0 mm"));
-    stage.button("Use it");
+    stage.button("Use the calibration");
     let last = stage.services.last_request().expect("a start");
     assert!(last.calibration.is_some());
 }

@@ -126,7 +126,9 @@ impl CalibrationStep {
         }
         if let Some(path) = &self.saved
             && playing.request.calibration.as_ref() != Some(path)
-            && theme::primary(ui, "Use it").clicked()
+            // It was learned with the pad as drawn.
+            && !self.found.is_in_use(playing)
+            && theme::primary(ui, "Use the calibration").clicked()
         {
             wish = Some(UiAction::Play(PlayRequest {
                 calibration: Some(path.clone()),

@@ -5,7 +5,7 @@ use std::sync::mpsc;
 
 use egui::Ui;
 
-use super::{draw_notice, draw_success};
+use super::{draw_notice, draw_success, paragraph};
 use crate::app::services::{AppServices, GuidedReadings, PlayRequest};
 use crate::calibrate::Press;
 use crate::gui::play::UiAction;
@@ -77,15 +77,28 @@ impl FoundPad {
         draw_success(ui, &self.summary);
         draw_notice(ui, &self.notice);
         let path = self.saved.as_ref()?;
-        let pad = path.display().to_string();
-        let is_offered = playing.request.pad != pad;
-        (is_offered && theme::primary(ui, "Play with the pad as it is").clicked()).then(|| {
+        if self.is_in_use(playing) {
+            ui.colored_label(theme::palette_of(ui).good, "✔ the pad as it is, is in use");
+            return None;
+        }
+        paragraph(
+            ui,
+            "Choose one of the two: the pad as it is helps every finger, also several at once; the calibration corrects where a lone finger is seen.",
+        );
+        let is_chosen = theme::primary(ui, "Play with the pad as it is").clicked();
+        is_chosen.then(|| {
             // A calibration was learned with the pad as drawn.
             UiAction::Play(PlayRequest {
-                pad,
+                pad: path.display().to_string(),
                 calibration: None,
                 ..playing.request.clone()
             })
         })
+    }
+
+    /// Whether the pad that was found is played.
+    pub(super) fn is_in_use(&self, playing: &Playing) -> bool {
+        let saved = self.saved.as_ref().map(|path| path.display().to_string());
+        saved.is_some_and(|saved| saved == playing.request.pad)
     }
 }
