@@ -34,11 +34,13 @@ pub(in crate::cli) enum PadCommand {
     /// Find how the connected pad differs from its drawing, from a second of untouched frames and, if you like, presses
     #[command(after_help = "\
 Examples:
-  gelpad pad identify --source serial:/dev/ttyACM0 -o my-pad.toml     then: gelpad play --pad ./my-pad.toml ...
+  gelpad pad identify --source serial:/dev/ttyACM0 -o my-pad.toml
+    then: gelpad play --pad ./my-pad.toml
+  gelpad pad identify --source serial:/dev/ttyACM0 --points 30 -o my-pad.toml
+    asks for presses, too: they tell more of the pad
   gelpad pad identify ./my-pad.toml --source replay:untouched.csv --map found.png
-  gelpad pad identify --source serial:/dev/ttyACM0 --points 30 --presses mine.csv -o my-pad.toml
-                                                                      asks for presses, too: they tell more of the pad
-  gelpad pad identify                                                 the simulated pad differs by its mesh only
+  gelpad pad identify
+    the simulated pad differs by its mesh only
 
 `gelpad play` does this on boards while you play; the command shows what was found.
 
