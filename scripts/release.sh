@@ -24,6 +24,8 @@ make_all() {
   (cd "$out" && find . -maxdepth 1 -type f ! -name SHA256SUMS -printf '%P\n' | sort | xargs sha256sum >SHA256SUMS)
 }
 
+# What an earlier build left must not be compared with a build from nothing.
+[ "$twice" != --twice ] || rm -rf target/release-linux/release target/release-windows/x86_64-pc-windows-gnu/release
 rm -rf "$out"
 mkdir -p "$out"
 make_all
