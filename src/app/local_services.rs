@@ -5,7 +5,7 @@ use std::sync::mpsc;
 
 use super::calibration;
 use super::folders::{own_folder, own_texts, recordings_folder};
-use super::identify::{FoundFromPresses, GuidedReadings, PadIdentifier, begin_identifying};
+use super::identify::{FoundFromPresses, PadIdentifier, begin_identifying};
 use super::load_timeline::load_timeline;
 use super::places::calibration_places;
 use super::play::{FirstUse, Game, PreparedGame};
@@ -20,7 +20,7 @@ use super::texts::{pad_text, profile_text, user_text};
 use super::timeline::RecordingTimeline;
 use super::{AppError, first_fault};
 use crate::calibrate::recommend::{PressTrial, Recommendation, recommend};
-use crate::calibrate::{Press, Presses, calibration_file_name, fit_correction};
+use crate::calibrate::{GuidedReadings, Press, Presses, calibration_file_name, fit_correction};
 use crate::files::FileError;
 use crate::pad::{Pad, SHIPPED_PADS};
 use crate::profile::{Checked, SHIPPED_PROFILES, SHIPPED_USERS, Source};

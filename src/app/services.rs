@@ -7,7 +7,7 @@ use std::sync::mpsc;
 
 use super::gamepads;
 pub use super::gamepads::GamepadCheck;
-pub use super::identify::{FoundFromPresses, GuidedReadings};
+pub use super::identify::FoundFromPresses;
 pub use super::port_report::PortDiagnosis;
 use super::port_report::diagnose;
 pub use super::recovery::SavedPart;
@@ -17,8 +17,8 @@ pub use super::request::{
 };
 pub use super::table_solver::TableInProgress;
 use super::timeline::RecordingTimeline;
-use crate::calibrate::Press;
 use crate::calibrate::recommend::{PressTrial, Recommendation};
+use crate::calibrate::{GuidedReadings, Press};
 use crate::pad::Pad;
 use crate::profile::{Checked, Source};
 use crate::runtime::RunningGame;

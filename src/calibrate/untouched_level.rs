@@ -18,15 +18,26 @@ pub struct UntouchedLevel {
     recent: VecDeque<Vec<f32>>,
     /// Frames since the last touch.
     untouched: usize,
-    /// Mean of the frames before the last touch; empty before there was one.
+    /// Mean of the frames before the touch; empty if there were too few.
     volts: Vec<f64>,
 }
 
 impl UntouchedLevel {
-    /// Takes a frame. `changes` are the detector's: 0 for a channel that is not used.
+    /// Takes a frame. `changes` are the detector's: 0 for a channel that is not used. `volts` are none if the board sends them in another
+    /// order than the pad's: it was plugged in again, turned.
     ///
-    /// Returns the relative changes against the level before the touch; those of the detector while nothing else is known.
-    pub fn take_frame(&mut self, is_touched: bool, volts: &[f32], changes: &[f32]) -> Vec<f64> {
+    /// Returns the relative changes against the level before the touch; those of the detector if the pad was not left
+    /// alone before it.
+    pub fn take_frame(
+        &mut self,
+        is_touched: bool,
+        volts: Option<&[f32]>,
+        changes: &[f32],
+    ) -> Vec<f64> {
+        let Some(volts) = volts else {
+            *self = Self::default();
+            return changes.iter().copied().map(f64::from).collect();
+        };
         if is_touched {
             if self.untouched > 0 {
                 self.measure();
@@ -34,7 +45,7 @@ impl UntouchedLevel {
             self.untouched = 0;
         } else {
             self.untouched += 1;
-            if self.untouched > LEAVING_FRAMES || self.volts.is_empty() {
+            if self.is_untouched() {
                 self.recent.push_back(volts.to_vec());
             }
             if self.recent.len() > LEVEL_FRAMES + LANDING_FRAMES {
@@ -56,13 +67,14 @@ impl UntouchedLevel {
         self.untouched > LEAVING_FRAMES
     }
 
-    /// Takes the mean of the recent frames; a touch right after another keeps the level.
+    /// Takes the mean of the recent frames.
     fn measure(&mut self) {
         let count = self.recent.len().saturating_sub(LANDING_FRAMES);
-        let Some(first) = self.recent.front().filter(|_| count > 0) else {
-            return;
+        let channels = match self.recent.front() {
+            Some(first) if count > 0 => first.len(),
+            _ => 0,
         };
-        let mut sums = vec![0.0; first.len()];
+        let mut sums = vec![0.0; channels];
         for frame in self.recent.iter().take(count) {
             for (sum, volt) in sums.iter_mut().zip(frame) {
                 *sum += f64::from(*volt);
@@ -81,7 +93,7 @@ mod tests {
     fn changes_are_against_the_frames_before_the_touch() {
         let mut level = UntouchedLevel::default();
         let frame = |level: &mut UntouchedLevel, is_touched, volt: f32| {
-            level.take_frame(is_touched, &[volt, 5.0], &[0.5, 0.0])
+            level.take_frame(is_touched, Some(&[volt, 5.0]), &[0.5, 0.0])
         };
         assert_eq!(frame(&mut level, true, 2.0), [0.5, 0.0], "no level yet");
         for _ in 0..20 {
@@ -99,7 +111,7 @@ mod tests {
             frame(&mut level, false, 9.0);
         }
         assert_eq!(
-            frame(&mut level, true, 3.0),
+            frame(&mut level, true, 7.0),
             [0.5, 0.0],
             "too short a pause"
         );
@@ -108,5 +120,8 @@ mod tests {
         }
         // Frames of the leaving finger were not kept.
         assert_eq!(frame(&mut level, true, 3.0), [-0.25, 0.0]);
+        // A board that was turned.
+        assert_eq!(level.take_frame(true, None, &[0.5, 0.0]), [0.5, 0.0]);
+        assert!(!level.is_untouched());
     }
 }

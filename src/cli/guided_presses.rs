@@ -7,11 +7,11 @@ use anyhow::bail;
 
 use super::message::say;
 use super::progress::solve_pad;
-use super::record_presses::{Presser, Recorded, record};
+use super::record_presses::{Presser, record};
 use crate::app::places::calibration_places;
 use crate::app::services::{BoardLine, NoiseLevel, SourceChoice};
 use crate::app::source::open_pad_source;
-use crate::calibrate::{FEWEST_PRESSES, Presses, presses_csv};
+use crate::calibrate::{FEWEST_PRESSES, GuidedReadings, Presses, presses_csv};
 use crate::files;
 use crate::pad::Pad;
 use crate::platform::signals::Signals;
@@ -92,7 +92,7 @@ pub(super) fn record_guided(
     let places = calibration_places(pad, count);
     let mut opened = source.open(pad, &places)?;
     let signals = Signals::listen()?;
-    let mut recorded = Recorded::default();
+    let mut recorded = GuidedReadings::default();
     let ending = record(
         pad,
         detector,
@@ -101,7 +101,7 @@ pub(super) fn record_guided(
         &mut recorded,
         &|| signals.received(),
     );
-    let Recorded { presses, untouched } = recorded;
+    let GuidedReadings { presses, untouched } = recorded;
     if let Some(path) = file.filter(|_| !presses.is_empty()) {
         files::write(path, presses_csv(&presses).as_bytes())?;
         say(&format!("{} presses: {}", presses.len(), path.display()));
@@ -118,7 +118,7 @@ pub(super) fn record_guided(
     Ok(Outcome::Pressed(GuidedPresses {
         is_complete: presses.len() == places.len(),
         presses: Presses::new("the recording", presses)?,
-        untouched,
+        untouched: untouched.into(),
         signals,
     }))
 }

@@ -32,26 +32,30 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
         snr_db: args.snr,
         seed: args.seed,
     };
-    let mut ending = Ending::Done;
-    let (untouched, presses) = match args.points {
+    let (untouched, presses, recording) = match args.points {
         Some(count) => match record(args, &drawing.pad, level, count)? {
             Outcome::Signal(signal) => return Ok(Ending::Signal(signal)),
-            Outcome::Pressed(recorded) => {
-                if !recorded.is_complete {
-                    ending = Ending::LostData;
-                }
-                (recorded.untouched, Some(recorded.presses))
-            }
+            Outcome::Pressed(pressed) => (
+                pressed.untouched,
+                Some(pressed.presses),
+                Some((pressed.signals, pressed.is_complete)),
+            ),
         },
         None => {
             let presses = args.presses.as_deref().map(load_presses).transpose()?;
-            (read_untouched(args, &drawing.pad, level)?, presses)
+            (read_untouched(args, &drawing.pad, level)?, presses, None)
         }
     };
     let spinner = Spinner::new();
     spinner.show("looking for the pad that has these readings");
     let found = identify_pad(&drawing, &untouched, presses.as_ref())?;
     drop(spinner);
+    if let Some(signal) = recording
+        .as_ref()
+        .and_then(|(signals, _)| signals.received())
+    {
+        return Ok(Ending::Signal(signal));
+    }
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", printable(&describe(&found)))?;
     if let Some(path) = &args.output {
@@ -66,7 +70,10 @@ pub(super) fn run(args: &IdentifyArgs) -> anyhow::Result<Ending> {
     if let Some(path) = &args.map {
         files::write(path, &map(&found, path)?)?;
     }
-    Ok(ending)
+    Ok(match recording {
+        Some((_, false)) => Ending::LostData,
+        _ => Ending::Done,
+    })
 }
 
 fn read_untouched(

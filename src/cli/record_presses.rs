@@ -5,16 +5,14 @@ use anyhow::bail;
 use super::map::Map;
 use super::message::say;
 use crate::app::error_estimate::ErrorEstimate;
-use crate::calibrate::{Press, PressRecorder, RecordedPress, Touching, UntouchedLevel};
-use crate::pad::Pad;
+use crate::calibrate::{GuidedReadings, PressRecorder, RecordedPress, Touching, UntouchedLevel};
+use crate::pad::{Numbering, Pad};
 use crate::source::{SkipLog, Source, SourceReading};
 use crate::touch::Detector;
 use crate::types::{Frame, PointMm};
 
 /// Width of the map, characters.
 const MAP_COLUMNS: usize = 40;
-/// Frames of the untouched pad that are kept: one second.
-const MOST_UNTOUCHED: usize = 100;
 
 /// Who presses the pad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,15 +21,6 @@ pub(super) enum Presser {
     Person,
     /// A robot or a file, which always goes on to the next place.
     Script,
-}
-
-/// What was recorded.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Recorded {
-    /// The presses.
-    pub presses: Vec<Press>,
-    /// Readings of the untouched pad: some of the first frames without a touch.
-    pub untouched: Vec<Vec<f32>>,
 }
 
 /// Records presses at places until all are pressed, the source ends or a signal comes, which is returned. What was recorded before an
@@ -44,11 +33,10 @@ pub(super) fn record(
     detector: Detector,
     source: &mut dyn Source,
     (presser, places): (Presser, &[PointMm]),
-    recorded: &mut Recorded,
+    recorded: &mut GuidedReadings,
     interrupted: &dyn Fn() -> Option<i32>,
 ) -> anyhow::Result<Option<i32>> {
     let mut recorder = DetectedPresses::new(detector);
-    let Recorded { presses, untouched } = recorded;
     let (mut index, mut refused) = (0, 0);
     let mut log = SkipLog::default();
     let mut estimate = ErrorEstimate::default();
@@ -66,8 +54,8 @@ pub(super) fn record(
             SourceReading::Frame(frame) => {
                 log.frame();
                 let press = recorder.take_frame(&frame, places[index]);
-                if recorder.level.is_untouched() && untouched.len() < MOST_UNTOUCHED {
-                    untouched.push(frame.volts);
+                if recorder.level.is_untouched() {
+                    recorded.take_untouched(&frame.volts);
                 }
                 match press {
                     RecordedPress::Pending => {}
@@ -77,8 +65,8 @@ pub(super) fn record(
                         index += usize::from(presser == Presser::Script);
                     }
                     RecordedPress::Complete(press) => {
-                        presses.push(press);
-                        estimate.begin(presses, pad.outline.size_mm());
+                        recorded.presses.push(press);
+                        estimate.begin(&recorded.presses, pad.outline.size_mm());
                         // The terminal's bell: the person looks at the pad.
                         say("\u{7}taken");
                         index += 1;
@@ -91,7 +79,7 @@ pub(super) fn record(
             SourceReading::Part(_) | SourceReading::Control(_) | SourceReading::Idle => {}
             SourceReading::End if presser == Presser::Script => bail!(
                 "{} presses were accepted and {refused} refused for {} places, and it is unknown which are missing\n  help: press harder or longer, or give the number of presses in the file with --points",
-                presses.len(),
+                recorded.presses.len(),
                 places.len()
             ),
             SourceReading::End => break,
@@ -100,10 +88,10 @@ pub(super) fn record(
             show(pad, places, index);
         }
     }
-    if presses.len() < places.len() {
+    if recorded.presses.len() < places.len() {
         say(&format!(
             "{} of {} places were pressed",
-            presses.len(),
+            recorded.presses.len(),
             places.len()
         ));
     }
@@ -131,7 +119,9 @@ impl DetectedPresses {
         let down = self.detector.touches_down().len();
         let touching = Touching::from_contacts(down, self.detector.uncorrected_contacts());
         let (changes, _) = self.detector.changes_and_explained();
-        let changes = self.level.take_frame(down > 0, &frame.volts, changes);
+        let is_turned = self.detector.board_numbering().0 != Numbering::default();
+        let volts = (!is_turned).then_some(frame.volts.as_slice());
+        let changes = self.level.take_frame(down > 0, volts, changes);
         self.recorder.take_frame(touching, changes, shown_mm)
     }
 }
@@ -176,7 +166,7 @@ mod tests {
         }
         let mut robot =
             RobotSource::new(&shifted, places.clone(), Noise::new(60.0, 3), 3).expect("solvable");
-        let mut recorded = Recorded::default();
+        let mut recorded = GuidedReadings::default();
         record(
             &pad,
             Detector::new(Arc::new(matrix)),
@@ -186,11 +176,11 @@ mod tests {
             &|| None,
         )
         .expect("recorded");
-        let Recorded { presses, untouched } = recorded;
+        let GuidedReadings { presses, untouched } = recorded;
         assert!(presses.len() >= 36, "{} presses", presses.len());
         let rest = SimulatedPad::new(&shifted).expect("solvable");
         let rest = rest.volts(&[]).expect("solved");
-        assert_eq!(untouched.len(), MOST_UNTOUCHED);
+        assert!(untouched.len() >= 50, "{} frames", untouched.len());
         for volts in &untouched {
             let pairs = volts.iter().zip(&rest);
             let off = crate::stats::rms(pairs.map(|(volt, rest)| f64::from(*volt) / rest - 1.0));

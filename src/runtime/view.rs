@@ -51,6 +51,8 @@ pub struct View {
 pub struct Signals {
     /// The measured voltages.
     pub volts: Vec<f32>,
+    /// Whether the board was plugged in again, turned: its voltages are then in another order than everything else here.
+    pub is_turned: bool,
     /// Their relative change against the reference; empty before there is one.
     pub changes: Vec<f32>,
     /// The part of the change that the touches explain; the rest is the residual of the fit.

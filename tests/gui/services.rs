@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, mpsc};
 
 use gelpad::app::services::{
-    AppServices, BoardLine, FoundFromPresses, GuidedReadings, OpenError, OutputChoice, PlayRequest,
-    SavedPart, SourceChoice, StartError, Started, Watch,
+    AppServices, BoardLine, FoundFromPresses, OpenError, OutputChoice, PlayRequest, SavedPart,
+    SourceChoice, StartError, Started, Watch,
 };
 use gelpad::app::timeline::RecordingTimeline;
-use gelpad::calibrate::Press;
 use gelpad::calibrate::recommend::{PressTrial, Recommendation, RecommendedSettings, TrialScorer};
+use gelpad::calibrate::{GuidedReadings, Press};
 use gelpad::engine::Engine;
 use gelpad::output::Trace;
 use gelpad::pad::{Pad, SHIPPED_PADS, shipped_pad};

@@ -8,20 +8,11 @@ use crate::app::AppError;
 use crate::app::folders::own_folder;
 use crate::app::pads::load_drawn_pad;
 use crate::app::table_solver::low_priority_threads;
-use crate::calibrate::{Press, Presses, free_file_name};
+use crate::calibrate::{GuidedReadings, Presses, free_file_name};
 use crate::files::{self, FileError};
 
 /// The saved pad and what was found, or why none was.
 pub type FoundFromPresses = Result<(PathBuf, String), String>;
-
-/// Presses at known places, and readings of the untouched pad, frame by frame.
-#[derive(Clone, Debug)]
-pub struct GuidedReadings {
-    /// The presses.
-    pub presses: Vec<Press>,
-    /// Readings of the untouched pad.
-    pub untouched: Vec<Vec<f32>>,
-}
 
 /// Begins to identify a pad; what is found comes later. Nothing comes if the thread cannot start.
 pub(in crate::app) fn begin(
@@ -56,7 +47,8 @@ fn identify_and_save(
     let presses = Presses::new("the presses", presses)?;
     let threads = low_priority_threads()
         .map_err(|error| AppError::Thread(std::io::Error::other(error.to_string())))?;
-    let found = threads.install(|| identify_pad(&drawing, &untouched, Some(&presses)))?;
+    let found =
+        threads.install(|| identify_pad(&drawing, &Vec::from(untouched), Some(&presses)))?;
     std::fs::create_dir_all(folder).map_err(|error| FileError::new(folder, error))?;
     let name = free_file_name(&format!("{}-found", drawing.pad.name), "toml", |name| {
         folder.join(name).exists()
@@ -73,9 +65,11 @@ fn identify_and_save(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::VecDeque;
+
     use super::*;
     use crate::app::places::calibration_places;
-    use crate::calibrate::ModelPrediction;
+    use crate::calibrate::{ModelPrediction, Press};
     use crate::eit::Press as Finger;
     use crate::pad::{DEFAULT_PAD, Deviations, Pad, cell_sites_mm, shipped_pad};
     use crate::source::{Noise, SimulatedPad};
@@ -127,7 +121,7 @@ mod tests {
         let pad = Pad::from_toml(name, &text).expect("sound");
         assert!(!pad.deviations.cells.is_empty());
         let few = GuidedReadings {
-            untouched: Vec::new(),
+            untouched: VecDeque::new(),
             ..readings
         };
         let error = identify_and_save(DEFAULT_PAD, few, folder.path()).expect_err("no frames");

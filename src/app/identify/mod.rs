@@ -1,12 +1,13 @@
-//! Identifies a pad from its untouched frames: those of a source for `gelpad pad identify`, those of a game while it is played.
+//! Identifies a pad from its untouched frames, and presses if there are any: those of a source for `gelpad pad identify`, those of a game
+//! while it is played, and those of the window's guided presses.
 
 mod from_presses;
 mod in_play;
 mod kept;
 mod untouched;
 
+pub use from_presses::FoundFromPresses;
 pub(super) use from_presses::begin as begin_identifying;
-pub use from_presses::{FoundFromPresses, GuidedReadings};
 pub(super) use in_play::Identification;
 pub(crate) use in_play::PadIdentifier;
 

@@ -6,23 +6,20 @@ use std::sync::mpsc;
 use egui::Ui;
 
 use super::{draw_notice, draw_success, paragraph};
-use crate::app::services::{AppServices, GuidedReadings, PlayRequest};
-use crate::calibrate::Press;
+use crate::app::services::{AppServices, FoundFromPresses, PlayRequest};
+use crate::calibrate::{GuidedReadings, Press};
 use crate::gui::play::UiAction;
 use crate::gui::playing::Playing;
 use crate::gui::theme;
 use crate::runtime::View;
 use crate::types::Nanos;
 
-/// Frames of the untouched pad that are kept.
-const MOST_UNTOUCHED: usize = 100;
-
 /// What is known of the pad as it is.
 #[derive(Default)]
 pub(super) struct FoundPad {
-    untouched: Vec<Vec<f32>>,
+    readings: GuidedReadings,
     last_ns: Nanos,
-    running: Option<mpsc::Receiver<Result<(PathBuf, String), String>>>,
+    running: Option<mpsc::Receiver<FoundFromPresses>>,
     saved: Option<PathBuf>,
     summary: Option<String>,
     notice: Option<String>,
@@ -31,11 +28,10 @@ pub(super) struct FoundPad {
 impl FoundPad {
     /// Keeps the readings of a view of the untouched pad; a view that was taken before is ignored.
     pub(super) fn take_untouched(&mut self, view: &View) {
-        let is_new = view.t_ns != self.last_ns && !view.signals.volts.is_empty();
-        self.last_ns = view.t_ns;
-        if is_new && self.untouched.len() < MOST_UNTOUCHED {
-            self.untouched.push(view.signals.volts.clone());
+        if view.t_ns != self.last_ns && !view.signals.volts.is_empty() {
+            self.readings.take_untouched(&view.signals.volts);
         }
+        self.last_ns = view.t_ns;
     }
 
     /// Begins to find the pad from presses. A pad that was learned has no drawing to differ from.
@@ -45,10 +41,10 @@ impl FoundPad {
         services: &dyn AppServices,
         presses: Vec<Press>,
     ) {
-        let untouched = std::mem::take(&mut self.untouched);
+        let mut readings = std::mem::take(&mut self.readings);
         *self = Self::default();
         if playing.pad.learned.is_none() {
-            let readings = GuidedReadings { presses, untouched };
+            readings.presses = presses;
             self.running = Some(services.begin_identifying(&playing.request, readings));
         }
     }

@@ -22,9 +22,8 @@ impl ViewPresses {
         let touching = Touching::from_contacts(view.touches.len(), &view.signals.contacts);
         let signals = &view.signals;
         let is_touched = !view.touches.is_empty();
-        let changes = self
-            .level
-            .take_frame(is_touched, &signals.volts, &signals.changes);
+        let volts = (!signals.is_turned).then_some(signals.volts.as_slice());
+        let changes = self.level.take_frame(is_touched, volts, &signals.changes);
         self.recorder.take_frame(touching, changes, shown_mm)
     }
 

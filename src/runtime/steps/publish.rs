@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::EngineThread;
+use crate::pad::Numbering;
 use crate::types::{NANOS_PER_MS, Nanos};
 
 /// The reference and the noise of a view are updated once in this many frames.
@@ -53,6 +54,7 @@ impl EngineThread {
         }
         let slot = self.queues.views.input_buffer_mut();
         slot.signals.volts.clone_from(&self.view.signals.volts);
+        slot.signals.is_turned = detector.board_numbering().0 != Numbering::default();
         slot.signals
             .reference
             .clone_from(&self.view.signals.reference);

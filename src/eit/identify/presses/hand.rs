@@ -1,6 +1,7 @@
-//! How somebody presses: how far beside the places they are told, and how large and strong their fingers are.
+//! How a person presses: how far from the shown places, with how large a finger, and how hard.
 //!
-//! A hand is learned from its presses while the pad is: each press has a finger of its own, the hand is what their fingers have in common.
+//! This is learned together with the pad. Every press has its own place, size and strength (`Finger`); their means and spreads over all
+//! presses are the person's (`Hand`).
 
 use crate::eit::{PRESS_UNKNOWNS, Press};
 use crate::pad::TouchSign;
@@ -16,7 +17,7 @@ const UNKNOWN_HAND: [f64; PRESS_UNKNOWNS] = [0.5, 0.5, 0.3, 0.6];
 const STEADIEST: [f64; PRESS_UNKNOWNS] = [0.1, 0.1, 0.08, 0.15];
 const LEAST_STEADY: [f64; PRESS_UNKNOWNS] = [3.0, 3.0, 0.35, 0.8];
 
-/// How somebody presses.
+/// How a person presses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hand {
     /// Means of the logarithms of radius (mm) and rise.
@@ -91,6 +92,14 @@ impl Finger {
             variances: [0.0; PRESS_UNKNOWNS],
             sign: TouchSign::Rise,
         }
+    }
+
+    /// Its distance from a place.
+    pub(super) fn distance_mm(&self, place_mm: PointMm) -> f64 {
+        libm::hypot(
+            self.unknowns[0] - place_mm[0],
+            self.unknowns[1] - place_mm[1],
+        )
     }
 
     /// Its press.

@@ -24,6 +24,8 @@ use normal_equations::{Linearised, NormalEquations};
 
 /// A press of which the model leaves more than this share is another one: at another place, or of two fingers.
 const MOST_LEFT: f64 = 0.5;
+/// So is one that is farther than this from its place: three times the spread of the least steady hand.
+const MOST_BESIDE_MM: f64 = 9.0;
 /// Rounds, and steps in which each press is fitted in the first of them and in the others.
 const ROUNDS: usize = 3;
 const FIRST_STEPS: usize = 4;
@@ -74,11 +76,12 @@ impl Search<'_> {
             for (index, fitted) in fitted.into_iter().enumerate() {
                 let fitted = fitted.into_inner().expect("every job was run")?;
                 fingers[index] = fitted.finger;
-                if fitted.left > MOST_LEFT {
+                let place_mm = presses[index].place_mm;
+                if fitted.left > MOST_LEFT || fitted.finger.distance_mm(place_mm) > MOST_BESIDE_MM {
                     unexplained.push(index);
                 } else {
                     equations.merge(&fitted.equations);
-                    explained.push((presses[index].place_mm, fitted.finger));
+                    explained.push((place_mm, fitted.finger));
                 }
             }
             hand = hand.learned(&explained);
