@@ -3,7 +3,7 @@
 mod lattice;
 
 use gelpad::cache;
-use gelpad::eit::response::{Response, TouchModel, strength_from_rise};
+use gelpad::eit::response::{Response, Shape, TouchModel, strength_from_rise};
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
 use gelpad::eit::{Press, ResponseTable};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
@@ -52,6 +52,7 @@ fn errors(pad: &Pad, sign: TouchSign, touches: usize) -> Vec<f64> {
             log_radius: press.radius_mm.ln(),
             strength: strength_from_rise(press.rise),
             sign,
+            shape: Shape::Round,
         };
         table.respond(&bump, &mut response);
         table.expand(&response.value, &mut told);

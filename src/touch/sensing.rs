@@ -5,11 +5,11 @@
 
 use std::sync::Arc;
 
-use super::locate::LocatorModel;
+use super::locate::{LocatedPad, LocatorModel};
 use crate::eit::{
     LAMBDA, Linearised, Reconstruction, ResponseTable, SetupError, SharedNoise, median,
 };
-use crate::pad::{LearnedMaps, Outline, Pad, TouchSign};
+use crate::pad::{Pad, TouchSign};
 use crate::types::Method;
 
 /// Relative standard deviation of every channel until frames show the noise.
@@ -55,12 +55,10 @@ pub struct SensingBuilder {
     linearised: Linearised,
     method: Method,
     touch_sign: TouchSign,
-    outline: Outline,
+    located_pad: LocatedPad,
     table: Option<Arc<ResponseTable>>,
     /// Drive of each channel.
     drives: Vec<u16>,
-    /// Maps of a pad that was learned from presses.
-    learned: Option<Arc<LearnedMaps>>,
 }
 
 impl SensingBuilder {
@@ -83,10 +81,9 @@ impl SensingBuilder {
             linearised,
             method,
             touch_sign: pad.touch_sign,
-            outline: pad.outline,
+            located_pad: LocatedPad::from(pad),
             table: None,
             drives: pad.protocol.drives(),
-            learned: pad.learned.clone(),
         }
     }
 
@@ -149,11 +146,9 @@ impl SensingBuilder {
             let table = Arc::clone(table);
             Arc::new(LocatorModel::new(
                 table,
-                &self.outline,
-                self.touch_sign,
+                &self.located_pad,
                 noise,
                 &self.drives,
-                self.learned.as_deref(),
             ))
         });
         Ok(Sensing {

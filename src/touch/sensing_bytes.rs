@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
+use super::locate::LocatedPad;
 use super::{LocatorModel, Sensing};
 use crate::eit::{Reconstruction, ResponseTable, SharedNoise};
 use crate::pad::Pad;
@@ -136,13 +137,8 @@ fn read_locator_model(
             let table = table
                 .filter(|table| table.channels() == pad.channels())
                 .ok_or(SensingError::NoTable)?;
-            let model = LocatorModel::from_bytes(
-                reader,
-                Arc::clone(table),
-                &pad.outline,
-                pad.touch_sign,
-                pad.learned.as_deref(),
-            );
+            let pad = LocatedPad::from(pad);
+            let model = LocatorModel::from_bytes(reader, Arc::clone(table), &pad);
             Ok(Some(Arc::new(model.ok_or(SensingError::Invalid)?)))
         }
         _ => Err(SensingError::Invalid),

@@ -13,20 +13,17 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::kept::KeptPad;
 use super::untouched::{UntouchedFrames, UntouchedWindow};
-use super::{beside_each_other, medians, text_with};
+use super::{beside_each_other, text_with};
 use crate::app::pads::PadText;
 use crate::app::table_solver::{TableInProgress, low_priority_threads};
 use crate::cache;
-use crate::eit::identify::{identify, misfit};
+use crate::eit::identify::{GOOD_MISFIT, identify, misfit, rest_medians};
 use crate::pad::Pad;
 use crate::runtime::{PlayCommand, RunningGame, StepListener};
 use crate::stats::rms;
 use crate::touch::SensingBuilder;
 use crate::types::{Method, NANOS_PER_MS, Nanos};
 
-/// A pad whose readings are at most this far from those measured (root mean square, relative) is good enough: the forward model
-/// itself is about half as far off.
-const GOOD_MISFIT: f64 = 5e-3;
 /// Readings at rest that have changed by less than this (root mean square, relative) are not judged again.
 const LEAST_CHANGE: f64 = 3e-3;
 /// Readings below this share of the largest count as if they were that large.
@@ -143,7 +140,7 @@ impl Identification {
                 std::thread::sleep(POLL);
                 continue;
             };
-            let (mut volts, mut deviations) = medians(&window.frames);
+            let (mut volts, mut deviations) = rest_medians(&window.frames);
             for channel in window.left_out {
                 volts[channel] = f64::NAN;
                 deviations[channel] = f64::INFINITY;

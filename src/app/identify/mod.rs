@@ -18,7 +18,7 @@ use super::AppError;
 use super::pads::{PadText, start_workers};
 use crate::calibrate::{MEAN_FRAMES, Presses};
 use crate::eit::identify::{
-    IdentifiedPad, KnownPress, KnownPresses, RestReadings, identify_with_presses,
+    IdentifiedPad, KnownPress, KnownPresses, RestReadings, identify_with_presses, rest_medians,
 };
 use crate::pad::Pad;
 use crate::source::{SkipLog, Source, SourceReading};
@@ -26,8 +26,6 @@ use crate::stats::{quantile, rms};
 
 /// Decimals of lengths (mm) and factors in texts.
 const DECIMALS: f64 = 1e4;
-/// The standard deviation of Gaussian noise over its median absolute deviation.
-const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 /// Frames of which the median is taken at least.
 const FEWEST_FRAMES: usize = 5;
 
@@ -62,7 +60,7 @@ pub(crate) fn identify_pad(
             untouched.len()
         )));
     }
-    let (volts, deviations) = medians(untouched);
+    let (volts, deviations) = rest_medians(untouched);
     let rest = RestReadings {
         volts: &volts,
         deviations: &deviations,
@@ -146,23 +144,6 @@ pub(crate) fn read_frames(
         }
     }
     Ok(frames)
-}
-
-/// The median of each channel, and the relative standard deviation of that; infinite for a channel that is not finite.
-fn medians(frames: &[Vec<f32>]) -> (Vec<f64>, Vec<f64>) {
-    let channels = frames.first().map_or(0, Vec::len);
-    let middle = |values: &mut dyn Iterator<Item = f64>| quantile(values, 0.5).unwrap_or(f64::NAN);
-    let of_channel = |channel: usize| {
-        let values = || frames.iter().map(move |volts| f64::from(volts[channel]));
-        let median = middle(&mut values());
-        let spread = middle(&mut values().map(|value| (value - median).abs()));
-        let deviation = DEVIATION_OF_MEDIAN * spread / (frames.len() as f64).sqrt() / median.abs();
-        match deviation.is_finite() {
-            true => (median, deviation),
-            false => (median, f64::INFINITY),
-        }
-    };
-    (0..channels).map(of_channel).unzip()
 }
 
 /// A pad's text with a table `found`; `None` if it is no TOML.

@@ -10,6 +10,7 @@
 //!
 //! Invariant: readings that no such pad explains are refused, never fitted half.
 
+mod at_rest;
 mod fit;
 mod presses;
 mod prior;
@@ -19,9 +20,13 @@ use faer::Mat;
 
 use super::{ContactModel, ForwardError, ForwardModel, Mesh, MeshSize};
 use crate::pad::{Deviations, ElectrodeDeviation, Pad, cell_sites_mm};
+pub use at_rest::rest_medians;
 use fit::{Estimate, LinearModel};
 pub use presses::KnownPress;
 
+/// A pad whose readings are at most this far from those measured (root mean square, relative) is good enough: the forward model
+/// itself is about half as far off.
+pub const GOOD_MISFIT: f64 = 5e-3;
 /// The forward model's own error, as a share of a reading: two meshes differ by so much.
 const MODEL_ERROR: f64 = 2e-3;
 /// The linearised model's error as a share of the present misfit: far from the truth, the slopes are those of another pad.

@@ -14,7 +14,8 @@ use super::derived::DerivedResponses;
 use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
-use super::scatter::{self, Scatterer};
+use super::scatter::{self, LinearResponses, Scatterer};
+use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
 use super::table::{HALF_RISE, ResponseTable};
 use super::terms::{POWERS, SIGNS, Terms};
@@ -59,12 +60,24 @@ enum Responses {
     Learned(Box<LearnedResponses>),
 }
 
+impl Responses {
+    /// Their first-order part; none of learned ones.
+    fn linear(&self) -> Option<&LinearResponses> {
+        match self {
+            Self::Exact(scatterer) => Some(scatterer.linear()),
+            Self::Derived(derived) => Some(derived.linear()),
+            Self::Learned(_) => None,
+        }
+    }
+}
+
 /// What a table depends on beside its pad, for its key: after a change of one of these, no table solved before is read.
 fn solver_constants() -> String {
     format!(
-        "{STRENGTHS:?} {LEAST_SHARE} {USUAL_DIMENSIONS} {LARGEST_REST} {HALF_RISE} {:?} {:?} {STEP_LOG2}",
+        "{STRENGTHS:?} {LEAST_SHARE} {USUAL_DIMENSIONS} {LARGEST_REST} {HALF_RISE} {:?} {:?} {STEP_LOG2} {:?}",
         places::CONSTANTS,
         scatter::CONSTANTS,
+        stretch::CONSTANTS,
     )
 }
 
@@ -205,6 +218,16 @@ impl ResponseBuilder {
                 });
             }
         }
+        let stretches = self.responses.linear().map(|linear| {
+            Stretches::solve(linear, &self.places, rank, |changes| {
+                (0..rank)
+                    .map(|dimension| {
+                        let column = basis.col(dimension).iter();
+                        column.zip(changes).map(|(a, b)| a * b).sum::<f64>() as f32
+                    })
+                    .collect()
+            })
+        });
         let basis: Vec<f32> = (0..rank)
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
@@ -217,6 +240,7 @@ impl ResponseBuilder {
             places: self.places,
             terms: Terms::new(solved, rank, self.orbits, &basis),
             basis,
+            stretches,
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
 //! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
-//! `quantized.rs`); CRC-32 of everything before it. Two versions remain for older recordings: the second holds the terms
+//! `quantized.rs`); what longer fingers add (f32, as in `stretch.rs`); CRC-32 of everything before it. A table that does not know
+//! what longer fingers add is of the third version. Two more remain for older recordings: the second holds the terms
 //! as f32; the first, too, of one sign at all places, and no places beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
@@ -12,13 +13,16 @@ use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use super::LANES;
 use super::places::Places;
 use super::quantized;
+use super::stretch::Stretches;
 use super::symmetry::Orbits;
 use super::table::ResponseTable;
 use super::terms::{SIGNS, TERMS, Terms};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
-const MAGIC: &[u8; 8] = b"gelpadR3";
+const MAGIC: &[u8; 8] = b"gelpadR4";
+/// Without what longer fingers add.
+const ROUND_MAGIC: &[u8; 8] = b"gelpadR3";
 /// Terms as f32.
 const FLOAT_MAGIC: &[u8; 8] = b"gelpadR2";
 const OLD_MAGIC: &[u8; 8] = b"gelpadR1";
@@ -54,7 +58,8 @@ impl ResponseTable {
         let packed = quantized::pack(solved.iter(), &self.places, self.rank);
         let packed = packed.filter(|_| self.has_both_signs());
         let magic = match packed {
-            Some(_) => MAGIC,
+            Some(_) if self.stretches.is_some() => MAGIC,
+            Some(_) => ROUND_MAGIC,
             None if self.has_both_signs() => FLOAT_MAGIC,
             None => OLD_MAGIC,
         };
@@ -79,6 +84,12 @@ impl ResponseTable {
         match packed {
             Some(packed) => bytes.extend_from_slice(&packed),
             None => floats(&mut solved.iter()),
+        }
+        if let Some(stretches) = self.stretches.as_ref().filter(|_| magic == MAGIC) {
+            stretches
+                .values()
+                .iter()
+                .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
         }
         let sum = CRC.checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
@@ -127,25 +138,35 @@ impl ResponseTable {
         if rank == 0 || rank % LANES != 0 || rank > channels.next_multiple_of(LANES) {
             return Err(TableError::OutOfRange);
         }
+        let has_stretches = bytes.starts_with(MAGIC);
+        let is_packed = has_stretches || bytes.starts_with(ROUND_MAGIC);
         let read_terms = |count: usize, reader: &mut ByteReader<'_>| {
-            if bytes.starts_with(MAGIC) {
+            if is_packed {
                 let packed = reader.bytes(count.checked_mul(4)?)?;
                 Some(quantized::unpack(packed, &places, rank))
             } else {
                 reader.f32s(count)
             }
         };
-        let (Some(key), Some(basis), Some(terms), []) = (
+        let stretched = match has_stretches {
+            true => Stretches::count(&places, rank),
+            false => 0,
+        };
+        let (Some(key), Some(basis), Some(terms), Some(stretched), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
             read_terms(signs * orbits.solved() * TERMS * rank, &mut reader),
+            reader.f32s(stretched),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);
         };
         // NaN is within no bound.
         let within = |values: &[f32], most: f32| values.iter().all(|value| value.abs() <= most);
-        if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
+        if !within(&basis, MOST_BASIS)
+            || !within(&terms, MOST_TERM)
+            || !within(&stretched, MOST_TERM)
+        {
             return Err(TableError::OutOfRange);
         }
         Ok(Self {
@@ -155,13 +176,14 @@ impl ResponseTable {
             terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
+            stretches: has_stretches.then(|| Stretches::new(stretched, &places, rank)),
         })
     }
 }
 
 /// The bytes between the format's name and a checksum that is right.
 fn checked_body(bytes: &[u8]) -> Result<&[u8], TableError> {
-    let rest = [MAGIC, FLOAT_MAGIC, OLD_MAGIC]
+    let rest = [MAGIC, ROUND_MAGIC, FLOAT_MAGIC, OLD_MAGIC]
         .iter()
         .find_map(|magic| bytes.strip_prefix(*magic))
         .ok_or(TableError::NotATable)?;
@@ -207,9 +229,23 @@ mod tests {
         table
     }
 
+    /// The same, knowing what longer fingers add.
+    fn stretched() -> ResponseTable {
+        let mut table = rounded();
+        let count = Stretches::count(&table.places, table.rank);
+        let values = (0..count).map(|index| 1e-4 * (index % 97) as f32).collect();
+        table.stretches = Some(Stretches::new(values, &table.places, table.rank));
+        table
+    }
+
     #[test]
     fn a_table_is_read_as_it_was_written() {
-        for (table, magic) in [(rounded(), MAGIC), (ResponseTable::small(), FLOAT_MAGIC)] {
+        let tables = [
+            (stretched(), MAGIC),
+            (rounded(), ROUND_MAGIC),
+            (ResponseTable::small(), FLOAT_MAGIC),
+        ];
+        for (table, magic) in tables {
             let bytes = table.to_bytes();
             assert!(bytes.starts_with(magic));
             assert_eq!(read(&bytes), Ok(table));
@@ -267,7 +303,7 @@ mod tests {
         #[test]
         fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
             static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-            let mut bytes = BYTES.get_or_init(|| rounded().to_bytes()).clone();
+            let mut bytes = BYTES.get_or_init(|| stretched().to_bytes()).clone();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
             prop_assert!(read(&bytes).is_err());

@@ -33,6 +33,11 @@ impl DerivedResponses {
         })
     }
 
+    /// The first-order part of the pad as found.
+    pub(super) fn linear(&self) -> &LinearResponses {
+        &self.found
+    }
+
     /// Responses at a place for the radius with this index, divided by area and strength: signs x strengths x channels.
     pub(super) fn samples(
         &self,

@@ -9,6 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
 use super::places::{Places, RADII, RADIUS_STEP};
+use super::shape::{Shape, ShapedResponse};
 use super::table::{Response, ResponseTable, TouchModel};
 use super::terms::POWERS;
 use crate::pad::TouchSign;
@@ -17,10 +18,22 @@ impl ResponseTable {
     /// The response of a touch and its derivatives. Outside the table's places the nearest place is used, outside the
     /// table's radii the nearest radius.
     pub fn respond(&self, touch: &TouchModel, response: &mut Response) {
+        if touch.shape == Shape::Round {
+            self.respond_round(touch, response);
+        } else {
+            // Fingers of odd shape are rare: their scratch memory is not kept.
+            let mut shaped = ShapedResponse::default();
+            self.respond_shaped(touch, &mut shaped);
+            *response = shaped.response;
+        }
+    }
+
+    /// The same for a round touch.
+    pub(super) fn respond_round(&self, touch: &TouchModel, response: &mut Response) {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
     }
 
-    /// The value of [`ResponseTable::respond`] alone, the same to the bit. Fast for touches at grid points with a radius of the
+    /// The value of [`ResponseTable::respond`] of a round touch alone, the same to the bit. Fast for touches at grid points with a radius of the
     /// table: terms of weight 0 are not turned.
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
@@ -222,16 +235,16 @@ impl SizeWeights {
 const AT_POINT: f64 = 1e-9;
 
 /// Weights of the four grid points around a coordinate (cubic convolution: Keys 1981, IEEE Trans. ASSP 29, eq. 15).
-struct Cubic {
-    first: usize,
-    value: [f32; 4],
-    slope: [f32; 4],
+pub(super) struct Cubic {
+    pub(super) first: usize,
+    pub(super) value: [f32; 4],
+    pub(super) slope: [f32; 4],
 }
 
 impl Cubic {
     /// `at` counts steps from the first of `count` points; it is clamped to the second and the last but one. NaN, too,
     /// becomes the second.
-    fn at(at: f64, count: usize) -> Self {
+    pub(super) fn at(at: f64, count: usize) -> Self {
         let last = (count - 2) as f64;
         let at = at.max(1.0).min(last);
         let nearest = libm::round(at);
@@ -260,7 +273,7 @@ impl Cubic {
     }
 
     /// With the slope per unit instead of per step; a step is `step` units long.
-    fn per(mut self, step: f64) -> Self {
+    pub(super) fn per(mut self, step: f64) -> Self {
         self.slope = self.slope.map(|slope| slope / step as f32);
         self
     }
@@ -285,7 +298,7 @@ mod tests {
         ) {
             let table = ResponseTable::small();
             let sign = if rises { TouchSign::Rise } else { TouchSign::Fall };
-            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign };
+            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign, shape: Shape::Round };
             let [mut ours, mut plain] = [(); 2].map(|()| Response::default());
             table.respond(&touch, &mut ours);
             // Not dispatched: compiled for the baseline processor.
@@ -307,7 +320,7 @@ mod tests {
             let snap = |at: f64| if is_on_grid { (at / pitch_mm).round() * pitch_mm } else { at };
             let log_radius = if is_on_grid { table.places.radii_mm()[2].ln() } else { log_radius };
             let sign = if rises { TouchSign::Rise } else { TouchSign::Fall };
-            let touch = TouchModel { centre_mm: [snap(x), snap(y)], log_radius, strength, sign };
+            let touch = TouchModel { centre_mm: [snap(x), snap(y)], log_radius, strength, sign, shape: Shape::Round };
             let mut alone = Vec::new();
             table.respond_value(&touch, &mut alone);
             let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
@@ -321,7 +334,7 @@ mod tests {
             let table = ResponseTable::small();
             let [least, most] = table.radii_mm().map(libm::log);
             let log_radius = least + radius * (most - least);
-            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign: TouchSign::Fall };
+            let touch = TouchModel { centre_mm: [x, y], log_radius, strength, sign: TouchSign::Fall, shape: Shape::Round };
             let mut response = Response::default();
             table.respond(&touch, &mut response);
             let moved = |k: usize, by: f64| {
@@ -370,6 +383,7 @@ mod tests {
             log_radius: 1.0,
             strength: 0.0,
             sign: TouchSign::Rise,
+            shape: Shape::Round,
         };
         assert!(value(&table, &touch).iter().all(|v| *v == 0.0));
     }

@@ -15,7 +15,7 @@ use faer::linalg::solvers::Solve;
 use crate::eit::forward::{Fields, ForwardModel};
 use crate::eit::jacobian::{element_jacobian, pair_sums};
 use crate::eit::{ContactModel, Mesh, MeshSize, Press, SetupError};
-use crate::pad::{Pad, TouchSign};
+use crate::pad::{Pad, Protocol, TouchSign};
 use crate::types::PointMm;
 
 /// Most nodes of the coarse mesh: its inverse takes 4 bytes per pair of nodes.
@@ -41,6 +41,7 @@ pub struct Scatterer {
 #[derive(Clone, Debug)]
 pub(super) struct LinearResponses {
     level: Level,
+    protocol: Protocol,
     /// Channels x triangles: relative change of a reading per relative rise.
     slopes: Mat<f64>,
 }
@@ -57,6 +58,11 @@ struct Level {
 }
 
 impl Scatterer {
+    /// The first-order part.
+    pub(super) fn linear(&self) -> &LinearResponses {
+        &self.fine
+    }
+
     /// Solves a pad's two meshes.
     ///
     /// # Errors
@@ -178,7 +184,11 @@ impl LinearResponses {
                 *entry *= level.background[triangle] / volt;
             }
         }
-        Ok(Self { level, slopes })
+        Ok(Self {
+            level,
+            protocol: pad.protocol.clone(),
+            slopes,
+        })
     }
 
     /// First-order relative changes of all readings per relative rise at the centre of a press.
@@ -201,6 +211,49 @@ impl LinearResponses {
             }
         }
         sum
+    }
+}
+
+impl LinearResponses {
+    /// First-order relative changes of all readings for a conductivity that rises along an axis and falls as much across it, per
+    /// relative rise at the centre of a press: for the axes along x and along the diagonal.
+    pub(super) fn per_stretch(&self, centre_mm: PointMm, radius_mm: f64) -> [Vec<f64>; 2] {
+        let press = Press {
+            centre_mm,
+            radius_mm,
+            rise: 1.0,
+        };
+        let Level {
+            model,
+            fields,
+            background,
+            volts,
+            triangles,
+        } = &self.level;
+        let count = fields.len();
+        let mut sums = [(); 2].map(|()| vec![0.0; count * count]);
+        let (mut x, mut y) = (vec![0.0; count], vec![0.0; count]);
+        for triangle in triangles.near(centre_mm, radius_mm) {
+            let share = mean_of(model.mesh(), triangle, |point| press.rise_share(point));
+            if share == 0.0 {
+                continue;
+            }
+            let weight = share * background[triangle] * model.weight(triangle);
+            model.gradients(fields, triangle, &mut x, &mut y);
+            for k in 0..count {
+                for l in 0..count {
+                    sums[0][k * count + l] += weight * (x[k] * x[l] - y[k] * y[l]);
+                    sums[1][k * count + l] += weight * (x[k] * y[l] + y[k] * x[l]);
+                }
+            }
+        }
+        sums.map(|sums| {
+            let changes = pair_sums(&self.protocol, count, |k, l| sums[k * count + l]);
+            changes
+                .zip(volts)
+                .map(|(change, volt)| change / volt)
+                .collect()
+        })
     }
 }
 

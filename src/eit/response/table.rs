@@ -5,6 +5,8 @@
 //! smaller than the model error.
 
 use super::places::Places;
+use super::shape::Shape;
+use super::stretch::{StretchResponse, Stretches};
 use super::terms::{SIGNS, Terms};
 use crate::eit::cholesky::add_scaled;
 use crate::pad::TouchSign;
@@ -26,6 +28,8 @@ pub struct TouchModel {
     pub strength: f64,
     /// Whether the touch multiplies the conductivity by 1 + rise or divides it. A table of one sign ignores this.
     pub sign: TouchSign,
+    /// Whether it is round.
+    pub shape: Shape,
 }
 
 impl TouchModel {
@@ -55,6 +59,8 @@ pub struct ResponseTable {
     pub(super) places: Places,
     /// Of each sign at each place. Tables of the first version hold one sign, that of the pad.
     pub(super) terms: Terms,
+    /// What longer fingers add; none in tables of older recordings and of pads that were learned.
+    pub(super) stretches: Option<Stretches>,
 }
 
 /// A response and its derivatives, in the table's coordinates.
@@ -111,6 +117,16 @@ impl ResponseTable {
         self.terms.signs() == SIGNS
     }
 
+    /// What a finger that is longer than wide adds at a place, for radius squared x strength of 1 mm2 along x and along the diagonal;
+    /// false if the table does not know.
+    pub fn respond_to_stretch(&self, centre_mm: PointMm, response: &mut StretchResponse) -> bool {
+        match &self.stretches {
+            Some(stretches) => stretches.respond(centre_mm, response),
+            None => return false,
+        }
+        true
+    }
+
     /// Converts coordinates to relative changes, one per channel.
     ///
     /// # Panics
@@ -165,6 +181,7 @@ impl ResponseTable {
             terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
+            stretches: None,
         }
     }
 }
@@ -181,6 +198,7 @@ mod tests {
                 log_radius: 0.0,
                 strength: strength_from_rise(rise),
                 sign: TouchSign::Rise,
+                shape: Shape::Round,
             };
             assert!((touch.rise() - rise).abs() < 1e-12);
         }

@@ -17,6 +17,7 @@ mod report;
 pub mod scan;
 mod score;
 mod sensing;
+mod solved;
 pub(super) mod specimen;
 mod spread;
 mod touches;

@@ -2,7 +2,7 @@
 
 use super::Detector;
 use crate::eit::{ElectrodeMonitor, Reference};
-use crate::touch::Locator;
+use crate::touch::{Locator, Sensing};
 use crate::types::{Contact, Nanos, Touch};
 
 impl Detector {
@@ -14,6 +14,12 @@ impl Detector {
         } else {
             &self.uncorrected
         }
+    }
+
+    /// What touches are found with at present.
+    #[must_use]
+    pub fn sensing(&self) -> &Sensing {
+        &self.sensing
     }
 
     /// Muted channels: dead, loose or of a lost electrode.

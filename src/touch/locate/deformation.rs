@@ -5,7 +5,7 @@
 
 use super::metric::{Metric, dot, energy};
 use crate::eit::ResponseTable;
-use crate::eit::response::{TouchModel, strength_from_rise};
+use crate::eit::response::{Shape, TouchModel, strength_from_rise};
 use crate::pad::TouchSign;
 
 /// Largest degree of the polynomials.
@@ -114,6 +114,7 @@ fn patterns(table: &ResponseTable, size_mm: [f64; 2]) -> Vec<Vec<f32>> {
                 log_radius,
                 strength: strength_from_rise(FAINT_RISE),
                 sign: TouchSign::Rise,
+                shape: Shape::Round,
             };
             table.respond_value(&touch, &mut response);
             for (sum, weight) in sums.iter_mut().zip(weights(centre_mm)) {

@@ -7,7 +7,7 @@
 use super::metric::{Metric, Whitened, dot, energy};
 use crate::eit::ResponseTable;
 use crate::eit::cholesky::solve_in_place;
-use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
+use crate::eit::response::{MOST_STRENGTH, Response, Shape, TouchModel};
 use crate::pad::TouchSign;
 
 /// Unknowns per touch.
@@ -89,10 +89,11 @@ impl Bounds {
             log_radius: self.typical_log_radius,
             strength: TYPICAL_STRENGTH,
             sign: self.sign,
+            shape: Shape::Round,
         }
     }
 
-    fn clamp(&self, touch: &mut TouchModel) {
+    pub(super) fn clamp(&self, touch: &mut TouchModel) {
         for (at, size) in touch.centre_mm.iter_mut().zip(self.size_mm) {
             *at = at.clamp(-self.reach_mm, size + self.reach_mm);
         }

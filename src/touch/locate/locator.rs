@@ -7,7 +7,7 @@ use super::metric::{Whitened, energy};
 use super::model::LocatorModel;
 use super::motion::{Motion, nearest};
 use super::recent::RecentResiduals;
-use crate::eit::response::{Response, TouchModel};
+use crate::eit::response::{Response, Shape, TouchModel};
 use crate::types::{Contact, Nanos};
 
 /// A new touch lowers the cost by at least this many squared deviations: noise alone reaches half of it once in hours.
@@ -215,7 +215,6 @@ impl Locator {
             .zip(&self.fit.responses)
             .zip(&self.motions)
             .map(move |((touch, response), motion)| {
-                let radius_mm = libm::exp(touch.log_radius);
                 let confidence = energy(&response.value) / (SURE_TIMES * DOWN_GAIN);
                 let [x, y] = if is_fused {
                     motion.place_mm()
@@ -225,8 +224,7 @@ impl Locator {
                 let [width, height] = self.bounds.size_mm;
                 Contact {
                     centre_mm: [x.clamp(0.0, width), y.clamp(0.0, height)],
-                    // The footprint at half of the rise, as in an image.
-                    area_mm2: 0.5 * std::f64::consts::PI * radius_mm * radius_mm,
+                    area_mm2: area_mm2(touch),
                     force: (volume_mm2(touch) / FULL_FORCE_MM2).clamp(0.0, 1.0),
                     confidence: confidence.clamp(0.0, 1.0),
                 }
@@ -342,6 +340,27 @@ fn stay_ratio(touch: &TouchModel, response: &Response, noise: f64) -> f64 {
 
 /// Rise of conductivity x area: the mean rise of a paraboloid is half of the rise at its centre.
 pub(super) fn volume_mm2(touch: &TouchModel) -> f64 {
+    let of_part = |part: TouchModel| {
+        let radius_mm = libm::exp(part.log_radius);
+        0.5 * std::f64::consts::PI * radius_mm * radius_mm * part.rise()
+    };
+    match touch.shape {
+        Shape::Round => of_part(*touch),
+        Shape::Long { .. } | Shape::Ring { .. } => touch.round_parts().map(of_part).sum(),
+    }
+}
+
+/// The footprint at half of the rise, as in an image, mm2.
+fn area_mm2(touch: &TouchModel) -> f64 {
     let radius_mm = libm::exp(touch.log_radius);
-    0.5 * std::f64::consts::PI * radius_mm * radius_mm * touch.rise()
+    let half_axes_mm = match touch.shape {
+        Shape::Round => [radius_mm; 2],
+        Shape::Long {
+            half_mm: [x, y], ..
+        } => [radius_mm + libm::hypot(x, y), radius_mm],
+        Shape::Ring {
+            radius_mm: ring_mm, ..
+        } => [radius_mm + ring_mm; 2],
+    };
+    0.5 * std::f64::consts::PI * half_axes_mm[0] * half_axes_mm[1]
 }

@@ -11,6 +11,7 @@ mod deformation;
 mod deformed;
 mod fit;
 mod held;
+mod located_pad;
 mod locator;
 mod metric;
 mod model;
@@ -23,6 +24,7 @@ mod responses;
 mod sign;
 mod templates;
 
+pub(super) use located_pad::LocatedPad;
 pub use locator::{FitQuality, Locator};
 pub use model::LocatorModel;
 pub(super) use sign::Onset;

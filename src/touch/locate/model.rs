@@ -4,21 +4,12 @@ use std::sync::Arc;
 
 use super::deformation::Deformations;
 use super::fit::{Bounds, Problem};
+use super::located_pad::LocatedPad;
 use super::metric::{Metric, Whitened};
 use super::templates::Templates;
 use crate::eit::ResponseTable;
-use crate::pad::{LearnedMaps, Outline, TouchSign};
 use crate::touch::ChannelNoise;
 use crate::types::ByteReader;
-
-/// Model error as a share of the frame's amplitude, because pads differ from their models. A new touch explains at least
-/// the energy of this error.
-const MODEL_ERROR: f64 = 0.04;
-
-/// Most touches: the fingers of two hands.
-const MOST_TOUCHES: usize = 10;
-/// On learned maps more touches cannot be told apart, and an odd frame would be explained by a crowd of them.
-const MOST_LEARNED_TOUCHES: usize = 4;
 
 /// What a pad's touches are located with: its response table and the weights of its channels.
 #[derive(Clone, Debug)]
@@ -28,27 +19,24 @@ pub struct LocatorModel {
     pub(super) metric: Metric,
     pub(super) templates: Templates,
     pub(super) deformations: Deformations,
-    /// Model error as a share of the frame's amplitude.
-    error_share: f64,
+    pub(super) pad: LocatedPad,
 }
 
 impl LocatorModel {
     /// A model for channels of the given noise; a deviation that is not finite excludes its channel. `drives` is the drive of
-    /// each channel, `sign` that of the touches that are expected, `learned` the maps of a pad that was learned from presses.
+    /// each channel.
     ///
     /// # Panics
     /// If there is not one deviation per channel.
     #[must_use]
-    pub fn new(
+    pub(in crate::touch) fn new(
         table: Arc<ResponseTable>,
-        outline: &Outline,
-        sign: TouchSign,
+        pad: &LocatedPad,
         noise: &ChannelNoise,
         drives: &[u16],
-        learned: Option<&LearnedMaps>,
     ) -> Self {
-        let metric = Metric::new(&table, noise, drives, learned);
-        Self::with_metric(table, outline, sign, metric, learned)
+        let metric = Metric::new(&table, noise, drives, pad.learned.as_deref());
+        Self::with_metric(table, pad, metric)
     }
 
     /// Appends the weights of the channels; the rest follows from table and outline.
@@ -56,17 +44,15 @@ impl LocatorModel {
         self.metric.to_bytes(bytes);
     }
 
-    /// Reads a model for a table and an outline; `None` if the bytes are anything else, or values are out of range.
+    /// Reads a model for a table of a pad; `None` if the bytes are anything else, or values are out of range.
     #[must_use]
-    pub(crate) fn from_bytes(
+    pub(in crate::touch) fn from_bytes(
         bytes: &mut ByteReader<'_>,
         table: Arc<ResponseTable>,
-        outline: &Outline,
-        sign: TouchSign,
-        learned: Option<&LearnedMaps>,
+        pad: &LocatedPad,
     ) -> Option<Self> {
         let metric = Metric::from_bytes(bytes, &table)?;
-        Some(Self::with_metric(table, outline, sign, metric, learned))
+        Some(Self::with_metric(table, pad, metric))
     }
 
     /// The response table.
@@ -77,20 +63,12 @@ impl LocatorModel {
 
     /// Whether the responses were learned from presses.
     pub(in crate::touch) fn is_learned(&self) -> bool {
-        self.error_share > MODEL_ERROR
-    }
-
-    /// How many touches may be down at once.
-    pub(super) fn most_touches(&self) -> usize {
-        match self.is_learned() {
-            true => MOST_LEARNED_TOUCHES,
-            false => MOST_TOUCHES,
-        }
+        self.pad.learned.is_some()
     }
 
     /// Energy of the model error of touches that change the readings by an energy.
     pub(super) fn error_energy(&self, energy: f64) -> f64 {
-        self.error_share * self.error_share * energy
+        self.pad.error_share * self.pad.error_share * energy
     }
 
     /// Whether channels are excluded: near their electrodes little is seen.
@@ -108,29 +86,23 @@ impl LocatorModel {
         }
     }
 
-    fn with_metric(
-        table: Arc<ResponseTable>,
-        outline: &Outline,
-        sign: TouchSign,
-        metric: Metric,
-        learned: Option<&LearnedMaps>,
-    ) -> Self {
+    fn with_metric(table: Arc<ResponseTable>, pad: &LocatedPad, metric: Metric) -> Self {
         let [least, most] = table.radii_mm();
         let bounds = Bounds {
-            size_mm: outline.size_mm(),
+            size_mm: pad.outline.size_mm(),
             reach_mm: table.reach_mm(),
-            sign,
+            sign: pad.sign,
             log_radius: [libm::log(least), libm::log(most)],
             typical_log_radius: 0.5 * (libm::log(least) + libm::log(most)),
             prior_weight: 1.0,
         };
         Self {
-            templates: Templates::new(&table, &metric, &bounds, outline),
+            templates: Templates::new(&table, &metric, &bounds, &pad.outline),
             deformations: Deformations::new(&table, &metric, bounds.size_mm),
             table,
             bounds,
             metric,
-            error_share: learned.map_or(MODEL_ERROR, LearnedMaps::error_share),
+            pad: pad.clone(),
         }
     }
 }

@@ -9,11 +9,10 @@ use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
 use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
+use crate::eit::cholesky::add_scaled;
 use crate::eit::response::TouchModel;
 use crate::types::{PointMm, distance_mm};
 
-/// Least distance between two touches, a finger's width. What looks closer is one wide or oval finger.
-const LEAST_APART_MM: f64 = 12.5;
 /// Least distance of a new touch's centre from the edge with tables that end there: a fit at the very edge is an error of an
 /// electrode's contact.
 const LEAST_DEPTH_MM: f64 = 1.5;
@@ -25,8 +24,12 @@ const EDGE_REST: f64 = 3.0;
 /// While channels are excluded, a new touch at the edge must explain this many times as much as another one: near a lost
 /// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
-/// Two touches must explain more than one odd finger by this many times what a new touch must explain.
-const ODD_GAINS: f64 = 0.1;
+/// Two touches must explain more than one odd finger by this many times what a new touch must explain, ...
+const ODD_GAINS: f64 = 0.35;
+/// ... or, closer than a finger's width, this many times: fingers are seldom that close.
+const CLOSE_ODD_GAINS: f64 = 0.8;
+/// A finger's width, mm.
+const FINGER_MM: f64 = 13.0;
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
@@ -77,7 +80,7 @@ impl Locator {
     pub(super) fn add_touches(&mut self, noise: f64) {
         let before = self.fit.touches.len();
         let least_gain = self.down_gains * DOWN_GAIN * noise + self.model_error();
-        let all = self.model.most_touches();
+        let all = self.model.pad.most_touches;
         let most = all.min(before + self.most_new.unwrap_or(all));
         while self.fit.touches.len() < most {
             let rest = energy(&self.fit.residual);
@@ -187,7 +190,7 @@ impl Locator {
                 let touches = edited(&others, &[self.bounds.typical(peak.place_mm)], None);
                 self.try_fit(&touches, NEW_TOUCH_STEPS);
                 if self.trial.cost < BETTER_SHARE * self.fit.cost
-                    && least_apart_mm(&self.trial.touches) >= LEAST_APART_MM
+                    && least_apart_mm(&self.trial.touches) >= self.model.pad.least_apart_mm
                 {
                     std::mem::swap(&mut self.fit, &mut self.trial);
                     is_better = true;
@@ -230,6 +233,9 @@ impl Locator {
         if !self.justifies_touch(least_gain) || energy(&self.best.residual) > well {
             self.try_splits(place_mm);
         }
+        if let Some(touches) = self.odd_instead(noise) {
+            return self.take_odd(&touches, least_gain);
+        }
         if energy(&self.best.residual) > well && self.model.table.has_both_signs() {
             if energy(&self.best.residual) > MISPLACED_REST / WELL_REST * well {
                 self.try_other_starts();
@@ -238,14 +244,13 @@ impl Locator {
                 self.whole.clone_from(&self.best);
                 self.try_all_splits();
                 // A split may only add a shadow of a strong touch: the fit without it still counts.
-                if self.is_odd_finger(noise) || !self.justifies_touch(least_gain) {
+                if self.odd_instead(noise).is_some() || !self.justifies_touch(least_gain) {
                     std::mem::swap(&mut self.whole, &mut self.best);
                 }
             }
         }
-        let is_better = self.justifies_touch(least_gain)
-            && !self.is_odd_finger(noise)
-            && !self.is_loose_contact(least_gain, noise);
+        let is_better =
+            self.justifies_touch(least_gain) && !self.is_loose_contact(least_gain, noise);
         if is_better {
             std::mem::swap(&mut self.fit, &mut self.best);
         }
@@ -266,36 +271,49 @@ impl Locator {
                 || self.model.is_blind() && gain < BLIND_EDGE_GAINS * least_gain)
     }
 
-    /// Whether the two nearest touches of the best trial are rather one finger of odd shape.
-    fn is_odd_finger(&mut self, noise: f64) -> bool {
+    /// The touches of the best trial with one finger of odd shape instead of the two nearest ones, if that explains the frame about as
+    /// well.
+    fn odd_instead(&self, noise: f64) -> Option<Vec<TouchModel>> {
         if !self.model.table.has_both_signs() {
-            return false;
+            return None;
         }
         let touches = &self.best.touches;
         let pairs = (0..touches.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let nearest = pairs
+        let (apart_mm, i, j) = pairs
             .map(|(i, j)| {
-                (
-                    distance_mm(touches[i].centre_mm, touches[j].centre_mm),
-                    i,
-                    j,
-                )
+                let apart_mm = distance_mm(touches[i].centre_mm, touches[j].centre_mm);
+                (apart_mm, i, j)
             })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, i, j)) = nearest.filter(|(apart_mm, ..)| *apart_mm < ODD_REACH_MM) else {
-            return false;
-        };
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if apart_mm >= ODD_REACH_MM {
+            return None;
+        }
         let mut target = self.best.residual.clone();
         for index in [i, j] {
-            for (sum, value) in target.iter_mut().zip(&self.best.responses[index].value) {
-                *sum += value;
-            }
+            add_scaled(&mut target, &self.best.responses[index].value, 1.0);
         }
-        let ends_mm = [touches[i].centre_mm, touches[j].centre_mm];
-        let pair = energy(&self.best.residual);
-        let odd = self.odd_cost(&target, ends_mm);
+        let odd = self.odd_finger(&target, [touches[i].centre_mm, touches[j].centre_mm]);
+        let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
-        odd < pair + ODD_GAINS * (DOWN_GAIN * noise + error)
+        let gains = match apart_mm < FINGER_MM {
+            true => CLOSE_ODD_GAINS,
+            false => ODD_GAINS,
+        };
+        let is_odd = odd.cost < pair + gains * (DOWN_GAIN * noise + error);
+        is_odd.then(|| {
+            let others = edited(touches, &[odd.touch], Some(i));
+            edited(&others, &[], Some(j))
+        })
+    }
+
+    /// Takes touches with a finger of odd shape if they explain enough more than those so far.
+    fn take_odd(&mut self, touches: &[TouchModel], least_gain: f64) -> bool {
+        self.try_fit(touches, NEW_TOUCH_STEPS);
+        let is_better = self.fit.cost - self.trial.cost >= least_gain;
+        if is_better {
+            std::mem::swap(&mut self.fit, &mut self.trial);
+        }
+        is_better
     }
 
     /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
@@ -335,7 +353,7 @@ impl Locator {
             self.try_fit(touches, NEW_TOUCH_STEPS);
             // One touch more than the others tried so far: it has to be worth it.
             if self.trial.cost < WORTH_SPLIT * self.best.cost
-                && least_apart_mm(&self.trial.touches) >= LEAST_APART_MM
+                && least_apart_mm(&self.trial.touches) >= self.model.pad.least_apart_mm
             {
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
@@ -408,7 +426,7 @@ impl Locator {
             .iter()
             .map(|touch| self.depth_mm(touch.centre_mm))
             .fold(f64::INFINITY, f64::min);
-        least_apart >= LEAST_APART_MM
+        least_apart >= self.model.pad.least_apart_mm
             && outermost >= self.least_depth_mm()
             && lightest >= LEAST_MM2
             && !is_shadow

@@ -1,153 +1,87 @@
-//! One finger of odd shape: a flat one, or a ring, pressed so hard that its middle is lifted.
+//! One finger of odd shape: a long one, a ring pressed so hard that its middle is lifted, or one wider than the table.
 //!
-//! Two touches close together explain such a finger nearly as well as they explain two fingers. So before one touch becomes two,
-//! a ridge and a ring are fitted in their place: rows of touches that share a few unknowns.
+//! Two touches close together explain such a finger nearly as well as they explain two fingers. So before one touch becomes two, a
+//! finger of odd shape is fitted in their place, and the two count only if they explain the frame better.
 
 use super::fit::Bounds;
 use super::locator::Locator;
 use super::metric::{Whitened, dot, energy};
 use super::model::LocatorModel;
-use crate::eit::cholesky::solve_in_place;
-use crate::eit::response::{MOST_STRENGTH, Response, TouchModel};
+use crate::eit::cholesky::{add_scaled, solve_in_place};
+use crate::eit::response::{
+    MOST_STRENGTH, SHAPE_UNKNOWNS, Shape, ShapedResponse, StretchResponse, TouchModel,
+};
 use crate::types::PointMm;
 
-/// Unknowns of a shape.
-const UNKNOWNS: usize = 6;
-/// Half length of the ridges, and radii of the rings, that the fits start from, mm.
-const RIDGE_MM: f64 = 7.0;
+/// Unknowns of a round touch, and of one of any shape.
+const ROUND_UNKNOWNS: usize = 4;
+const UNKNOWNS: usize = ROUND_UNKNOWNS + SHAPE_UNKNOWNS;
+/// Half length of the long fingers, and radii of the rings, that the fits start from, mm.
+const LONG_MM: f64 = 7.0;
 const RINGS_MM: [f64; 2] = [4.0, 6.5];
+/// Stretch and middle that they start from.
+const STRETCH: f64 = 0.1;
+const MIDDLE: f64 = 0.0;
+/// Strength that they start from.
+const STRENGTH: f64 = 0.25;
 /// Steps of the fit that ranks the starts; ...
 const FIRST_STEPS: usize = 4;
 /// ... so many of them are fitted in up to this many steps more.
-const FITTED: usize = 2;
+const FITTED: usize = 4;
 const STEPS: usize = 20;
 /// Damping of the first step, and its factors.
 const FIRST_DAMPING: f64 = 1e-2;
 const DAMPING_GROWTH: f64 = 8.0;
 const DAMPING_DECAY: f64 = 4.0;
-/// A step moves a centre by at most this, mm.
-const LONGEST_MM: f64 = 4.0;
-/// A step changes log radius and strength by at most this.
-const LONGEST: f64 = 0.3;
-/// Places along a ridge, as multiples of its half length, and their share of the strength.
-const RIDGE: [(f64, f64); 3] = [(-1.0, 0.7), (0.0, 1.0), (1.0, 0.7)];
-/// Longest half of a ridge, mm: with the finger's radius beside it.
-const LONGEST_RIDGE_MM: f64 = 11.0;
-/// Places around a ring.
-const RING: usize = 6;
-/// Widest ring, mm.
-const WIDEST_RING_MM: f64 = 9.0;
+const MOST_DAMPING: f64 = 1e3;
+/// A step that lowers the cost by less than this, squared deviations, is the last.
+const CONVERGED_GAIN: f64 = 0.5;
+/// A step changes each unknown by at most this: x and y (mm), log radius, strength, and those of the shape (mm, mm, and none).
+const LONGEST: [f64; UNKNOWNS] = [4.0, 4.0, 0.3, 0.3, 4.0, 4.0, 0.5];
+/// Most that two fingers beside each other saturate each other, as a stretch along the line between them.
+const MOST_INTERACTION: f64 = 0.5;
 
-/// One finger of odd shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    /// Centre, half length (x, y), log radius, strength.
-    Ridge,
-    /// Centre, radius of the ring, unused, log radius of its width, strength.
-    Ring,
-}
-
-/// Where a part of a shape is, and how it depends on the unknowns.
-struct Part {
-    touch: TouchModel,
-    /// Derivatives of x, y, log radius and strength by each unknown.
-    by: [[f64; UNKNOWNS]; 4],
-}
-
-impl Kind {
-    fn parts(self, at: &[f64; UNKNOWNS], bounds: &Bounds) -> Vec<Part> {
-        let sign = bounds.sign;
-        let part = |centre_mm: PointMm, strength: f64, by: [[f64; UNKNOWNS]; 4]| Part {
-            touch: TouchModel {
-                centre_mm,
-                log_radius: at[4],
-                strength,
-                sign,
-            },
-            by,
-        };
-        match self {
-            Self::Ridge => RIDGE
-                .iter()
-                .map(|(along, share)| {
-                    let centre_mm = [at[0] + along * at[2], at[1] + along * at[3]];
-                    part(
-                        centre_mm,
-                        share * at[5],
-                        [
-                            [1.0, 0.0, *along, 0.0, 0.0, 0.0],
-                            [0.0, 1.0, 0.0, *along, 0.0, 0.0],
-                            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-                            [0.0, 0.0, 0.0, 0.0, 0.0, *share],
-                        ],
-                    )
-                })
-                .collect(),
-            Self::Ring => (0..RING)
-                .map(|index| {
-                    let angle = std::f64::consts::TAU * index as f64 / RING as f64;
-                    let (x, y) = (libm::cos(angle), libm::sin(angle));
-                    part(
-                        [at[0] + x * at[2], at[1] + y * at[2]],
-                        at[5],
-                        [
-                            [1.0, 0.0, x, 0.0, 0.0, 0.0],
-                            [0.0, 1.0, y, 0.0, 0.0, 0.0],
-                            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-                            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-                        ],
-                    )
-                })
-                .collect(),
-        }
-    }
-
-    fn clamp(self, at: &mut [f64; UNKNOWNS], bounds: &Bounds) {
-        let [least, most] = bounds.log_radius;
-        at[4] = at[4].clamp(least, most);
-        at[5] = at[5].clamp(0.0, MOST_STRENGTH);
-        match self {
-            Self::Ridge => {
-                let length = libm::hypot(at[2], at[3]);
-                if length > LONGEST_RIDGE_MM {
-                    at[2] *= LONGEST_RIDGE_MM / length;
-                    at[3] *= LONGEST_RIDGE_MM / length;
-                }
-            }
-            Self::Ring => at[2] = at[2].clamp(0.0, WIDEST_RING_MM),
-        }
-    }
+/// A finger of odd shape, and what it leaves of a residual.
+#[derive(Clone, Debug)]
+pub(super) struct OddFinger {
+    pub(super) touch: TouchModel,
+    pub(super) cost: f64,
 }
 
 impl Locator {
-    /// The least that one odd finger between two places leaves of a residual that is whitened and without the other touches.
-    pub(super) fn odd_cost(&mut self, target: &[f32], ends_mm: [PointMm; 2]) -> f64 {
+    /// The finger of odd shape between two places that leaves least of a residual, which is whitened and without the other
+    /// touches.
+    pub(super) fn odd_finger(&self, target: &[f32], ends_mm: [PointMm; 2]) -> OddFinger {
         let [a, b] = ends_mm;
-        let middle = [0, 1].map(|k| 0.5 * (a[k] + b[k]));
-        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-        let along = libm::atan2(dy, dx);
-        let log_radius = self.bounds.typical_log_radius - 0.15;
-        let ridge = |turn: f64| {
-            let (x, y) = (libm::cos(along + turn), libm::sin(along + turn));
-            let half = [x, y].map(|part| RIDGE_MM * part);
-            (
-                Kind::Ridge,
-                [middle[0], middle[1], half[0], half[1], log_radius, 0.3],
-            )
-        };
+        let along = libm::atan2(b[1] - a[1], b[0] - a[0]);
         let [narrow, wide] = self.bounds.log_radius;
-        let ring = |radius_mm: f64, log_radius: f64| {
-            (
-                Kind::Ring,
-                [middle[0], middle[1], radius_mm, 0.0, log_radius, 0.3],
-            )
+        let start = |log_radius: f64, shape: Shape| TouchModel {
+            centre_mm: [0, 1].map(|k| 0.5 * (a[k] + b[k])),
+            log_radius,
+            strength: STRENGTH,
+            sign: self.bounds.sign,
+            shape,
         };
-        let quarter = std::f64::consts::FRAC_PI_4;
+        let long = |quarters: f64| {
+            let angle = along + quarters * std::f64::consts::FRAC_PI_4;
+            let shape = Shape::Long {
+                half_mm: [LONG_MM * libm::cos(angle), LONG_MM * libm::sin(angle)],
+                stretch: STRETCH,
+            };
+            start(self.bounds.typical_log_radius - 0.15, shape)
+        };
+        let ring = |radius_mm: f64, log_radius: f64| {
+            let shape = Shape::Ring {
+                radius_mm,
+                middle: MIDDLE,
+            };
+            start(log_radius, shape)
+        };
         let starts = [
-            ridge(0.0),
-            ridge(quarter),
-            ridge(2.0 * quarter),
-            ridge(3.0 * quarter),
+            long(0.0),
+            long(1.0),
+            long(2.0),
+            long(3.0),
             ring(RINGS_MM[0], narrow),
             ring(RINGS_MM[1], narrow),
             ring(RINGS_MM[1], wide),
@@ -156,97 +90,171 @@ impl Locator {
             coordinates: target.to_vec(),
             energy: energy(target),
         };
-        let fit =
-            |kind: Kind, start, steps| fit(kind, start, steps, &frame, &self.model, &self.bounds);
-        let mut tried = starts.map(|(kind, start)| (kind, fit(kind, start, FIRST_STEPS)));
-        tried.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        tried[..FITTED]
-            .iter()
-            .map(|(kind, (at, _))| fit(*kind, *at, STEPS).1)
-            .fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Fits a shape; returns its unknowns and what it leaves.
-fn fit(
-    kind: Kind,
-    start: [f64; UNKNOWNS],
-    steps: usize,
-    frame: &Whitened,
-    model: &LocatorModel,
-    bounds: &Bounds,
-) -> ([f64; UNKNOWNS], f64) {
-    let mut at = start;
-    kind.clamp(&mut at, bounds);
-    let mut damping = FIRST_DAMPING;
-    let mut now = explain(kind, &at, frame, model, bounds);
-    for _ in 0..steps {
-        let Some(step) = step(&now, damping) else {
-            break;
+        let mut search = Search {
+            frame: &frame,
+            model: &self.model,
+            bounds: &self.bounds,
+            shaped: ShapedResponse::default(),
         };
-        let mut next_at = at;
-        for (value, by) in next_at.iter_mut().zip(step) {
-            *value += by;
-        }
-        kind.clamp(&mut next_at, bounds);
-        let next = explain(kind, &next_at, frame, model, bounds);
-        if next.cost < now.cost {
-            let gain = now.cost - next.cost;
-            (at, now) = (next_at, next);
-            damping /= DAMPING_DECAY;
-            if gain < 0.5 {
-                break;
+        let mut tried = starts.map(|touch| search.fit(touch, FIRST_STEPS));
+        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let [first, others @ ..] = tried;
+        let others = others.into_iter().take(FITTED - 1);
+        others.fold(search.fit(first.touch, STEPS), |best, other| {
+            let fitted = search.fit(other.touch, STEPS);
+            if fitted.cost < best.cost {
+                fitted
+            } else {
+                best
             }
-        } else {
-            damping *= DAMPING_GROWTH;
-            if damping > 1e3 {
-                break;
-            }
-        }
+        })
     }
-    (at, now.cost)
+
+    /// By how much the cost of the best trial falls if two of its touches saturate each other, to first order: two fingers beside each
+    /// other are like one long finger in that.
+    pub(super) fn interaction_gain(&self, pair: [usize; 2]) -> f64 {
+        let Some(interaction) = self.interaction(pair) else {
+            return 0.0;
+        };
+        // What the unknowns of the touches do not explain of it.
+        let columns: Vec<&[f32]> = pair
+            .iter()
+            .flat_map(|index| &self.best.responses[*index].derivatives)
+            .map(Vec::as_slice)
+            .collect();
+        let count = columns.len();
+        let mut normal = vec![0.0; count * count];
+        let mut shares: Vec<f64> = columns
+            .iter()
+            .map(|column| f64::from(dot(column, &interaction)))
+            .collect();
+        for (row, column) in columns.iter().enumerate() {
+            for (other, by) in columns[..=row].iter().enumerate() {
+                normal[row * count + other] = f64::from(dot(column, by));
+            }
+            normal[row * count + row] *= 1.0 + 1e-6;
+            normal[row * count + row] += f64::MIN_POSITIVE;
+        }
+        if !solve_in_place(&mut normal, &mut shares) {
+            return 0.0;
+        }
+        let mut own = interaction;
+        for (column, share) in columns.iter().zip(&shares) {
+            add_scaled(&mut own, column, -*share as f32);
+        }
+        let along = f64::from(dot(&own, &self.best.residual));
+        let square = energy(&own).max(f64::MIN_POSITIVE);
+        let size = (along / square).clamp(0.0, MOST_INTERACTION);
+        size * (2.0 * along - size * square)
+    }
+
+    /// The response to a stretch of two touches along the line between them, whitened.
+    fn interaction(&self, pair: [usize; 2]) -> Option<Vec<f32>> {
+        let [a, b] = pair.map(|index| self.best.touches[index].centre_mm);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let square = (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+        let axis = [(dx * dx - dy * dy) / square, 2.0 * dx * dy / square];
+        let mut sum = vec![0.0; self.model.table.rank()];
+        let mut stretch = StretchResponse::default();
+        for index in pair {
+            let touch = &self.best.touches[index];
+            if !self
+                .model
+                .table
+                .respond_to_stretch(touch.centre_mm, &mut stretch)
+            {
+                return None;
+            }
+            let size = libm::exp(2.0 * touch.log_radius) * touch.strength;
+            for ([vector, ..], share) in stretch.axes.iter().zip(axis) {
+                add_scaled(&mut sum, vector, (size * share) as f32);
+            }
+        }
+        self.model.metric.whiten_coordinates(&mut sum);
+        Some(sum)
+    }
 }
 
-/// What a shape leaves, and its derivatives.
+/// Fits fingers of odd shape to a frame.
+struct Search<'a> {
+    frame: &'a Whitened,
+    model: &'a LocatorModel,
+    bounds: &'a Bounds,
+    shaped: ShapedResponse,
+}
+
+/// What a finger leaves, and its derivatives.
 struct Explained {
     cost: f64,
     residual: Vec<f32>,
     derivatives: [Vec<f32>; UNKNOWNS],
 }
 
-fn explain(
-    kind: Kind,
-    at: &[f64; UNKNOWNS],
-    frame: &Whitened,
-    model: &LocatorModel,
-    bounds: &Bounds,
-) -> Explained {
-    let rank = frame.coordinates.len();
-    let mut residual = frame.coordinates.clone();
-    let mut derivatives: [Vec<f32>; UNKNOWNS] = std::array::from_fn(|_| vec![0.0; rank]);
-    let mut response = Response::default();
-    for part in kind.parts(at, bounds) {
-        model.table.respond(&part.touch, &mut response);
-        model.metric.whiten_response(&mut response);
-        for (rest, value) in residual.iter_mut().zip(&response.value) {
-            *rest -= value;
-        }
-        for (unknown, derivative) in derivatives.iter_mut().enumerate() {
-            for (by, own) in part.by.iter().zip(&response.derivatives) {
-                let factor = by[unknown] as f32;
-                if factor != 0.0 {
-                    for (sum, value) in derivative.iter_mut().zip(own) {
-                        *sum += factor * value;
-                    }
+impl Search<'_> {
+    fn fit(&mut self, start: TouchModel, most_steps: usize) -> OddFinger {
+        let mut touch = start;
+        let mut now = self.explain(&touch);
+        let mut damping = FIRST_DAMPING;
+        for _ in 0..most_steps {
+            let Some(step) = step(&now, damping) else {
+                break;
+            };
+            let next_touch = moved(&touch, step, self.bounds);
+            let next = self.explain(&next_touch);
+            if next.cost < now.cost {
+                let gain = now.cost - next.cost;
+                (touch, now) = (next_touch, next);
+                damping /= DAMPING_DECAY;
+                if gain < CONVERGED_GAIN {
+                    break;
+                }
+            } else {
+                damping *= DAMPING_GROWTH;
+                if damping > MOST_DAMPING {
+                    break;
                 }
             }
         }
+        OddFinger {
+            touch,
+            cost: now.cost,
+        }
     }
-    Explained {
-        cost: energy(&residual),
-        residual,
-        derivatives,
+
+    fn explain(&mut self, touch: &TouchModel) -> Explained {
+        let metric = &self.model.metric;
+        let shaped = &mut self.shaped;
+        self.model.table.respond_shaped(touch, shaped);
+        metric.whiten_response(&mut shaped.response);
+        for values in &mut shaped.by_shape {
+            metric.whiten_coordinates(values);
+        }
+        let mut residual = self.frame.coordinates.clone();
+        add_scaled(&mut residual, &shaped.response.value, -1.0);
+        let derivatives = shaped.response.derivatives.iter().chain(&shaped.by_shape);
+        let mut derivatives = derivatives.cloned();
+        Explained {
+            cost: energy(&residual),
+            residual,
+            derivatives: std::array::from_fn(|_| derivatives.next().unwrap_or_default()),
+        }
     }
+}
+
+fn moved(touch: &TouchModel, step: [f64; UNKNOWNS], bounds: &Bounds) -> TouchModel {
+    let [x, y, log_radius, strength, by_shape @ ..] = step;
+    let shape = touch.shape.unknowns();
+    let mut moved = TouchModel {
+        centre_mm: [touch.centre_mm[0] + x, touch.centre_mm[1] + y],
+        log_radius: touch.log_radius + log_radius,
+        strength: (touch.strength + strength).clamp(0.0, MOST_STRENGTH),
+        shape: touch
+            .shape
+            .with_unknowns(std::array::from_fn(|k| shape[k] + by_shape[k])),
+        ..*touch
+    };
+    bounds.clamp(&mut moved);
+    moved
 }
 
 /// The damped Gauss-Newton step; `None` if there is none.
@@ -264,8 +272,7 @@ fn step(now: &Explained, damping: f64) -> Option<[f64; UNKNOWNS]> {
     }
     let is_solved = solve_in_place(&mut normal, &mut step);
     let step: [f64; UNKNOWNS] = step.try_into().ok()?;
-    let far = step[..4].iter().fold(0.0f64, |most, by| most.max(by.abs())) / LONGEST_MM;
-    let much = step[4].abs().max(step[5].abs()) / LONGEST;
-    let scale = 1.0 / far.max(much).max(1.0);
-    (is_solved && step.iter().all(|by| by.is_finite())).then(|| step.map(|by| scale * by))
+    let far = step.iter().zip(LONGEST);
+    let far = far.fold(1.0f64, |most, (by, longest)| most.max(by.abs() / longest));
+    (is_solved && step.iter().all(|by| by.is_finite())).then(|| step.map(|by| by / far))
 }

@@ -5,7 +5,6 @@ mod built;
 mod pressed;
 
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -14,10 +13,11 @@ use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind};
 use super::score::{REACH_MM, Score};
 use super::sensing::Sensing;
+use super::solved;
+use crate::eit::ResponseBuilder;
 use crate::eit::identify::{
     IdentifyError, KnownPresses, RestReadings, identify, identify_with_presses, one_by_one,
 };
-use crate::eit::{ResponseBuilder, ResponseTable};
 use crate::pad::Pad;
 use crate::stats::mean;
 use crate::study::figure::{ConductanceMap, Figure};
@@ -299,11 +299,11 @@ fn locate_on_pad(
         }
         Err(error) => return Err(StudyError::refused(error.to_string())),
     };
-    let derived = ResponseBuilder::from_drawing(found, drawn_table(builder)?)?;
+    let of_true_pad = solved::with_table(&built.pad, builder, ResponseBuilder::new(&built.pad)?)?;
     let readers = [
         Sensing::from_pad(drawing, builder.clone())?,
-        sensing_of(found, builder, derived)?,
-        sensing_of(&built.pad, builder, ResponseBuilder::new(&built.pad)?)?,
+        Sensing::from_pad(found, solved::found_pad(found, builder)?)?,
+        Sensing::from_pad(&built.pad, of_true_pad)?,
     ];
     let seed = draws.seed();
     let rested = readers
@@ -326,8 +326,7 @@ fn locate_on_pad(
         &one_by_one,
     );
     let refined = with_presses.map_or_else(|_| found.clone(), |identified| identified.pad);
-    let derived = ResponseBuilder::from_drawing(&refined, drawn_table(builder)?)?;
-    let refined = sensing_of(&refined, builder, derived)?;
+    let refined = Sensing::from_pad(&refined, solved::found_pad(&refined, builder)?)?;
     let refined = refined.rested(&instrument, seed)?;
     let mut models: [Located; 4] = Default::default();
     for _ in 0..touches {
@@ -356,25 +355,6 @@ fn channel_means(frames: &[Vec<f32>]) -> Vec<f64> {
     (0..channels)
         .map(|channel| mean(frames.iter().map(|volts| f64::from(volts[channel]))))
         .collect()
-}
-
-fn drawn_table(builder: &SensingBuilder) -> Result<Arc<ResponseTable>, StudyError> {
-    let table = builder.table().cloned();
-    table.ok_or_else(|| StudyError::refused("the pad has no response table"))
-}
-
-/// The sensing with the table of a pad, solved here.
-fn sensing_of(
-    pad: &Pad,
-    like: &SensingBuilder,
-    responses: ResponseBuilder,
-) -> Result<Sensing, StudyError> {
-    let rows: Vec<_> = (0..responses.rows())
-        .map(|row| responses.solve_row(row))
-        .collect();
-    let table = Arc::new(responses.finish(&rows));
-    let builder = SensingBuilder::new(pad, like.method())?.with_table(table);
-    Sensing::from_pad(pad, builder)
 }
 
 impl ModelRow {

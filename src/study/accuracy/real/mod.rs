@@ -4,7 +4,9 @@
 //! readings disturbed by name (`Disturbance`). The sensing is the one that plays. Counted are presses that are missed,
 //! touches that no finger made, errors of place, and how long a touch outlives its finger.
 
+mod board;
 mod conditions;
+mod found;
 mod hand;
 mod play;
 mod report;
@@ -21,6 +23,7 @@ use super::Bench;
 use super::draws::Draws;
 use super::specimen::Specimen;
 use crate::study::{StudyError, job};
+use crate::touch::SensingBuilder;
 use crate::types::PointMm;
 use play::{Played, Press, Solved, Stage};
 
@@ -53,6 +56,9 @@ impl Extent {
 /// Sessions that are played at the same time: enough for many cores, few enough that rows come out one after another.
 const SESSIONS_AT_ONCE: usize = 8;
 
+/// Added to the seed of the sessions for the readings that a pad is found from.
+const FINDING: u64 = 1 << 32;
+
 /// Plays all conditions in their order, and hands over each as soon as it is played.
 ///
 /// # Errors
@@ -63,9 +69,10 @@ pub(super) fn play_all<E: From<StudyError>>(
     extent: Extent,
     mut on_condition: impl FnMut(ConditionFindings) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut solved = BTreeMap::new();
+    let (mut solved, mut found) = (BTreeMap::new(), BTreeMap::new());
     for conditions in conditions.chunks(SESSIONS_AT_ONCE.div_ceil(extent.pads)) {
         solve_hands(bench, conditions, extent, &mut solved)?;
+        find_pads(bench, conditions, extent, &solved, &mut found)?;
         let sessions: Vec<(&Condition, usize)> = conditions
             .iter()
             .flat_map(|condition| (0..extent.pads).map(move |pad| (condition, pad)))
@@ -74,11 +81,12 @@ pub(super) fn play_all<E: From<StudyError>>(
             &sessions,
             |(condition, pad)| {
                 let solved = &solved[&(key(condition), *pad)];
+                let found = found[&(readings_key(condition), *pad)].as_ref();
                 let seed = bench
                     .seed
                     .wrapping_mul(1_000_003)
                     .wrapping_add((condition.number * 64 + pad) as u64);
-                play::session(bench, condition, extent, solved, seed)
+                Ok::<_, StudyError>(play::session(bench, condition, extent, solved, found, seed))
             },
             |_, _| (),
         )?;
@@ -92,6 +100,49 @@ pub(super) fn play_all<E: From<StudyError>>(
 /// Hands and surroundings are compared by their text: their numbers are constants.
 fn key(condition: &Condition) -> String {
     format!("{:?} {:?}", condition.hand, condition.surroundings)
+}
+
+/// What the readings of the untouched pad depend on beside the pad.
+fn readings_key(condition: &Condition) -> String {
+    let Condition {
+        disturbances,
+        snr_db,
+        hand,
+        ..
+    } = condition;
+    format!("{disturbances:?} {snr_db} {}", hand.is_on_model())
+}
+
+/// Finds the pads as the boards of these conditions read them, each once, and adds them to those found before.
+fn find_pads(
+    bench: &Bench,
+    conditions: &[Condition],
+    extent: Extent,
+    solved: &BTreeMap<(String, usize), Solved>,
+    found: &mut BTreeMap<(String, usize), Option<SensingBuilder>>,
+) -> Result<(), StudyError> {
+    let boards: BTreeMap<(String, usize), &Condition> = conditions
+        .iter()
+        .flat_map(|condition| {
+            (0..extent.pads).map(move |pad| ((readings_key(condition), pad), condition))
+        })
+        .filter(|(board, _)| !found.contains_key(board))
+        .collect();
+    let boards: Vec<_> = boards.into_iter().collect();
+    let new = job::solve_in_parallel(
+        &boards,
+        |((_, pad), condition)| {
+            let rest = &solved[&(key(condition), *pad)].rest;
+            let seed = bench
+                .seed
+                .wrapping_mul(1_000_003)
+                .wrapping_add(FINDING + *pad as u64);
+            found::find(bench, condition, rest, seed)
+        },
+        |_, _| (),
+    )?;
+    found.extend(boards.into_iter().map(|(board, _)| board).zip(new));
+    Ok(())
 }
 
 /// Solves the hands of these conditions on every pad, each once in its surroundings, and adds them to those solved before.
