@@ -1,7 +1,7 @@
 //! The readings of an untouched pad, from its frames: robust against the frames and channels that are damaged.
 
+use crate::eit::noise::median;
 use crate::eit::quantization::quantization_step;
-use crate::stats::quantile;
 
 /// The standard deviation of Gaussian noise over its median absolute deviation.
 const DEVIATION_OF_MEDIAN: f64 = 1.4826;
@@ -12,11 +12,14 @@ const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 pub fn rest_medians(frames: &[Vec<f32>]) -> (Vec<f64>, Vec<f64>) {
     let channels = frames.first().map_or(0, Vec::len);
     let rounding = quantization_step(frames).unwrap_or(0.0) / 12f64.sqrt();
-    let middle = |values: &mut dyn Iterator<Item = f64>| quantile(values, 0.5).unwrap_or(f64::NAN);
+    let middle = |mut values: Vec<f64>| median(&mut values).unwrap_or(f64::NAN);
     let of_channel = |channel: usize| {
-        let values = || frames.iter().map(move |volts| f64::from(volts[channel]));
-        let median = middle(&mut values());
-        let spread = middle(&mut values().map(|value| (value - median).abs()));
+        let values: Vec<f64> = frames
+            .iter()
+            .map(|volts| f64::from(volts[channel]))
+            .collect();
+        let median = middle(values.clone());
+        let spread = middle(values.iter().map(|value| (value - median).abs()).collect());
         let noise = DEVIATION_OF_MEDIAN * spread / (frames.len() as f64).sqrt();
         let deviation = libm::hypot(noise, rounding) / median.abs();
         match deviation.is_finite() {

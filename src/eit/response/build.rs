@@ -17,8 +17,9 @@ use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, LinearResponses, Scatterer};
 use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
-use super::table::{HALF_RISE, ResponseTable};
+use super::table::ResponseTable;
 use super::terms::{POWERS, SIGNS, Terms};
+use super::touch_model::HALF_RISE;
 use crate::eit::SetupError;
 use crate::pad::Pad;
 

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::places::Places;
-use super::table::strength_from_rise;
 use super::terms::{POWERS, SIGNS};
+use super::touch_model::strength_from_rise;
 use crate::pad::{LearnedMaps, Pad};
 use crate::types::PointMm;
 

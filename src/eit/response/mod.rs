@@ -5,6 +5,7 @@
 
 mod build;
 mod bytes;
+mod cubic;
 mod derived;
 mod interpolate;
 mod learned;
@@ -12,11 +13,12 @@ mod once_slots;
 mod places;
 mod quantized;
 mod scatter;
-mod shape;
+mod shaped;
 mod stretch;
 mod symmetry;
 mod table;
 mod terms;
+mod touch_model;
 
 /// Dimensions that are summed together; a table's rank is a multiple of it.
 const LANES: usize = 8;
@@ -25,6 +27,7 @@ pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
 pub use learned::TYPICAL_PRESS_MM2;
 pub use scatter::Scatterer;
-pub use shape::{SHAPE_UNKNOWNS, Shape, ShapedResponse};
+pub use shaped::ShapedResponse;
 pub use stretch::StretchResponse;
-pub use table::{MOST_STRENGTH, Response, ResponseTable, TouchModel, strength_from_rise};
+pub use table::{Response, ResponseTable};
+pub use touch_model::{MOST_STRENGTH, SHAPE_UNKNOWNS, Shape, TouchModel, strength_from_rise};

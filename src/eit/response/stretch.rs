@@ -7,10 +7,10 @@
 //!
 //! The vectors vary slowly, since they belong to a whole finger: they are kept at every second place of the table.
 
-use super::interpolate::Cubic;
+use super::cubic::Cubic;
 use super::places::Places;
 use super::scatter::LinearResponses;
-use super::table::HALF_RISE;
+use super::touch_model::HALF_RISE;
 use crate::types::PointMm;
 
 /// Places of the table for each one here, along each side.

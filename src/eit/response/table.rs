@@ -5,46 +5,10 @@
 //! smaller than the model error.
 
 use super::places::Places;
-use super::shape::Shape;
 use super::stretch::{StretchResponse, Stretches};
 use super::terms::{SIGNS, Terms};
 use crate::eit::cholesky::add_scaled;
-use crate::pad::TouchSign;
 use crate::types::PointMm;
-
-/// The rise of conductivity that has strength 0.5: strength = rise / (rise + this).
-pub(super) const HALF_RISE: f64 = 1.5;
-/// Largest strength that the table covers: a rise of 6.
-pub const MOST_STRENGTH: f64 = 0.8;
-
-/// A touch as the table describes it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TouchModel {
-    /// Centre, mm.
-    pub centre_mm: PointMm,
-    /// Natural logarithm of the radius in mm.
-    pub log_radius: f64,
-    /// rise / (rise + 1.5): 0 for no touch, 1 for a perfect conductor, or insulator.
-    pub strength: f64,
-    /// Whether the touch multiplies the conductivity by 1 + rise or divides it. A table of one sign ignores this.
-    pub sign: TouchSign,
-    /// Whether it is round.
-    pub shape: Shape,
-}
-
-impl TouchModel {
-    /// Relative rise of conductivity at the centre, or of resistivity where it falls.
-    #[must_use]
-    pub fn rise(&self) -> f64 {
-        HALF_RISE * self.strength / (1.0 - self.strength)
-    }
-}
-
-/// The strength of a relative rise of conductivity.
-#[must_use]
-pub fn strength_from_rise(rise: f64) -> f64 {
-    rise / (rise + HALF_RISE)
-}
 
 /// Responses of one pad.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,25 +146,6 @@ impl ResponseTable {
             basis,
             places,
             stretches: None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rise_and_strength_are_each_other() {
-        for rise in [0.0, 0.3, 1.0, 5.0] {
-            let touch = TouchModel {
-                centre_mm: [0.0; 2],
-                log_radius: 0.0,
-                strength: strength_from_rise(rise),
-                sign: TouchSign::Rise,
-                shape: Shape::Round,
-            };
-            assert!((touch.rise() - rise).abs() < 1e-12);
         }
     }
 }

@@ -30,6 +30,8 @@ const ODD_GAINS: f64 = 0.35;
 const CLOSE_ODD_GAINS: f64 = 0.8;
 /// A finger's width, mm.
 const FINGER_MM: f64 = 13.0;
+/// From here on odd fingers are rarer the longer they are, and at the second distance two fingers need not explain more, mm.
+const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
@@ -295,11 +297,7 @@ impl Locator {
         let odd = self.odd_finger(&target, [touches[i].centre_mm, touches[j].centre_mm]);
         let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
-        let gains = match apart_mm < FINGER_MM {
-            true => CLOSE_ODD_GAINS,
-            false => ODD_GAINS,
-        };
-        let is_odd = odd.cost < pair + gains * (DOWN_GAIN * noise + error);
+        let is_odd = odd.cost < pair + odd_gains(apart_mm) * (DOWN_GAIN * noise + error);
         is_odd.then(|| {
             let others = edited(touches, &[odd.touch], Some(i));
             edited(&others, &[], Some(j))
@@ -475,4 +473,14 @@ pub(super) fn edited(
         .map(|(_, touch)| *touch)
         .chain(more.iter().copied())
         .collect()
+}
+
+/// By how many times what a new touch must explain two touches must explain more than one odd finger.
+fn odd_gains(apart_mm: f64) -> f64 {
+    let [long_mm, longest_mm] = LONG_FINGER_MM;
+    if apart_mm < FINGER_MM {
+        CLOSE_ODD_GAINS
+    } else {
+        ODD_GAINS * ((longest_mm - apart_mm) / (longest_mm - long_mm)).clamp(0.0, 1.0)
+    }
 }

@@ -7,79 +7,14 @@
 use std::f64::consts::TAU;
 
 use super::stretch::StretchResponse;
-use super::table::{Response, ResponseTable, TouchModel};
+use super::table::{Response, ResponseTable};
+use super::touch_model::{SHAPE_UNKNOWNS, Shape, TouchModel};
 use crate::types::PointMm;
 
-/// Unknowns of a shape.
-pub const SHAPE_UNKNOWNS: usize = 3;
 /// Parts of a long finger: place along its half length, share of the strength, and by how much they are narrower (log radius).
 const LONG: [(f64, f64, f64); 3] = [(-1.0, 0.7, 0.1), (0.0, 1.0, 0.0), (1.0, 0.7, 0.1)];
-/// Longest half of a long finger between the middles of its parts, mm.
-const LONGEST_MM: f64 = 11.0;
-/// Most stretch.
-const MOST_STRETCH: f64 = 0.6;
 /// Parts of a ring.
 const RING: usize = 8;
-/// Widest ring between the middles of its parts, mm.
-const WIDEST_MM: f64 = 9.0;
-/// Least and most strength of a ring's middle: that of the parts which overlap there is reduced.
-const MIDDLE: [f64; 2] = [-3.0, 2.0];
-
-/// The shape of a touch. Its log radius and strength are those of its middle, of a ring those of its parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Shape {
-    /// A paraboloid.
-    #[default]
-    Round,
-    /// Longer than wide.
-    Long {
-        /// From the centre to the middle of the outermost part, mm.
-        half_mm: [f64; 2],
-        /// How much less it saturates along its axis than across it, from 0.
-        stretch: f64,
-    },
-    /// A ring, or a finger wider than the table.
-    Ring {
-        /// From the centre to the middle of the parts, mm.
-        radius_mm: f64,
-        /// Strength of the middle as a multiple of that of a part.
-        middle: f64,
-    },
-}
-
-impl Shape {
-    /// The unknowns; of a ring, the second counts nothing.
-    #[must_use]
-    pub fn unknowns(self) -> [f64; SHAPE_UNKNOWNS] {
-        match self {
-            Self::Round => [0.0; SHAPE_UNKNOWNS],
-            Self::Long {
-                half_mm: [x, y],
-                stretch,
-            } => [x, y, stretch],
-            Self::Ring { radius_mm, middle } => [radius_mm, 0.0, middle],
-        }
-    }
-
-    /// The shape of this kind with other unknowns, within what is possible.
-    #[must_use]
-    pub fn with_unknowns(self, [first, second, third]: [f64; SHAPE_UNKNOWNS]) -> Self {
-        match self {
-            Self::Round => Self::Round,
-            Self::Long { .. } => {
-                let excess = (libm::hypot(first, second) / LONGEST_MM).max(1.0);
-                Self::Long {
-                    half_mm: [first / excess, second / excess],
-                    stretch: third.clamp(0.0, MOST_STRETCH),
-                }
-            }
-            Self::Ring { .. } => Self::Ring {
-                radius_mm: first.clamp(0.0, WIDEST_MM),
-                middle: third.clamp(MIDDLE[0], MIDDLE[1]),
-            },
-        }
-    }
-}
 
 /// A part of a touch, and how it depends on the shape.
 struct Part {
