@@ -2,7 +2,7 @@
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
 //! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
-//! `quantized.rs`); what longer fingers add (f32, as in `stretch.rs`); CRC-32 of everything before it. A table that does not know
+//! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it. A table that does not know
 //! what longer fingers add is of the third version. Two more remain for older recordings: the second holds the terms
 //! as f32; the first, too, of one sign at all places, and no places beyond the edge but those that the interpolation needs.
 //!
@@ -86,10 +86,7 @@ impl ResponseTable {
             None => floats(&mut solved.iter()),
         }
         if let Some(stretches) = self.stretches.as_ref().filter(|_| magic == MAGIC) {
-            stretches
-                .values()
-                .iter()
-                .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+            bytes.extend_from_slice(&stretches.pack());
         }
         let sum = CRC.checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
@@ -149,24 +146,21 @@ impl ResponseTable {
             }
         };
         let stretched = match has_stretches {
-            true => Stretches::count(&places, rank),
+            true => 4 * Stretches::count(&places, rank),
             false => 0,
         };
         let (Some(key), Some(basis), Some(terms), Some(stretched), []) = (
             reader.bytes(key_length),
             reader.f32s(rank * channels),
             read_terms(signs * orbits.solved() * TERMS * rank, &mut reader),
-            reader.f32s(stretched),
+            reader.bytes(stretched),
             reader.rest(),
         ) else {
             return Err(TableError::Damaged);
         };
         // NaN is within no bound.
         let within = |values: &[f32], most: f32| values.iter().all(|value| value.abs() <= most);
-        if !within(&basis, MOST_BASIS)
-            || !within(&terms, MOST_TERM)
-            || !within(&stretched, MOST_TERM)
-        {
+        if !within(&basis, MOST_BASIS) || !within(&terms, MOST_TERM) {
             return Err(TableError::OutOfRange);
         }
         Ok(Self {
@@ -176,7 +170,7 @@ impl ResponseTable {
             terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
-            stretches: has_stretches.then(|| Stretches::new(stretched, &places, rank)),
+            stretches: has_stretches.then(|| Stretches::unpack(stretched, &places, rank)),
         })
     }
 }

@@ -45,29 +45,43 @@ pub(super) fn pack<'a>(
             (integer as f32 * step == *term).then_some(integer)
         })
         .collect();
-    let integers = integers?;
+    Some(pack_integers(&integers?, TERMS * rank))
+}
+
+/// The terms of bytes that [`pack`] made. Any bytes are terms.
+pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Vec<f32> {
+    let steps = steps(places);
+    let mut terms = Vec::with_capacity(bytes.len() / BYTES);
+    unpack_integers(bytes, TERMS * rank, |integers| {
+        for (integers, step) in integers.chunks(POWERS * rank).zip(&steps) {
+            terms.extend(integers.iter().map(|integer| *integer as f32 * step));
+        }
+    });
+    terms
+}
+
+/// Integers as bytes; so many belong to one place.
+pub(super) fn pack_integers(integers: &[i32], of_place: usize) -> Vec<u8> {
     let count = integers.len();
     let mut bytes = vec![0; BYTES * count];
     for (index, integer) in integers.iter().enumerate() {
-        let before = index.checked_sub(TERMS * rank).map_or(0, |at| integers[at]);
+        let before = index.checked_sub(of_place).map_or(0, |at| integers[at]);
         let difference = integer.wrapping_sub(before);
         let zigzag = (difference << 1) ^ (difference >> 31);
         for (plane, byte) in zigzag.to_le_bytes().into_iter().enumerate() {
             bytes[plane * count + index] = byte;
         }
     }
-    Some(bytes)
+    bytes
 }
 
-/// The terms of bytes that [`pack`] made. Any bytes are terms.
-pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Vec<f32> {
-    let steps = steps(places);
+/// Hands on the integers of each place in turn, of bytes that [`pack_integers`] made.
+pub(super) fn unpack_integers(bytes: &[u8], of_place: usize, mut place: impl FnMut(&[i32])) {
     let count = bytes.len() / BYTES;
     let [first, second, third, highest] =
         [0, 1, 2, 3].map(|plane| &bytes[plane * count..][..count]);
-    let mut terms = Vec::with_capacity(count);
     // The integers of one place, from which those of the next differ.
-    let mut integers = vec![0i32; TERMS * rank];
+    let mut integers = vec![0i32; of_place];
     for start in (0..count).step_by(integers.len()) {
         let end = count.min(start + integers.len());
         let planes = [first, second, third, highest].map(|plane| &plane[start..end]);
@@ -76,11 +90,8 @@ pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Vec<f32> {
             let difference = (zigzag >> 1) as i32 ^ -((zigzag & 1) as i32);
             *integer = integer.wrapping_add(difference);
         }
-        for (integers, step) in integers[..end - start].chunks(POWERS * rank).zip(&steps) {
-            terms.extend(integers.iter().map(|integer| *integer as f32 * step));
-        }
+        place(&integers[..end - start]);
     }
-    terms
 }
 
 /// The step of the terms of each radius.

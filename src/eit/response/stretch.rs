@@ -9,6 +9,7 @@
 
 use super::cubic::Cubic;
 use super::places::Places;
+use super::quantized;
 use super::scatter::LinearResponses;
 use super::touch_model::HALF_RISE;
 use crate::types::PointMm;
@@ -19,8 +20,11 @@ const EVERY: usize = 2;
 const RADIUS: usize = 3;
 /// The two axes.
 pub(super) const AXES: usize = 2;
+/// The vectors are multiples of this, for which they are kept as integers: with a finger's radius, strength and stretch, as fine as
+/// the steps of the terms (`quantized.rs`).
+const STEP: f32 = 1.0 / 1_048_576.0;
 /// What the vectors depend on beside the pad.
-pub(super) const CONSTANTS: [f64; 2] = [EVERY as f64, RADIUS as f64];
+pub(super) const CONSTANTS: [f64; 3] = [EVERY as f64, RADIUS as f64, STEP as f64];
 
 /// The vectors at every second place of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,12 +53,15 @@ impl Stretches {
         columns * rows * AXES * rank
     }
 
-    /// From the values at all places.
+    /// From the values at all places, which are rounded.
     ///
     /// # Panics
     /// If there are not [`Stretches::count`] values.
-    pub(super) fn new(values: Vec<f32>, places: &Places, rank: usize) -> Self {
+    pub(super) fn new(mut values: Vec<f32>, places: &Places, rank: usize) -> Self {
         assert_eq!(values.len(), Self::count(places, rank));
+        for value in &mut values {
+            *value = integer(*value) as f32 * STEP;
+        }
         let [columns, rows] = grid(places);
         Self {
             values,
@@ -89,8 +96,22 @@ impl Stretches {
         Self::new(values, places, rank)
     }
 
-    pub(super) fn values(&self) -> &[f32] {
-        &self.values
+    /// The vectors as bytes.
+    pub(super) fn pack(&self) -> Vec<u8> {
+        let integers: Vec<i32> = self.values.iter().map(|value| integer(*value)).collect();
+        quantized::pack_integers(&integers, AXES * self.rank)
+    }
+
+    /// The vectors of bytes that [`Stretches::pack`] made.
+    ///
+    /// # Panics
+    /// If there are not four bytes for each of [`Stretches::count`] values.
+    pub(super) fn unpack(bytes: &[u8], places: &Places, rank: usize) -> Self {
+        let mut values = Vec::with_capacity(bytes.len() / 4);
+        quantized::unpack_integers(bytes, AXES * rank, |integers| {
+            values.extend(integers.iter().map(|integer| *integer as f32 * STEP));
+        });
+        Self::new(values, places, rank)
     }
 
     /// The vectors at a place, for radius squared x strength of 1 mm2.
@@ -120,6 +141,11 @@ impl Stretches {
             }
         }
     }
+}
+
+/// A value as a multiple of the step.
+fn integer(value: f32) -> i32 {
+    libm::roundf(value / STEP) as i32
 }
 
 /// Columns and rows: enough to reach the last place of the table.
