@@ -21,8 +21,8 @@ struct Part {
     touch: TouchModel,
     /// Share of the touch's strength.
     share: f64,
-    /// Derivatives of the place by the first and of the second coordinate by the second unknown of the shape.
-    by_shape: [[f64; 2]; 2],
+    /// Derivatives of the place by the unknowns of the shape.
+    by_shape: [[f64; 2]; SHAPE_UNKNOWNS],
     /// Derivative of the share by the third unknown.
     share_by_third: f64,
 }
@@ -43,7 +43,7 @@ impl TouchModel {
                 ..*self
             },
             share,
-            by_shape: [[0.0; 2]; 2],
+            by_shape: [[0.0; 2]; SHAPE_UNKNOWNS],
             share_by_third: 0.0,
         };
         match self.shape {
@@ -51,8 +51,33 @@ impl TouchModel {
             Shape::Long { half_mm, .. } => LONG
                 .iter()
                 .map(|(along, share, narrower)| Part {
-                    by_shape: [[*along, 0.0], [0.0, *along]],
+                    by_shape: [[*along, 0.0], [0.0, *along], [0.0; 2]],
                     ..part(half_mm.map(|half| along * half), *share, *narrower)
+                })
+                .collect(),
+            Shape::Palm { half_mm, width_mm } => [-1.0, 1.0]
+                .iter()
+                .flat_map(|side| LONG.iter().map(move |part| (*side, part)))
+                .map(|(side, (along, share, narrower))| {
+                    let [hx, hy] = half_mm;
+                    let length = libm::hypot(hx, hy).max(f64::MIN_POSITIVE);
+                    let across = [-hy / length, hx / length];
+                    let far = side * width_mm;
+                    // The direction across turns with the half along.
+                    let [x, y] = half_mm.map(|half| half / length);
+                    let turned = far / length;
+                    Part {
+                        by_shape: [
+                            [*along + turned * x * y, turned * y * y],
+                            [-turned * x * x, *along - turned * x * y],
+                            across.map(|across| side * across),
+                        ],
+                        ..part(
+                            [0, 1].map(|k| along * half_mm[k] + far * across[k]),
+                            *share,
+                            *narrower,
+                        )
+                    }
                 })
                 .collect(),
             Shape::Ring { radius_mm, middle } => (0..RING)
@@ -60,7 +85,7 @@ impl TouchModel {
                     let angle = TAU * index as f64 / RING as f64;
                     let way = [libm::cos(angle), libm::sin(angle)];
                     Part {
-                        by_shape: [way, [0.0; 2]],
+                        by_shape: [way, [0.0; 2], [0.0; 2]],
                         ..part(way.map(|way| way * radius_mm), 1.0, 0.0)
                     }
                 })
@@ -135,7 +160,7 @@ impl ShapedResponse {
             add(radius, 2.0 * along * of_part, vector);
             add(strength, along * of_strength, vector);
             add(by_stretch, axis[k] * of_part, vector);
-            let [[along_x, _], [_, along_y]] = part.by_shape;
+            let [[along_x, _], [_, along_y], _] = part.by_shape;
             add(by_hx, along * of_part * along_x, vector_by_x);
             add(by_hy, along * of_part * along_y, vector_by_y);
             add(by_hx, stretch * turned[0][k] * of_part, vector);
@@ -202,14 +227,15 @@ mod tests {
     proptest! {
         #[test]
         fn derivatives_are_those_of_the_value(
-            x in 15.0..45.0f64, y in 15.0..25.0f64, is_long in any::<bool>(), falls in any::<bool>(),
+            x in 15.0..45.0f64, y in 15.0..25.0f64, kind in 0..3usize, falls in any::<bool>(),
             first in 1.0..7.0f64, second in -7.0..-1.0f64, third in 0.05..0.5f64,
         ) {
             let table = table();
-            let shape = match is_long {
-                true => Shape::Long { half_mm: [0.0; 2], stretch: 0.0 },
-                false => Shape::Ring { radius_mm: 0.0, middle: 0.0 },
-            };
+            let shape = [
+                Shape::Long { half_mm: [0.0; 2], stretch: 0.0 },
+                Shape::Palm { half_mm: [0.0; 2], width_mm: 0.0 },
+                Shape::Ring { radius_mm: 0.0, middle: 0.0 },
+            ][kind];
             let least = libm::log(table.radii_mm()[0]);
             let touch = TouchModel {
                 centre_mm: [x, y],

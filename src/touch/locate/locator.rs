@@ -346,7 +346,9 @@ pub(super) fn volume_mm2(touch: &TouchModel) -> f64 {
     };
     match touch.shape {
         Shape::Round => of_part(*touch),
-        Shape::Long { .. } | Shape::Ring { .. } => touch.round_parts().map(of_part).sum(),
+        Shape::Long { .. } | Shape::Palm { .. } | Shape::Ring { .. } => {
+            touch.round_parts().map(of_part).sum()
+        }
     }
 }
 
@@ -358,6 +360,10 @@ fn area_mm2(touch: &TouchModel) -> f64 {
         Shape::Long {
             half_mm: [x, y], ..
         } => [radius_mm + libm::hypot(x, y), radius_mm],
+        Shape::Palm {
+            half_mm: [x, y],
+            width_mm,
+        } => [radius_mm + libm::hypot(x, y), radius_mm + width_mm],
         Shape::Ring {
             radius_mm: ring_mm, ..
         } => [radius_mm + ring_mm; 2],

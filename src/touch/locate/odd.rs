@@ -1,4 +1,5 @@
-//! One finger of odd shape: a long one, a ring pressed so hard that its middle is lifted, or one wider than the table.
+//! One finger of odd shape: a long one, a ring pressed so hard that its middle is lifted, one wider than the table, or the heel of a
+//! hand.
 //!
 //! Two touches close together explain such a finger nearly as well as they explain two fingers. So before one touch becomes two, a
 //! finger of odd shape is fitted in their place, and the two count only if they explain the frame better.
@@ -19,6 +20,8 @@ const UNKNOWNS: usize = ROUND_UNKNOWNS + SHAPE_UNKNOWNS;
 /// Half length of the long fingers, and radii of the rings, that the fits start from, mm.
 const LONG_MM: f64 = 7.0;
 const RINGS_MM: [f64; 2] = [4.0, 6.5];
+/// Half width of palms that they start from, mm.
+const PALM_WIDTH_MM: f64 = 3.0;
 /// Stretch and middle that they start from.
 const STRETCH: f64 = 0.1;
 const MIDDLE: f64 = 0.0;
@@ -96,18 +99,20 @@ impl Locator {
             bounds: &self.bounds,
             shaped: ShapedResponse::default(),
         };
-        let mut tried = starts.map(|touch| search.fit(touch, FIRST_STEPS));
-        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let [first, others @ ..] = tried;
-        let others = others.into_iter().take(FITTED - 1);
-        others.fold(search.fit(first.touch, STEPS), |best, other| {
-            let fitted = search.fit(other.touch, STEPS);
-            if fitted.cost < best.cost {
-                fitted
-            } else {
-                best
-            }
-        })
+        let finger = search.best_of(starts);
+        if finger.cost < self.model.error_energy(frame.energy) {
+            return finger;
+        }
+        let palm = |quarters: f64| {
+            let angle = along + quarters * std::f64::consts::FRAC_PI_4;
+            let shape = Shape::Palm {
+                half_mm: [LONG_MM * libm::cos(angle), LONG_MM * libm::sin(angle)],
+                width_mm: PALM_WIDTH_MM,
+            };
+            start(wide, shape)
+        };
+        let palm = search.best_of([palm(0.0), palm(1.0), palm(2.0), palm(3.0)]);
+        better(finger, palm)
     }
 
     /// By how much the cost of the best trial falls if two of its touches saturate each other, to first order: two fingers beside each
@@ -190,7 +195,22 @@ struct Explained {
     derivatives: [Vec<f32>; UNKNOWNS],
 }
 
+fn better(one: OddFinger, other: OddFinger) -> OddFinger {
+    if other.cost < one.cost { other } else { one }
+}
+
 impl Search<'_> {
+    /// The best fit from some starts.
+    fn best_of<const STARTS: usize>(&mut self, starts: [TouchModel; STARTS]) -> OddFinger {
+        let mut tried = starts.map(|touch| self.fit(touch, FIRST_STEPS));
+        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let first = self.fit(tried[0].touch, STEPS);
+        let others = tried.into_iter().skip(1).take(FITTED - 1);
+        others.fold(first, |best, other| {
+            better(best, self.fit(other.touch, STEPS))
+        })
+    }
+
     fn fit(&mut self, start: TouchModel, most_steps: usize) -> OddFinger {
         let mut touch = start;
         let mut now = self.explain(&touch);
