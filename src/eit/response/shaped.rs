@@ -1,4 +1,4 @@
-//! Fingers that are not round: long ones, and rings, which are also fingers wider than the table.
+//! Fingers that are not round: long ones, palms, and rings, which are also fingers wider than the table.
 //!
 //! Such a finger is a few round touches that share their unknowns. What they do to each other is, to first order, a stretch
 //! (`stretch.rs`) of a long finger, and another strength in the middle of a ring: with these, what is left of an ellipse of 15 x 6 mm is
