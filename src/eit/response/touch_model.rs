@@ -11,8 +11,8 @@ const LONGEST_MM: f64 = 11.0;
 const MOST_STRETCH: f64 = 0.6;
 /// Longest half of a palm between the middles of its parts, mm.
 const LONGEST_PALM_MM: f64 = 18.0;
-/// Widest half of a palm between the middles of its parts, mm.
-const PALM_MM: f64 = 8.0;
+/// Widest half of a palm between the middles of its parts, mm: wider, its two rows would be two fingers.
+const WIDEST_PALM_MM: f64 = 4.5;
 /// Widest ring between the middles of its parts, mm.
 const WIDEST_MM: f64 = 9.0;
 /// Least and most strength of a ring's middle: that of the parts which overlap there is reduced.
@@ -110,7 +110,7 @@ impl Shape {
             },
             Self::Palm { .. } => Self::Palm {
                 half_mm: shortened([first, second], LONGEST_PALM_MM),
-                width_mm: third.clamp(0.0, PALM_MM),
+                width_mm: third.clamp(0.0, WIDEST_PALM_MM),
             },
             Self::Ring { .. } => Self::Ring {
                 radius_mm: first.clamp(0.0, WIDEST_MM),

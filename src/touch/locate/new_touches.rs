@@ -10,7 +10,7 @@ use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
 use crate::eit::cholesky::add_scaled;
-use crate::eit::response::TouchModel;
+use crate::eit::response::{Shape, TouchModel};
 use crate::types::{PointMm, distance_mm};
 
 /// Least distance of a new touch's centre from the edge with tables that end there: a fit at the very edge is an error of an
@@ -297,7 +297,12 @@ impl Locator {
         let odd = self.odd_finger(&target, [touches[i].centre_mm, touches[j].centre_mm]);
         let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
-        let is_odd = odd.cost < pair + odd_gains(apart_mm) * (DOWN_GAIN * noise + error);
+        // Two fingers are commoner than palms, which have to explain the frame better.
+        let gains = match odd.touch.shape {
+            Shape::Palm { .. } => 0.0,
+            _ => odd_gains(apart_mm),
+        };
+        let is_odd = odd.cost < pair + gains * (DOWN_GAIN * noise + error);
         is_odd.then(|| {
             let others = edited(touches, &[odd.touch], Some(i));
             edited(&others, &[], Some(j))

@@ -22,6 +22,8 @@ const LONG_MM: f64 = 7.0;
 const RINGS_MM: [f64; 2] = [4.0, 6.5];
 /// Half width of palms that they start from, mm.
 const PALM_WIDTH_MM: f64 = 3.0;
+/// Least half length of a palm between the middles of its outermost parts, mm.
+const LEAST_PALM_MM: f64 = 7.5;
 /// Stretch and middle that they start from.
 const STRETCH: f64 = 0.1;
 const MIDDLE: f64 = 0.0;
@@ -112,7 +114,12 @@ impl Locator {
             start(wide, shape)
         };
         let palm = search.best_of([palm(0.0), palm(1.0), palm(2.0), palm(3.0)]);
-        better(finger, palm)
+        // A short one is two fingers, one for each of its rows.
+        let [x, y, _] = palm.touch.shape.unknowns();
+        match libm::hypot(x, y) > LEAST_PALM_MM {
+            true => better(finger, palm),
+            false => finger,
+        }
     }
 
     /// By how much the cost of the best trial falls if two of its touches saturate each other, to first order: two fingers beside each
