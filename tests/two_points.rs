@@ -82,6 +82,11 @@ impl Bench {
     }
 }
 
+/// The heel of a hand.
+fn heel(x: f64, y: f64) -> f64 {
+    (1.0 - (x / 20.0).powi(2) - (y / 12.0).powi(2)).max(0.0)
+}
+
 /// Share of the rise at a point relative to the touch, mm.
 type Shape<'a> = &'a dyn Fn(f64, f64) -> f64;
 
@@ -128,7 +133,8 @@ fn one_odd_shaped_touch_is_one() {
     let gaussian =
         |sd_mm: f64| move |x: f64, y: f64| (-(x * x + y * y) / (2.0 * sd_mm * sd_mm)).exp();
     let ellipse = |x: f64, y: f64| f64::from((x / 10.0).hypot(y / 6.0) < 1.0);
-    let shapes: [(&str, Shape); 5] = [
+    let shapes: [(&str, Shape); 6] = [
+        ("heel of 20 x 12 mm", &heel),
         ("disc of 7 mm", &disc(7.0)),
         ("disc of 9 mm", &disc(9.0)),
         ("Gaussian of 4 mm", &gaussian(4.0)),
@@ -155,4 +161,44 @@ fn one_odd_shaped_touch_is_one() {
         let most = if draws < 100 { 2 } else { draws / 50 };
         assert!(split <= most, "{name}");
     }
+}
+
+/// The heel lies there while one frame is damaged, and a finger taps beside it.
+#[test]
+fn beside_a_heel_a_finger_counts_and_a_damaged_frame_does_not() {
+    let mut bench = Bench::new(13);
+    let heel_at = |[x, y]: PointMm| heel(x - 60.0, y - 30.0);
+    let finger_at = |p: PointMm| (1.0 - (apart_mm(p, [25.0, 80.0]) / 7.0).powi(2)).max(0.0);
+    let under_heel = bench.volts(heel_at);
+    let both = bench.volts(|p| (1.0 + heel_at(p)) * (1.0 + finger_at(p)) - 1.0);
+    let rest = bench.volts(|_| 0.0);
+    let mut detector = bench.rested.clone();
+    let mut t_ns = bench.t_ns;
+    let mut counts = |volts: &[f64], times: f32, frames: usize| -> Vec<usize> {
+        (0..frames)
+            .map(|_| {
+                t_ns += FRAME_NS;
+                let read = bench.noise.read(volts);
+                let frame = Frame {
+                    t_ns,
+                    volts: read.iter().map(|volt| volt * times).collect(),
+                };
+                detector.process_frame(&frame, &mut Vec::new());
+                detector.touches_down().len()
+            })
+            .collect()
+    };
+    assert_eq!(counts(&under_heel, 1.0, 20), [1; 20]);
+    for times in [3.0, 0.0, -1.0] {
+        counts(&under_heel, times, 1);
+        assert_eq!(
+            counts(&under_heel, 1.0, 20),
+            [1; 20],
+            "after a frame x {times}"
+        );
+    }
+    assert_eq!(counts(&both, 1.0, 10), [2; 10]);
+    assert_eq!(counts(&under_heel, 1.0, 10)[2..], [1; 8]);
+    let after = counts(&rest, 1.0, 50);
+    assert_eq!(after[5..], [0; 45], "{after:?}");
 }
