@@ -29,6 +29,12 @@ wineserver64 -p >/dev/null 2>&1
 wine64 wineboot --init >/dev/null 2>&1
 
 windows() { scripts/run-in-wine.sh "$exe" "$@"; }
+# The same in the background: `exec`, so that its process is the program and not a shell before it.
+start_windows() {
+  (exec scripts/run-in-wine.sh "$exe" "$@") &
+  started+=($!)
+}
+stop() { kill "$1" && wait "$1" 2>/dev/null || true; }
 path() { printf 'Z:%s' "$(realpath -m "$1" | tr / '\\')"; }
 
 step "it starts, and says what it is"
@@ -92,10 +98,9 @@ timeout 30 scripts/run-in-wine.sh "$exe" play super-mario --pad openeit-lattice 
 tail -3 "$work/played" | sed 's/^/   /'
 
 step "the end of the session releases the key and finishes the recording"
-windows play super-mario --source "simulated:$(path "$work/hold.txt")" --output keyboard --headless --seed 1 \
-  --record "$(path "$work/ended.mcap")" >/dev/null 2>"$work/ended" &
-held=$!
-started+=($held)
+start_windows play super-mario --source "simulated:$(path "$work/hold.txt")" --output keyboard --headless --seed 1 \
+  --record "$(path "$work/ended.mcap")" >/dev/null 2>"$work/ended"
+held=${started[-1]}
 sleep 6
 wine64 wineboot --end-session >/dev/null 2>&1
 wait $held 2>/dev/null || true
@@ -105,8 +110,7 @@ tail -1 "$work/ended.events" | grep -q release
 wine64 wineboot --init >/dev/null 2>&1
 
 step "the window, pressed with the mouse"
-windows >/dev/null 2>"$work/window" &
-started+=($!)
+start_windows >/dev/null 2>"$work/window"
 xdotool search --sync --onlyvisible --name '^gelpad' >"$work/id"
 sleep 3
 # The pad's region `jump`, and the card that shows the length of each press.
@@ -116,11 +120,13 @@ before=$(card)
 xdotool mousemove $((left + 600)) $((top + 300)) mousedown 1 sleep 0.4 mouseup 1
 sleep 1
 [ "$before" != "$(card)" ] || { echo "the window shows no press" >&2; exit 1; }
-kill "${started[-1]}"
+stop "${started[-1]}"
 
 step "tests"
 GELPAD_KEY_TABLE=$(path "$work/keys.txt")
 export GELPAD_KEY_TABLE
-scripts/cargo-windows.sh test --quiet "${tests[@]}" -- --nocapture
+scripts/cargo-windows.sh test --quiet --features vigem --lib --test scenarios --test profiles
+# What keys, kills and latency measured is printed.
+scripts/cargo-windows.sh test --quiet --features vigem --test windows -- --nocapture
 cp "$work/keys.txt" target/windows/keys.txt
 echo "   key table: $(($(wc -l <"$work/keys.txt") - 1)) keys in target/windows/keys.txt"
