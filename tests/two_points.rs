@@ -202,3 +202,59 @@ fn beside_a_heel_a_finger_counts_and_a_damaged_frame_does_not() {
     let after = counts(&rest, 1.0, 50);
     assert_eq!(after[5..], [0; 45], "{after:?}");
 }
+
+/// A finger narrower than the table's smallest may press the gel over a hole of the lattice only: then nothing shows it.
+#[test]
+fn a_narrow_finger_that_the_readings_show_is_a_touch() {
+    let mut bench = Bench::new(14);
+    let rest = bench.volts(|_| 0.0);
+    let (mut shown, mut found) = (0, 0);
+    while shown < draws() {
+        let middle = [(); 2].map(|()| bench.between(10.0, 90.0));
+        let rise = bench.between(0.5, 2.0);
+        let press = |p: PointMm| rise * (1.0 - (apart_mm(p, middle) / 3.0).powi(2)).max(0.0);
+        let changes = bench.volts(press).into_iter().zip(&rest);
+        // In squared deviations of the noise at 60 dB.
+        let energy: f64 = changes.map(|(a, b)| (1e3 * (a / b - 1.0)).powi(2)).sum();
+        if energy > 400.0 {
+            shown += 1;
+            let seen = bench.touched(press);
+            found += usize::from(matches!(seen[..], [at] if apart_mm(at, middle) < 10.0));
+        }
+    }
+    println!("{found} of {shown} found");
+    assert!(found * 100 >= shown * 90);
+}
+
+/// A hand that hardly touches: its pressure is that at which a touch begins.
+#[test]
+fn a_finger_at_the_threshold_neither_flickers_nor_sticks() {
+    let mut bench = Bench::new(15);
+    let rest = bench.volts(|_| 0.0);
+    for mm2 in [1.9, 2.2, 2.5, 2.8] {
+        for middle in [[50.0, 50.0], [31.0, 44.0], [72.0, 24.0]] {
+            let rise = mm2 / (0.5 * std::f64::consts::PI * 36.0);
+            let press = |p: PointMm| rise * (1.0 - (apart_mm(p, middle) / 6.0).powi(2)).max(0.0);
+            let pressed = bench.volts(press);
+            let mut detector = bench.rested.clone();
+            let mut downs = Vec::new();
+            for frame in 0..400 {
+                bench.t_ns += FRAME_NS;
+                let volts = bench.noise.read(if frame < 200 { &pressed } else { &rest });
+                let frame = Frame {
+                    t_ns: bench.t_ns,
+                    volts,
+                };
+                detector.process_frame(&frame, &mut Vec::new());
+                downs.push(detector.touches_down().len());
+            }
+            let began = downs.windows(2).filter(|pair| pair[1] > pair[0]).count();
+            println!(
+                "{mm2} mm2 at {middle:?}: began {began} times, down in {} of 200 frames",
+                downs[..200].iter().sum::<usize>()
+            );
+            assert!(began <= 4, "{mm2} mm2 at {middle:?}: {began}");
+            assert_eq!(downs[250..], [0; 150], "{mm2} mm2 at {middle:?}");
+        }
+    }
+}

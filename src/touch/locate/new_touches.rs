@@ -24,14 +24,10 @@ const EDGE_REST: f64 = 3.0;
 /// While channels are excluded, a new touch at the edge must explain this many times as much as another one: near a lost
 /// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
-/// Two touches must explain more than one odd finger by this many times what a new touch must explain, ...
-const ODD_GAINS: f64 = 0.35;
-/// ... or, closer than a finger's width, this many times: fingers are seldom that close.
-const CLOSE_ODD_GAINS: f64 = 0.8;
-/// A finger's width, mm.
-const FINGER_MM: f64 = 13.0;
-/// From here on odd fingers are rarer the longer they are, and at the second distance two fingers need not explain more, mm.
-const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
+/// Two touches must explain more than one odd finger by this many times what a new touch must explain if they are closer than the first
+/// of these distances, which fingers seldom are, and need not explain more from the second one on, mm.
+const ODD_GAINS: f64 = 2.0;
+const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
@@ -482,10 +478,6 @@ pub(super) fn edited(
 
 /// By how many times what a new touch must explain two touches must explain more than one odd finger.
 fn odd_gains(apart_mm: f64) -> f64 {
-    let [long_mm, longest_mm] = LONG_FINGER_MM;
-    if apart_mm < FINGER_MM {
-        CLOSE_ODD_GAINS
-    } else {
-        ODD_GAINS * ((longest_mm - apart_mm) / (longest_mm - long_mm)).clamp(0.0, 1.0)
-    }
+    let [narrow_mm, wide_mm] = FINGER_WIDTH_MM;
+    ODD_GAINS * ((wide_mm - apart_mm) / (wide_mm - narrow_mm)).clamp(0.0, 1.0)
 }
