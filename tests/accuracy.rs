@@ -166,6 +166,29 @@ fn round_pads_and_other_protocols_are_supported() {
     }
 }
 
+#[test]
+fn a_row_of_white_noise_and_round_fingers_has_the_bound_beside_its_errors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (only, is_bounded) in [
+        ("rise of 10", true),
+        ("ellipse 12", false),
+        ("common gain, 60", false),
+    ] {
+        let out = folder.path().join(only);
+        let output = accuracy(&["--real", "--quick", "--seed", "1", "--only", only], &out);
+        assert!(output.status.success(), "{output:?}");
+        let text = fs::read_to_string(out.join("real.json")).expect("findings");
+        let found: Value = serde_json::from_str(&text).expect("JSON");
+        let row = &found["conditions"][0];
+        assert_eq!(row["bound_mm"].is_number(), is_bounded, "{row}");
+        if is_bounded {
+            // What typical fingers are like is known, so that the errors may be somewhat below it.
+            let (bound, first) = (number(&row["bound_mm"]), number(&row["first_mm"]["mean"]));
+            assert!((0.5..1.5).contains(&(first / bound)), "{first} {bound}");
+        }
+    }
+}
+
 /// Fingers so wide that two touches nearly explain them: the search once added a touch and removed another without end.
 #[test]
 fn the_search_for_a_very_wide_finger_ends() {

@@ -231,7 +231,7 @@ fn a_narrow_finger_that_the_readings_show_is_a_touch() {
 fn a_finger_at_the_threshold_neither_flickers_nor_sticks() {
     let mut bench = Bench::new(15);
     let rest = bench.volts(|_| 0.0);
-    for mm2 in [1.9, 2.2, 2.5, 2.8] {
+    for mm2 in [2.8, 3.4, 4.0, 4.6] {
         for middle in [[50.0, 50.0], [31.0, 44.0], [72.0, 24.0]] {
             let rise = mm2 / (0.5 * std::f64::consts::PI * 36.0);
             let press = |p: PointMm| rise * (1.0 - (apart_mm(p, middle) / 6.0).powi(2)).max(0.0);

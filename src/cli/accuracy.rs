@@ -91,7 +91,7 @@ fn chosen_conditions(args: &AccuracyArgs) -> anyhow::Result<Vec<Condition>> {
     Ok(shipped)
 }
 
-/// `--real`: each row is printed and stored as soon as it is played, since all of them take an hour.
+/// `--real`: each row is printed and stored as soon as it is played, since all of them take more than ten minutes.
 fn play_conditions(
     args: &AccuracyArgs,
     study: &Accuracy,

@@ -15,9 +15,9 @@ pub(super) const DOWN_GAIN: f64 = 45.0;
 /// A touch stays while it explains this many squared deviations.
 const STAY_GAIN: f64 = 9.0;
 /// Rise of conductivity x area of the lightest new touch, mm2.
-pub(super) const LEAST_MM2: f64 = 2.5;
+pub(super) const LEAST_MM2: f64 = 4.0;
 /// A touch ends below this share of [`LEAST_MM2`].
-const STAY_SHARE: f64 = 0.8;
+const STAY_SHARE: f64 = 0.5;
 /// Touches that leave more than this many times noise and model error are looked for elsewhere, too.
 const MISFIT_REST: f64 = 4.0;
 /// A touch ends if less than this share of its response is left: the finger moved on or lifted.

@@ -25,9 +25,13 @@ const EDGE_REST: f64 = 3.0;
 /// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
 /// Two touches must explain more than one odd finger by this many times what a new touch must explain if they are closer than the first
-/// of these distances, which fingers seldom are, and need not explain more from the second one on, mm.
+/// of these distances, which fingers seldom are; this fades to nothing at the second one, mm.
 const ODD_GAINS: f64 = 2.0;
 const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
+/// Where the pad is little known, they must explain more by at least this share of the model error, which fades between these
+/// distances, mm: odd fingers are rarer the longer they are.
+const ODD_ERROR_SHARE: f64 = 0.35;
+const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
@@ -294,11 +298,11 @@ impl Locator {
         let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
         // Two fingers are commoner than palms, which have to explain the frame better.
-        let gains = match odd.touch.shape {
+        let more = match odd.touch.shape {
             Shape::Palm { .. } => 0.0,
-            _ => odd_gains(apart_mm),
+            _ => odd_gain(apart_mm, DOWN_GAIN * noise, error),
         };
-        let is_odd = odd.cost < pair + gains * (DOWN_GAIN * noise + error);
+        let is_odd = odd.cost < pair + more;
         is_odd.then(|| {
             let others = edited(touches, &[odd.touch], Some(i));
             edited(&others, &[], Some(j))
@@ -476,8 +480,11 @@ pub(super) fn edited(
         .collect()
 }
 
-/// By how many times what a new touch must explain two touches must explain more than one odd finger.
-fn odd_gains(apart_mm: f64) -> f64 {
-    let [narrow_mm, wide_mm] = FINGER_WIDTH_MM;
-    ODD_GAINS * ((wide_mm - apart_mm) / (wide_mm - narrow_mm)).clamp(0.0, 1.0)
+/// By how much two touches must explain more than one odd finger, with what a new touch must explain beside noise, and model error.
+fn odd_gain(apart_mm: f64, down_gain: f64, error: f64) -> f64 {
+    let fading =
+        |[from_mm, to_mm]: [f64; 2]| ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0);
+    let narrow = ODD_GAINS * fading(FINGER_WIDTH_MM) * (down_gain + error);
+    let long = ODD_ERROR_SHARE * fading(LONG_FINGER_MM) * error;
+    narrow.max(long)
 }

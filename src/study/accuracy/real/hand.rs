@@ -90,8 +90,15 @@ const KINDS: [Hand; 15] = [
     Hand::Several(6),
 ];
 
-/// Where fingers press, and the factor by which they multiply the conductivity at a point.
-type Drawn = (Vec<PointMm>, Box<dyn Fn(PointMm) -> f64>);
+/// What a hand presses at one moment.
+pub(super) struct Drawn {
+    /// Where its fingers are.
+    pub centres_mm: Vec<PointMm>,
+    /// The factor by which it multiplies the conductivity at a point.
+    pub factor: Box<dyn Fn(PointMm) -> f64>,
+    /// The fingers, if they are round and raise the conductivity; otherwise none.
+    pub presses: Vec<Press>,
+}
 
 /// Presses for each one of another hand, the frames of each, and those between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -170,10 +177,7 @@ impl Hand {
             | Self::FingerAfterLying
             | Self::ShortFinger
             | Self::Slide(_) => finger(inner, radius_mm, rise),
-            Self::Falling => {
-                let (centres, rising) = finger(inner, radius_mm, rise);
-                (centres, Box::new(move |point| 1.0 / rising(point)))
-            }
+            Self::Falling => finger(inner, radius_mm, rise).falling(),
             Self::Edge(near, far) => {
                 let depth_mm = scale * draws.between(near, far);
                 finger(at_edge(pad, depth_mm, draws), radius_mm, rise)
@@ -190,15 +194,31 @@ impl Hand {
             }
             Self::Any { falls } => {
                 let index = draws.between(0.0, KINDS.len() as f64) as usize;
-                let (centres, rising) =
-                    KINDS[index.min(KINDS.len() - 1)].draw_still(pad, scale, draws)?;
-                if falls {
-                    (centres, Box::new(move |point| 1.0 / rising(point)))
-                } else {
-                    (centres, rising)
-                }
+                let drawn = KINDS[index.min(KINDS.len() - 1)].draw_still(pad, scale, draws)?;
+                if falls { drawn.falling() } else { drawn }
             }
         })
+    }
+}
+
+impl Drawn {
+    /// The same hand on a pad whose conductivity falls under it.
+    fn falling(self) -> Self {
+        let rising = self.factor;
+        Self {
+            centres_mm: self.centres_mm,
+            factor: Box::new(move |point| 1.0 / rising(point)),
+            presses: Vec::new(),
+        }
+    }
+
+    /// One finger that is not round.
+    fn odd(centre_mm: PointMm, factor: impl Fn(PointMm) -> f64 + 'static) -> Self {
+        Self {
+            centres_mm: vec![centre_mm],
+            factor: Box::new(factor),
+            presses: Vec::new(),
+        }
     }
 }
 
@@ -211,9 +231,12 @@ fn finger(centre_mm: PointMm, radius_mm: f64, rise: f64) -> Drawn {
 }
 
 fn fingers(presses: Vec<Press>) -> Drawn {
-    let centres = presses.iter().map(|press| press.centre_mm).collect();
-    let factor = move |point| presses.iter().map(|press| press.factor(point)).product();
-    (centres, Box::new(factor))
+    let under = presses.clone();
+    Drawn {
+        centres_mm: presses.iter().map(|press| press.centre_mm).collect(),
+        factor: Box::new(move |point| under.iter().map(|press| press.factor(point)).product()),
+        presses,
+    }
 }
 
 /// A place at a depth from one of the four sides.
@@ -255,21 +278,19 @@ fn over_electrode(pad: &Pad, scale: f64, draws: &mut Draws) -> PointMm {
 /// A flat finger with a relative rise of 1.
 fn ellipse(centre_mm: PointMm, half_axes_mm: [f64; 2], angle: f64) -> Drawn {
     let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-    let factor = move |[x, y]: PointMm| {
+    Drawn::odd(centre_mm, move |[x, y]: PointMm| {
         let (dx, dy) = (x - centre_mm[0], y - centre_mm[1]);
         let u = (dx * cos + dy * sin) / half_axes_mm[0];
         let v = (dy * cos - dx * sin) / half_axes_mm[1];
         1.0 + (1.0 - u * u - v * v).max(0.0)
-    };
-    (vec![centre_mm], Box::new(factor))
+    })
 }
 
 /// A fingertip whose middle presses less, with a relative rise of 1 on its ring.
 fn ring(centre_mm: PointMm, radius_mm: f64, half_width_mm: f64) -> Drawn {
-    let factor = move |[x, y]: PointMm| {
+    Drawn::odd(centre_mm, move |[x, y]: PointMm| {
         let off_mm = libm::hypot(x - centre_mm[0], y - centre_mm[1]) - radius_mm;
         let share = off_mm / half_width_mm;
         1.0 + (1.0 - share * share).max(0.0)
-    };
-    (vec![centre_mm], Box::new(factor))
+    })
 }

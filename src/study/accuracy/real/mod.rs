@@ -22,9 +22,12 @@ use std::collections::BTreeMap;
 use super::Bench;
 use super::draws::Draws;
 use super::specimen::Specimen;
-use crate::study::{StudyError, job};
+use crate::eit::PressedPad;
+use crate::pad::{Pad, TouchSign};
+use crate::study::{Slopes, StudyError, job};
 use crate::touch::SensingBuilder;
 use crate::types::PointMm;
+use hand::Drawn;
 use play::{Played, Press, Solved, Stage};
 
 /// How much is played.
@@ -193,15 +196,12 @@ fn solve(
     while presses.len() < count {
         let drawn = hand.draw(&bench.pad, bench.scale, &mut draws)?;
         let fits = |place: &PointMm| surroundings.leaves_room(&bench.pad, bench.scale, *place);
-        if !drawn.iter().flat_map(|(centres, _)| centres).all(fits) {
+        if !drawn.iter().flat_map(|now| &now.centres_mm).all(fits) {
             continue;
         }
         let stages = drawn
             .into_iter()
-            .map(|(centres_mm, factor)| {
-                let volts = specimen.touched(factor)?.voltages(&bench.pad.protocol);
-                Ok(Stage { centres_mm, volts })
-            })
+            .map(|now| solve_stage(&bench.pad, &specimen, now))
             .collect::<Result<_, StudyError>>()?;
         presses.push(Press { stages });
     }
@@ -209,5 +209,30 @@ fn solve(
         surrounded: surroundings.solve(&bench.pad, bench.scale, &specimen)?,
         rest: specimen.rest,
         presses,
+    })
+}
+
+/// Solves a pad under a hand at one moment.
+fn solve_stage(pad: &Pad, specimen: &Specimen, drawn: Drawn) -> Result<Stage, StudyError> {
+    let fields = specimen.touched(&drawn.factor)?;
+    let volts = fields.voltages(&pad.protocol);
+    let bounds = if drawn.presses.is_empty() {
+        Vec::new()
+    } else {
+        let pressed = PressedPad {
+            model: &specimen.model,
+            fields: &fields,
+            background: &specimen.background,
+            presses: &drawn.presses,
+            sign: TouchSign::Rise,
+        };
+        let deviations: Vec<f64> = volts.iter().map(|volt| volt.abs()).collect();
+        let bounds = Slopes::new(&pressed, pad).bounds(&deviations);
+        bounds.unwrap_or_default()
+    };
+    Ok(Stage {
+        centres_mm: drawn.centres_mm,
+        volts,
+        bounds,
     })
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use super::board::{Board, FRAME_NS, Sensed};
 use super::{Condition, Extent, Hand, Surroundings};
+use crate::study::PressBound;
 use crate::study::accuracy::Bench;
+use crate::study::accuracy::noise::share;
 use crate::study::accuracy::score::{REACH_MM, assign};
 use crate::touch::SensingBuilder;
 use crate::types::{Nanos, PointMm};
@@ -33,6 +35,8 @@ pub(super) struct Stage {
     pub centres_mm: Vec<PointMm>,
     /// Readings, V/A.
     pub volts: Vec<f64>,
+    /// Least errors of place of its fingers with noise as large as each reading; none where it is not known.
+    pub bounds: Vec<PressBound>,
 }
 
 impl Press {
@@ -70,6 +74,8 @@ pub(super) struct Played {
     pub first_errors_mm: Vec<f64>,
     /// Errors of place in the last frame of the press, mm; of a moving hand, in all but its first.
     pub last_errors_mm: Vec<f64>,
+    /// The least that errors of place in one frame can be in the mean, mm, where white noise is all that disturbs.
+    pub bounds_mm: Vec<f64>,
     /// Longest time of a touch without a finger, ms.
     pub longest_ms: f64,
     /// Seconds played.
@@ -135,6 +141,14 @@ pub(super) fn session(
     }
     for press in presses {
         session.press(press, rhythm.press_frames);
+        if condition.disturbances.is_empty() {
+            let noise = share(condition.snr_db);
+            let bounds = press.stages.iter().flat_map(|stage| &stage.bounds);
+            let bounds_mm = bounds.map(|bound| bound.with_noise(noise).mean_mm());
+            let reach_mm = REACH_MM * bench.scale;
+            let played = &mut session.played.bounds_mm;
+            played.extend(bounds_mm.map(|mm| mm.min(reach_mm)));
+        }
         for pause in 1..=rhythm.pause_frames {
             session.step(rest, &[]);
             let is_down = !session.sensed.detector.touches_down().is_empty();

@@ -27,6 +27,9 @@ pub struct ConditionFindings {
     pub first_mm: Spread,
     /// Errors of place in the last frame of the press, mm.
     pub last_mm: Spread,
+    /// The least that `first_mm` can be in the mean with unknown place, size and strength of round fingers (Cramer-Rao), mm; a method
+    /// that expects typical fingers can be below it. `null` where more than white noise disturbs or fingers are not round.
+    pub bound_mm: f64,
     /// Touches that no finger made.
     pub false_touches: usize,
     /// Presses after which a touch is down half a second after the lift, where that is looked at.
@@ -68,6 +71,7 @@ impl ConditionFindings {
             counted_right: Share::new(sum(|one| one.counted_right), sum(|one| one.presses)),
             first_mm: errors(|one| &one.first_errors_mm),
             last_mm: errors(|one| &one.last_errors_mm),
+            bound_mm: errors(|one| &one.bounds_mm).mean,
             false_touches: sum(|one| one.false_touches),
             stuck: sum(|one| one.stuck),
             longest_ms: played.iter().map(|one| one.longest_ms).fold(0.0, f64::max),
@@ -97,7 +101,7 @@ impl ConditionFindings {
 }
 
 /// The first line of the table.
-pub const TABLE_HEADER: &str = "condition                            missed  (95 %)       late   right   first mm  last mm  false  stuck  longest ms  goal";
+pub const TABLE_HEADER: &str = "condition                            missed  (95 %)       late   right   first mm  last mm  bound mm  false  stuck  longest ms  goal";
 
 impl fmt::Display for ConditionFindings {
     /// A line of the table.
@@ -105,7 +109,7 @@ impl fmt::Display for ConditionFindings {
         let percent = |share: f64| number(100.0 * share, 1);
         write!(
             formatter,
-            "{:<36} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>7} {:>6} {:>9.0}   {}",
+            "{:<36} {:>5} % ({:>4}-{:>5}) {:>5} % {:>5} % {:>7} {:>8} {:>9} {:>6} {:>6} {:>9.0}   {}",
             self.name,
             percent(self.missed.share),
             percent(self.missed.low),
@@ -114,6 +118,7 @@ impl fmt::Display for ConditionFindings {
             percent(self.counted_right.share),
             number(self.first_mm.mean, 2),
             number(self.last_mm.mean, 2),
+            number(self.bound_mm, 2),
             self.false_touches,
             self.stuck,
             self.longest_ms,
