@@ -274,7 +274,10 @@ impl Detector {
         }
         let noise = self.noise().0;
         let (as_lift, sign) = locator.rest_as_lift(&self.changes, noise);
-        if as_lift > LIFT_SHARE * rest {
+        // The touches so far may be a poor fit of what others explain.
+        if as_lift > LIFT_SHARE * rest
+            || as_lift > LIFT_SHARE * locator.rest_as_touches(&self.changes, noise)
+        {
             return false;
         }
         self.tracker.lift_all(changed);

@@ -86,6 +86,13 @@ impl Locator {
         }
     }
 
+    /// What touches of the expected sign leave of a frame, searched for anew, as a multiple of noise and model error. The touches of
+    /// the fit stay as they are.
+    #[must_use]
+    pub fn rest_as_touches(&self, changes: &[f32], noise: f64) -> f64 {
+        self.clone().explain_alone(changes, noise).1
+    }
+
     fn judge_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
         self.take_frame(changes, noise);
         let before = energy(&self.frame.coordinates);
