@@ -125,14 +125,18 @@ impl Detector {
         else {
             return Judged::Unclear;
         };
-        let (as_touches, as_lift) = match locator.explain_onset(&self.changes, noise) {
+        let (as_touches, as_lift, is_clear) = match locator.explain_onset(&self.changes, noise) {
             Onset::Unclear => return Judged::Unclear,
             Onset::Expected => return Judged::Touch,
             Onset::Opposite {
                 as_touches,
                 as_lift,
-            } => (as_touches, as_lift),
+                is_clear,
+            } => (as_touches, as_lift, is_clear),
         };
+        if !is_clear && !self.sign.is_known {
+            return Judged::Touch;
+        }
         let is_early = frame.t_ns.saturating_sub(self.first_ns) < EARLY_NS;
         let factor = if is_early { EARLY } else { 1.0 / EARLY };
         if self.sign.is_known || as_touches * factor >= as_lift {

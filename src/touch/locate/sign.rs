@@ -19,7 +19,7 @@ const WELL_REST: f64 = 1.0;
 const CLEAR_SHARE: f64 = 0.02;
 /// A rival explains at least this many times [`DOWN_GAIN`]: at rest, noise has one more way to look like a touch.
 const RIVAL_GAINS: f64 = 2.0;
-/// A rival leaves at most this share of what touches of the expected sign leave, and [`DOWN_GAIN`] less.
+/// A rival leaves at most this share of what touches of the expected sign leave.
 const RIVAL_SHARE: f64 = 0.8;
 
 /// What a change of the untouched pad is.
@@ -35,6 +35,9 @@ pub enum Onset {
         as_touches: f64,
         /// As the lift of touches that the reference was taken under.
         as_lift: f64,
+        /// Whether either leaves so much less than touches of the expected sign that it is neither noise nor model error, as it may be
+        /// with a faint touch.
+        is_clear: bool,
     },
 }
 
@@ -110,12 +113,11 @@ impl Locator {
         let (as_lift, _) = self.explain_alone(&reference_seen_from(changes), noise);
         let best = as_touches.min(as_lift);
         let gain = before - best;
-        // Of a faint touch, noise and model error hardly show the sign.
-        let is_better = best < RIVAL_SHARE * expected && expected - best > DOWN_GAIN * noise;
-        if is_better && gain > RIVAL_GAINS * DOWN_GAIN * noise {
+        if best < RIVAL_SHARE * expected && gain > RIVAL_GAINS * DOWN_GAIN * noise {
             return Onset::Opposite {
                 as_touches,
                 as_lift,
+                is_clear: expected - best > DOWN_GAIN * noise,
             };
         }
         if before - expected > DOWN_GAIN * noise {
