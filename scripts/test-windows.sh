@@ -34,7 +34,8 @@ start_windows() {
   (exec scripts/run-in-wine.sh "$exe" "$@") &
   started+=($!)
 }
-stop() { kill "$1" && wait "$1" 2>/dev/null || true; }
+# At once: wine may leave a request to end unheard.
+stop() { kill -KILL "$1" && wait "$1" 2>/dev/null || true; }
 path() { printf 'Z:%s' "$(realpath -m "$1" | tr / '\\')"; }
 
 step "it starts, and says what it is"
