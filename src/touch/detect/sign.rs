@@ -134,6 +134,7 @@ impl Detector {
                 is_clear,
             } => (as_touches, as_lift, is_clear),
         };
+        // A faint first touch does not show its sign.
         if !is_clear && !self.sign.is_known {
             return Judged::Touch;
         }
@@ -278,7 +279,7 @@ impl Detector {
         }
         let noise = self.noise().0;
         let (as_lift, sign) = locator.rest_as_lift(&self.changes, noise);
-        // The touches so far may be a poor fit of what others explain.
+        // The present touches may fit poorly where others would fit well.
         if as_lift > LIFT_SHARE * rest
             || as_lift > LIFT_SHARE * locator.rest_as_touches(&self.changes, noise)
         {

@@ -24,13 +24,14 @@ const EDGE_REST: f64 = 3.0;
 /// While channels are excluded, a new touch at the edge must explain this many times as much as another one: near a lost
 /// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
-/// Two touches must explain more than one odd finger by this many times what a new touch must explain if they are closer than the first
-/// of these distances, which fingers seldom are; this fades to nothing at the second one, mm.
+/// Two touches closer than the first of [`FINGER_WIDTH_MM`] must explain more than one odd finger does: more by this many times what a
+/// new touch must explain. ...
 const ODD_GAINS: f64 = 2.0;
+/// ... Farther apart less, and nothing from the second distance on, mm: fingers are seldom closer than they are wide.
 const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
-/// Where the pad is little known, they must explain more by at least this share of the model error, which fades between these
-/// distances, mm: odd fingers are rarer the longer they are.
+/// On pads whose model is poor, two touches must in any case explain more than one odd finger by this share of the model error; ...
 const ODD_ERROR_SHARE: f64 = 0.35;
+/// ... the share falls to nothing between these distances, mm: odd fingers are rarer the longer they are.
 const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
@@ -480,7 +481,8 @@ pub(super) fn edited(
         .collect()
 }
 
-/// By how much two touches must explain more than one odd finger, with what a new touch must explain beside noise, and model error.
+/// How much more two touches must explain than one odd finger. `down_gain` is what a new touch must explain above noise, `error` the
+/// energy of the model error; both in squared deviations.
 fn odd_gain(apart_mm: f64, down_gain: f64, error: f64) -> f64 {
     let fading =
         |[from_mm, to_mm]: [f64; 2]| ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0);

@@ -35,8 +35,7 @@ pub enum Onset {
         as_touches: f64,
         /// As the lift of touches that the reference was taken under.
         as_lift: f64,
-        /// Whether either leaves so much less than touches of the expected sign that it is neither noise nor model error, as it may be
-        /// with a faint touch.
+        /// Whether one of the two explains the frame so much better than touches of the expected sign that noise cannot be the reason.
         is_clear: bool,
     },
 }
@@ -89,8 +88,8 @@ impl Locator {
         }
     }
 
-    /// What touches of the expected sign leave of a frame, searched for anew, as a multiple of noise and model error. The touches of
-    /// the fit stay as they are.
+    /// Searches a frame for touches of the expected sign, as if none were down. Returns what they do not explain, as a multiple of noise
+    /// and model error. The touches that are down do not change.
     #[must_use]
     pub fn rest_as_touches(&self, changes: &[f32], noise: f64) -> f64 {
         self.clone().explain_alone(changes, noise).1
