@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use super::LANES;
 use super::derived::DerivedResponses;
+use super::law::{MIDDLE_RISE, StrengthLaw};
 use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
@@ -25,7 +26,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
 /// Radii that are solved; the smallest and the largest are extrapolated from them.
@@ -62,6 +63,14 @@ enum Responses {
 }
 
 impl Responses {
+    /// How they grow with strength.
+    fn law(&self) -> StrengthLaw {
+        match self {
+            Self::Exact(_) | Self::Derived(_) => StrengthLaw::Rise,
+            Self::Learned(_) => StrengthLaw::Strength,
+        }
+    }
+
     /// Their first-order part; none of learned ones.
     fn linear(&self) -> Option<&LinearResponses> {
         match self {
@@ -75,7 +84,7 @@ impl Responses {
 /// What a table depends on beside its pad, for its key: after a change of one of these, no table solved before is read.
 fn solver_constants() -> String {
     format!(
-        "{STRENGTHS:?} {LEAST_SHARE} {USUAL_DIMENSIONS} {LARGEST_REST} {HALF_RISE} {:?} {:?} {STEP_LOG2} {:?}",
+        "{STRENGTHS:?} {LEAST_SHARE} {USUAL_DIMENSIONS} {LARGEST_REST} {HALF_RISE} {MIDDLE_RISE} {:?} {:?} {STEP_LOG2} {:?}",
         places::CONSTANTS,
         scatter::CONSTANTS,
         stretch::CONSTANTS,
@@ -201,7 +210,8 @@ impl ResponseBuilder {
         assert_eq!(rows.len(), self.places.rows, "all rows");
         let basis = self.basis(rows);
         let rank = basis.ncols();
-        let powers = powers_through_strengths();
+        let law = self.responses.law();
+        let powers = powers_through_strengths(law);
         // Rise and fall, each solved places x radii x powers x rank.
         let mut terms: [Vec<f32>; SIGNS] = Default::default();
         for samples in rows
@@ -239,6 +249,7 @@ impl ResponseBuilder {
             channels: self.channels,
             rank,
             places: self.places,
+            law,
             terms: Terms::new(solved, rank, self.orbits, &basis),
             basis,
             stretches,
@@ -329,11 +340,10 @@ fn extrapolated(first: &Mat<f64>, second: &Mat<f64>, third: &Mat<f64>) -> Mat<f6
     })
 }
 
-/// Samples x powers: coefficients of the polynomial in strength through the samples.
-fn powers_through_strengths() -> Mat<f64> {
-    let design = Mat::from_fn(POWERS, POWERS, |power, sample| {
-        (0..power).fold(1.0, |product, _| product * STRENGTHS[sample])
-    });
+/// Samples x powers: the terms that give the samples, which are divided by their strength.
+fn powers_through_strengths(law: StrengthLaw) -> Mat<f64> {
+    let factors = STRENGTHS.map(|strength| law.factors(strength).map(|[factor, _]| factor / strength));
+    let design = Mat::from_fn(POWERS, POWERS, |power, sample| factors[sample][power]);
     design
         .partial_piv_lu()
         .solve(Mat::<f64>::identity(POWERS, POWERS))

@@ -2,15 +2,18 @@
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
 //! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
-//! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it. A table that does not know
-//! what longer fingers add is of the third version. Two more remain for older recordings: the second holds the terms
-//! as f32; the first, too, of one sign at all places, and no places beyond the edge but those that the interpolation needs.
+//! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it. The version tells the
+//! law by which responses grow with strength (`law.rs`): since the fifth, that of the rise. A learned table, whose law is that of the
+//! strength and which does not know what longer fingers add, is of the third version. The others remain for older recordings: the fourth
+//! is the fifth with the other law; the second holds the terms as f32; the first, too, of one sign at all places, and no places
+//! beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 use super::LANES;
+use super::law::StrengthLaw;
 use super::places::Places;
 use super::quantized;
 use super::stretch::Stretches;
@@ -20,7 +23,9 @@ use super::terms::{SIGNS, TERMS, Terms};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
-const MAGIC: &[u8; 8] = b"gelpadR4";
+const MAGIC: &[u8; 8] = b"gelpadR5";
+/// With the law of the strength.
+const STRENGTH_MAGIC: &[u8; 8] = b"gelpadR4";
 /// Without what longer fingers add.
 const ROUND_MAGIC: &[u8; 8] = b"gelpadR3";
 /// Terms as f32.
@@ -58,7 +63,8 @@ impl ResponseTable {
         let packed = quantized::pack(solved.iter(), &self.places, self.rank);
         let packed = packed.filter(|_| self.has_both_signs());
         let magic = match packed {
-            Some(_) if self.stretches.is_some() => MAGIC,
+            Some(_) if self.law == StrengthLaw::Rise => MAGIC,
+            Some(_) if self.stretches.is_some() => STRENGTH_MAGIC,
             Some(_) => ROUND_MAGIC,
             None if self.has_both_signs() => FLOAT_MAGIC,
             None => OLD_MAGIC,
@@ -85,7 +91,8 @@ impl ResponseTable {
             Some(packed) => bytes.extend_from_slice(&packed),
             None => floats(&mut solved.iter()),
         }
-        if let Some(stretches) = self.stretches.as_ref().filter(|_| magic == MAGIC) {
+        let stretches = self.stretches.as_ref();
+        if let Some(stretches) = stretches.filter(|_| knows_stretches(magic)) {
             bytes.extend_from_slice(&stretches.pack());
         }
         let sum = CRC.checksum(&bytes);
@@ -135,7 +142,11 @@ impl ResponseTable {
         if rank == 0 || rank % LANES != 0 || rank > channels.next_multiple_of(LANES) {
             return Err(TableError::OutOfRange);
         }
-        let has_stretches = bytes.starts_with(MAGIC);
+        let has_stretches = knows_stretches(bytes);
+        let law = match bytes.starts_with(MAGIC) {
+            true => StrengthLaw::Rise,
+            false => StrengthLaw::Strength,
+        };
         let is_packed = has_stretches || bytes.starts_with(ROUND_MAGIC);
         let read_terms = |count: usize, reader: &mut ByteReader<'_>| {
             if is_packed {
@@ -170,14 +181,20 @@ impl ResponseTable {
             terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
+            law,
             stretches: has_stretches.then(|| Stretches::unpack(stretched, &places, rank)),
         })
     }
 }
 
+/// Whether a table that begins so knows what longer fingers add.
+fn knows_stretches(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC) || bytes.starts_with(STRENGTH_MAGIC)
+}
+
 /// The bytes between the format's name and a checksum that is right.
 fn checked_body(bytes: &[u8]) -> Result<&[u8], TableError> {
-    let rest = [MAGIC, ROUND_MAGIC, FLOAT_MAGIC, OLD_MAGIC]
+    let rest = [MAGIC, STRENGTH_MAGIC, ROUND_MAGIC, FLOAT_MAGIC, OLD_MAGIC]
         .iter()
         .find_map(|magic| bytes.strip_prefix(*magic))
         .ok_or(TableError::NotATable)?;
@@ -232,10 +249,19 @@ mod tests {
         table
     }
 
+    /// The same, with the law of the rise.
+    fn of_rise() -> ResponseTable {
+        ResponseTable {
+            law: StrengthLaw::Rise,
+            ..stretched()
+        }
+    }
+
     #[test]
     fn a_table_is_read_as_it_was_written() {
         let tables = [
-            (stretched(), MAGIC),
+            (of_rise(), MAGIC),
+            (stretched(), STRENGTH_MAGIC),
             (rounded(), ROUND_MAGIC),
             (ResponseTable::small(), FLOAT_MAGIC),
         ];
@@ -297,7 +323,7 @@ mod tests {
         #[test]
         fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
             static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-            let mut bytes = BYTES.get_or_init(|| stretched().to_bytes()).clone();
+            let mut bytes = BYTES.get_or_init(|| of_rise().to_bytes()).clone();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
             prop_assert!(read(&bytes).is_err());

@@ -10,6 +10,7 @@ use super::scatter::LinearResponses;
 use super::table::ResponseTable;
 use super::terms::{POWERS, SIGNS};
 use crate::eit::SetupError;
+use crate::eit::cholesky::add_scaled;
 use crate::pad::Pad;
 
 /// The drawing's table, and both pads' linear parts.
@@ -57,7 +58,11 @@ impl DerivedResponses {
         for sign in 0..SIGNS {
             let terms = table.terms.at(sign, place, radius);
             for strength in strengths {
-                sum_powers(&mut coordinates, terms, *strength);
+                coordinates.fill(0.0);
+                let factors = table.law.factors(*strength);
+                for (vector, [factor, _]) in terms.chunks_exact(table.rank).zip(factors) {
+                    add_scaled(&mut coordinates, vector, (factor / strength) as f32);
+                }
                 table.expand(&coordinates, &mut response);
                 let along = drawn.iter().zip(&response).map(|(d, r)| d * f64::from(*r));
                 let share = if own > 0.0 {
@@ -72,16 +77,5 @@ impl DerivedResponses {
             }
         }
         samples
-    }
-}
-
-/// The polynomial in strength whose terms are vectors.
-fn sum_powers(sum: &mut [f32], terms: &[f32], strength: f64) {
-    sum.fill(0.0);
-    let rank = sum.len();
-    for vector in terms.chunks_exact(rank).rev() {
-        for (sum, term) in sum.iter_mut().zip(vector) {
-            *sum = *sum * strength as f32 + term;
-        }
     }
 }

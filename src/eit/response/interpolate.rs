@@ -1,4 +1,4 @@
-//! Interpolation in the response table: cubic in place and radius, polynomial in strength.
+//! Interpolation in the response table: cubic in place and radius, in strength as `law.rs` says.
 //!
 //! Being piecewise cubic, a response has the continuous derivatives that a fit needs.
 //!
@@ -9,6 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
 use super::cubic::Cubic;
+use super::law::StrengthLaw;
 use super::places::{Places, RADII, RADIUS_STEP};
 use super::shaped::ShapedResponse;
 use super::table::{Response, ResponseTable};
@@ -40,7 +41,7 @@ impl ResponseTable {
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
         value.resize(self.rank, 0.0);
-        let size = SizeWeights::new(touch, &self.places);
+        let size = SizeWeights::new(touch, &self.places, self.law);
         let [across, up] = self.cubics(touch);
         let sign = self.sign_index(touch);
         let mut at_place = vec![0.0f32; self.rank];
@@ -112,7 +113,7 @@ impl<'a> Interpolation<'a> {
         }
         let [across, up] = table.cubics(touch);
         let sign = table.sign_index(touch);
-        let size = SizeWeights::new(touch, &table.places);
+        let size = SizeWeights::new(touch, &table.places, table.law);
         let terms = std::array::from_fn(|index| {
             let (row, column) = (up.first + index / 4, across.first + index % 4);
             let place = row * table.places.columns + column;
@@ -195,7 +196,7 @@ fn response_at(
     sums
 }
 
-/// Weights of the terms at four radii: area x strength x a polynomial in the strength.
+/// Weights of the terms at four radii: area x the law's factors.
 struct SizeWeights {
     first_radius: usize,
     /// Radii x powers: the weight, its derivative by log radius, its derivative by strength.
@@ -203,25 +204,21 @@ struct SizeWeights {
 }
 
 impl SizeWeights {
-    fn new(touch: &TouchModel, places: &Places) -> Self {
+    fn new(touch: &TouchModel, places: &Places, law: StrengthLaw) -> Self {
         let step = libm::log(RADIUS_STEP);
         let least = libm::log(places.least_radius_mm());
         let radius = Cubic::at((touch.log_radius - least) / step, RADII).per(step);
         let log_least = least + step;
         let log_most = least + step * (RADII - 2) as f64;
         let area = libm::exp(2.0 * touch.log_radius.clamp(log_least, log_most));
-        let s = touch.strength;
+        let factors = law.factors(touch.strength);
         let terms = std::array::from_fn(|index| {
             let (k, power) = (index / POWERS, index % POWERS);
             let (value, slope) = (f64::from(radius.value[k]), f64::from(radius.slope[k]));
-            let (by_s, rising) = match power {
-                0 => (s, 1.0),
-                1 => (s * s, 2.0 * s),
-                _ => (s * s * s, 3.0 * s * s),
-            };
+            let [factor, rising] = factors[power];
             [
-                area * value * by_s,
-                area * (2.0 * value + slope) * by_s,
+                area * value * factor,
+                area * (2.0 * value + slope) * factor,
                 area * value * rising,
             ]
             .map(|term| term as f32)

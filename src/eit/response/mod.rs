@@ -8,6 +8,7 @@ mod bytes;
 mod cubic;
 mod derived;
 mod interpolate;
+mod law;
 mod learned;
 mod once_slots;
 mod places;

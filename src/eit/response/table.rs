@@ -4,6 +4,7 @@
 //! basis of it instead of one value per channel. Several touches superpose: from two radii apart, their interaction is
 //! smaller than the model error.
 
+use super::law::StrengthLaw;
 use super::places::Places;
 use super::stretch::{StretchResponse, Stretches};
 use super::terms::{SIGNS, Terms};
@@ -21,6 +22,8 @@ pub struct ResponseTable {
     /// Rank x channels, rows orthonormal: coordinates times the basis are relative changes.
     pub(super) basis: Vec<f32>,
     pub(super) places: Places,
+    /// How responses grow with strength.
+    pub(super) law: StrengthLaw,
     /// Of each sign at each place. Tables of the first version hold one sign, that of the pad.
     pub(super) terms: Terms,
     /// What longer fingers add; none in tables of older recordings and of pads that were learned.
@@ -145,6 +148,7 @@ impl ResponseTable {
             terms: Terms::new(terms, rank, orbits, &basis),
             basis,
             places,
+            law: StrengthLaw::Strength,
             stretches: None,
         }
     }

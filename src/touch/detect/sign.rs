@@ -278,10 +278,10 @@ impl Detector {
             return false;
         }
         let noise = self.noise().0;
-        let (as_lift, sign) = locator.rest_as_lift(&self.changes, noise);
+        let lift = locator.explain_lift(&self.changes, noise);
         // The present touches may fit poorly where others would fit well.
-        if as_lift > LIFT_SHARE * rest
-            || as_lift > LIFT_SHARE * locator.rest_as_touches(&self.changes, noise)
+        if lift.rest > LIFT_SHARE * rest
+            || lift.rest > LIFT_SHARE * locator.rest_as_touches(&self.changes, noise, &lift)
         {
             return false;
         }
@@ -293,7 +293,7 @@ impl Detector {
             otherwise: self.sign.expected,
         };
         // The locator follows with the next frame.
-        self.sign.expected = sign;
+        self.sign.expected = lift.sign;
         self.sign.tried = Some(tried);
         self.retake_reference(&[(frame.t_ns, frame.volts.clone())]);
         true

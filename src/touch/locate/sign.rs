@@ -9,6 +9,7 @@
 use super::locator::{DOWN_GAIN, Locator};
 use super::metric::energy;
 use super::recent::REFUSED_GROWTH;
+use crate::eit::response::TouchModel;
 use crate::pad::TouchSign;
 
 /// Steps of the fit of a single touch.
@@ -38,6 +39,17 @@ pub enum Onset {
         /// Whether one of the two explains the frame so much better than touches of the expected sign that noise cannot be the reason.
         is_clear: bool,
     },
+}
+
+/// A frame explained as the lift of fingers that the reference was taken under.
+#[derive(Clone, Debug)]
+pub struct Lift {
+    /// What it leaves, as a multiple of noise and model error.
+    pub rest: f64,
+    /// Sign of the fingers.
+    pub sign: TouchSign,
+    /// The fingers.
+    fingers: Vec<TouchModel>,
 }
 
 impl Locator {
@@ -70,29 +82,49 @@ impl Locator {
         onset
     }
 
-    /// What the lift of all fingers that the reference was taken under leaves of a frame, as a multiple of noise and model error,
-    /// and the sign of those fingers. The touches of the fit stay as they are.
+    /// A frame as the lift of all fingers that the reference was taken under. The touches of the fit stay as they are.
     #[must_use]
-    pub fn rest_as_lift(&self, changes: &[f32], noise: f64) -> (f64, TouchSign) {
+    pub fn explain_lift(&self, changes: &[f32], noise: f64) -> Lift {
         let before = reference_seen_from(changes);
-        let rest = |sign| {
+        let fingers = |sign| {
             let mut copy = self.clone();
             copy.bounds.sign = sign;
-            (copy.explain_alone(&before, noise).1, sign)
+            let (_, rest) = copy.explain_alone(&before, noise);
+            let fingers = std::mem::take(&mut copy.best.touches);
+            Lift {
+                rest,
+                sign,
+                fingers,
+            }
         };
-        let [expected, opposite] = [self.sign(), self.sign().opposite()].map(rest);
-        if opposite.0 < expected.0 {
+        let [expected, opposite] = [self.sign(), self.sign().opposite()].map(fingers);
+        if opposite.rest < expected.rest {
             opposite
         } else {
             expected
         }
     }
 
-    /// Searches a frame for touches of the expected sign, as if none were down. Returns what they do not explain, as a multiple of noise
-    /// and model error. The touches that are down do not change.
+    /// Searches a frame for touches of the expected sign, as if none were down, and for the fingers of a lift as if they had just
+    /// landed: a faint finger that lands changes the readings as one of the other sign that lifts. Returns what they do not explain, as
+    /// a multiple of noise and model error. The touches that are down do not change.
     #[must_use]
-    pub fn rest_as_touches(&self, changes: &[f32], noise: f64) -> f64 {
-        self.clone().explain_alone(changes, noise).1
+    pub fn rest_as_touches(&self, changes: &[f32], noise: f64, lift: &Lift) -> f64 {
+        let mut copy = self.clone();
+        let (left, rest) = copy.explain_alone(changes, noise);
+        let landed = |finger: &TouchModel| TouchModel {
+            sign: finger.sign.opposite(),
+            ..*finger
+        };
+        let landed: Vec<TouchModel> = lift.fingers.iter().map(landed).collect();
+        if lift.sign == self.sign() || landed.is_empty() || left <= 0.0 {
+            return rest;
+        }
+        copy.try_fit(&landed, 0);
+        eprintln!("DBG lift {} {:?} {:?}: search leaves {left} rest {rest}; landed at once {}", lift.rest, lift.sign, lift.fingers, energy(&copy.trial.residual));
+        copy.try_fit(&landed, FIT_STEPS);
+        eprintln!("DBG   fitted {} {:?} {}", energy(&copy.trial.residual), copy.trial.touches, copy.model.table.rank());
+        rest * (energy(&copy.trial.residual) / left).min(1.0)
     }
 
     fn judge_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
@@ -126,14 +158,15 @@ impl Locator {
         Onset::Unclear
     }
 
-    /// What touches leave of a frame, squared deviations, and as a multiple of noise and model error. Forgets them afterwards.
+    /// What touches leave of a frame, squared deviations, and as a multiple of noise and model error. Afterwards the touches are the
+    /// best trial, and those of the fit are forgotten.
     fn explain_alone(&mut self, changes: &[f32], noise: f64) -> (f64, f64) {
         self.forget_touches();
         self.take_frame(changes, noise);
         self.find_touches(noise, 0.0);
         let quality = self.quality(noise);
         let found = energy(&self.fit.residual);
-        let mut left = found;
+        self.best.clone_from(&self.fit);
         // A single touch, from several starts and anywhere.
         for place_mm in self
             .model
@@ -142,8 +175,11 @@ impl Locator {
         {
             let touch = self.bounds.typical(place_mm);
             self.try_fit(&[touch], FIT_STEPS);
-            left = left.min(energy(&self.trial.residual));
+            if energy(&self.trial.residual) < energy(&self.best.residual) {
+                std::mem::swap(&mut self.trial, &mut self.best);
+            }
         }
+        let left = energy(&self.best.residual);
         self.forget_touches();
         (left, quality.rest * left / found.max(f64::MIN_POSITIVE))
     }
