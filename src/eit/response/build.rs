@@ -16,6 +16,7 @@ use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, LinearResponses, Scatterer};
+use super::spline;
 use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
 use super::table::ResponseTable;
@@ -26,7 +27,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
 /// Radii that are solved; the smallest and the largest are extrapolated from them.
@@ -243,6 +244,9 @@ impl ResponseBuilder {
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
         let mut solved = terms.concat();
+        if law == StrengthLaw::Rise {
+            solved = spline::through_terms(solved, rank, &self.orbits, &self.places, &basis);
+        }
         quantized::round(&mut solved, &self.places, rank);
         ResponseTable {
             key: self.key,

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use super::scatter::LinearResponses;
 use super::table::ResponseTable;
 use super::terms::{POWERS, SIGNS};
+use super::touch_model::{Shape, TouchModel};
 use crate::eit::SetupError;
-use crate::eit::cholesky::add_scaled;
-use crate::pad::Pad;
+use crate::pad::{Pad, TouchSign};
 
 /// The drawing's table, and both pads' linear parts.
 #[derive(Clone, Debug)]
@@ -53,15 +53,21 @@ impl DerivedResponses {
         let found = self.found.per_rise(centre_mm, radius_mm);
         let own: f64 = drawn.iter().map(|change| change * change).sum();
         let mut samples = Vec::with_capacity(SIGNS * POWERS * drawn.len());
-        let mut coordinates = vec![0.0; table.rank];
+        let mut coordinates = Vec::new();
         let mut response = vec![0.0; table.channels];
-        for sign in 0..SIGNS {
-            let terms = table.terms.at(sign, place, radius);
+        for sign in [TouchSign::Rise, TouchSign::Fall] {
             for strength in strengths {
-                coordinates.fill(0.0);
-                let factors = table.law.factors(*strength);
-                for (vector, [factor, _]) in terms.chunks_exact(table.rank).zip(factors) {
-                    add_scaled(&mut coordinates, vector, (factor / strength) as f32);
+                let touch = TouchModel {
+                    centre_mm,
+                    log_radius: libm::log(radius_mm),
+                    strength: *strength,
+                    sign,
+                    shape: Shape::Round,
+                };
+                table.respond_value(&touch, &mut coordinates);
+                let scale = (1.0 / (radius_mm * radius_mm * strength)) as f32;
+                for value in &mut coordinates {
+                    *value *= scale;
                 }
                 table.expand(&coordinates, &mut response);
                 let along = drawn.iter().zip(&response).map(|(d, r)| d * f64::from(*r));

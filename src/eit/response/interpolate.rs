@@ -8,7 +8,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
-use super::cubic::Cubic;
+use super::cubic::{Cubic, Interpolant};
 use super::law::StrengthLaw;
 use super::places::{Places, RADII, RADIUS_STEP};
 use super::shaped::ShapedResponse;
@@ -41,7 +41,7 @@ impl ResponseTable {
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
         value.resize(self.rank, 0.0);
-        let size = SizeWeights::new(touch, &self.places, self.law);
+        let size = SizeWeights::new(touch, self);
         let [across, up] = self.cubics(touch);
         let sign = self.sign_index(touch);
         let mut at_place = vec![0.0f32; self.rank];
@@ -70,6 +70,14 @@ impl ResponseTable {
         }
     }
 
+    /// What the terms are.
+    fn interpolant(&self) -> Interpolant {
+        match self.law {
+            StrengthLaw::Rise => Interpolant::Spline,
+            StrengthLaw::Strength => Interpolant::Values,
+        }
+    }
+
     /// The weights of places along x and y.
     fn cubics(&self, touch: &TouchModel) -> [Cubic; 2] {
         let Places {
@@ -81,7 +89,9 @@ impl ResponseTable {
         let margin = self.places.margin as f64;
         let [x, y] = touch.centre_mm;
         [(x, columns), (y, rows)]
-            .map(|(at_mm, count)| Cubic::at(at_mm / pitch_mm + margin, count).per(pitch_mm))
+            .map(|(at_mm, count)| {
+                Cubic::at(self.interpolant(), at_mm / pitch_mm + margin, count).per(pitch_mm)
+            })
     }
 
     fn sign_index(&self, touch: &TouchModel) -> usize {
@@ -113,7 +123,7 @@ impl<'a> Interpolation<'a> {
         }
         let [across, up] = table.cubics(touch);
         let sign = table.sign_index(touch);
-        let size = SizeWeights::new(touch, &table.places, table.law);
+        let size = SizeWeights::new(touch, table);
         let terms = std::array::from_fn(|index| {
             let (row, column) = (up.first + index / 4, across.first + index % 4);
             let place = row * table.places.columns + column;
@@ -204,14 +214,16 @@ struct SizeWeights {
 }
 
 impl SizeWeights {
-    fn new(touch: &TouchModel, places: &Places, law: StrengthLaw) -> Self {
+    fn new(touch: &TouchModel, table: &ResponseTable) -> Self {
+        let places = &table.places;
         let step = libm::log(RADIUS_STEP);
         let least = libm::log(places.least_radius_mm());
-        let radius = Cubic::at((touch.log_radius - least) / step, RADII).per(step);
+        let at = (touch.log_radius - least) / step;
+        let radius = Cubic::at(table.interpolant(), at, RADII).per(step);
         let log_least = least + step;
         let log_most = least + step * (RADII - 2) as f64;
         let area = libm::exp(2.0 * touch.log_radius.clamp(log_least, log_most));
-        let factors = law.factors(touch.strength);
+        let factors = table.law.factors(touch.strength);
         let terms = std::array::from_fn(|index| {
             let (k, power) = (index / POWERS, index % POWERS);
             let (value, slope) = (f64::from(radius.value[k]), f64::from(radius.slope[k]));
