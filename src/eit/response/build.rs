@@ -27,7 +27,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
 const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
 /// Radii that are solved; the smallest and the largest are extrapolated from them.
@@ -122,7 +122,11 @@ impl ResponseBuilder {
     }
 
     fn with_responses(pad: &Pad, responses: Responses) -> Self {
-        let places = Places::new(pad.outline.size_mm());
+        let size_mm = pad.outline.size_mm();
+        let places = match responses.law() {
+            StrengthLaw::Rise => Places::new(size_mm),
+            StrengthLaw::Strength => Places::of_values(size_mm),
+        };
         Self {
             responses,
             orbits: Orbits::new(pad, &places),

@@ -36,9 +36,29 @@ impl ResponseTable {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
     }
 
-    /// The value of [`ResponseTable::respond`] of a round touch alone, the same to the bit. Fast for touches at grid points with a radius of the
-    /// table: terms of weight 0 are not turned.
+    /// The value of [`ResponseTable::respond`] of a round touch alone: the same to the bit, but for rounding at grid points that follow from
+    /// others. Fast there, and for radii of the table: few terms are turned.
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
+        let place = self.places.index_at(touch.centre_mm);
+        // Around the origin of a place, most places are solved.
+        let follows = place.and_then(|place| Some((place, self.terms.origin_of(place)?)));
+        match follows.filter(|_| self.interpolant() == Interpolant::Spline) {
+            Some((place, origin)) => {
+                let at_origin = TouchModel {
+                    centre_mm: self.places.at_mm(origin),
+                    ..*touch
+                };
+                let mut response = Vec::new();
+                self.sum_value(&at_origin, &mut response);
+                value.clear();
+                value.resize(self.rank, 0.0);
+                self.terms.turn(place, &response, value);
+            }
+            None => self.sum_value(touch, value),
+        }
+    }
+
+    fn sum_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
         value.resize(self.rank, 0.0);
         let size = SizeWeights::new(touch, self);

@@ -180,6 +180,9 @@ impl Locator {
         } else {
             self.recent.clear();
         }
+        if self.fit.touches.len() > touches && self.model.table.has_both_signs() {
+            self.try_other_sizes();
+        }
     }
 
     /// Places every touch by this frame and those before.

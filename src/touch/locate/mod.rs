@@ -22,6 +22,7 @@ mod place_held;
 mod recent;
 mod responses;
 mod sign;
+mod sizes;
 mod templates;
 
 pub(super) use located_pad::LocatedPad;
