@@ -28,8 +28,9 @@ use crate::pad::Pad;
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
 const VERSION: u32 = 6;
-/// Strengths at which responses of either sign are solved: rises of 0.4, 1.4 and 4.5.
-const STRENGTHS: [f64; POWERS] = [0.21, 0.48, 0.75];
+/// Strengths whose responses of either sign a table is made from: the faintest touch, which the Jacobian gives, and rises of 1.2 and
+/// 4.3.
+const STRENGTHS: [f64; POWERS] = [0.0, 0.44, 0.74];
 /// Radii that are solved; the smallest and the largest are extrapolated from them.
 const SOLVED: usize = RADII - 2;
 /// Samples per place: radii x signs x strengths.
@@ -173,9 +174,8 @@ impl ResponseBuilder {
     /// Solves one row of places.
     #[must_use]
     pub fn solve_row(&self, row: usize) -> ResponseRow {
-        let rises = [1.0, -1.0]
-            .map(|sign| STRENGTHS.map(|s| sign * HALF_RISE * s / (1.0 - s)))
-            .concat();
+        let rise = |strength: &f64| HALF_RISE * strength / (1.0 - strength);
+        let rises: Vec<f64> = STRENGTHS[1..].iter().map(rise).collect();
         let columns = self.places.columns;
         let mut scaled = Vec::new();
         for place in row * columns..(row + 1) * columns {
@@ -196,10 +196,15 @@ impl ResponseBuilder {
                         continue;
                     }
                 };
-                let responses = scatterer.changes(centre_mm, *radius_mm, &rises);
-                for (response, strength) in responses.iter().zip(STRENGTHS.iter().cycle()) {
-                    let scale = 1.0 / (radius_mm * radius_mm * strength);
-                    scaled.extend(response.iter().map(|change| (change * scale) as f32));
+                let changes = scatterer.changes(centre_mm, *radius_mm, &rises);
+                let per_mm2 = 1.0 / (radius_mm * radius_mm);
+                for (sign, responses) in [1.0, -1.0].into_iter().zip(&changes.by_sign) {
+                    let faintest = (&changes.per_rise, sign * HALF_RISE * per_mm2);
+                    let solved = responses.iter().zip(&STRENGTHS[1..]);
+                    let solved = solved.map(|(response, strength)| (response, per_mm2 / strength));
+                    for (response, scale) in std::iter::once(faintest).chain(solved) {
+                        scaled.extend(response.iter().map(|change| (change * scale) as f32));
+                    }
                 }
             }
         }
@@ -350,7 +355,7 @@ fn extrapolated(first: &Mat<f64>, second: &Mat<f64>, third: &Mat<f64>) -> Mat<f6
 
 /// Samples x powers: the terms that give the samples, which are divided by their strength.
 fn powers_through_strengths(law: StrengthLaw) -> Mat<f64> {
-    let factors = STRENGTHS.map(|strength| law.factors(strength).map(|[factor, _]| factor / strength));
+    let factors = STRENGTHS.map(|strength| law.factors_per_strength(strength));
     let design = Mat::from_fn(POWERS, POWERS, |power, sample| factors[sample][power]);
     design
         .partial_piv_lu()

@@ -27,7 +27,10 @@ impl Interpolant {
                     f3,
                 ];
                 let slope = [-g * g, 3.0 * f2 - 4.0 * f, 1.0 + 2.0 * f - 3.0 * f2, f2];
-                [value.map(|weight| weight / 6.0), slope.map(|weight| 0.5 * weight)]
+                [
+                    value.map(|weight| weight / 6.0),
+                    slope.map(|weight| 0.5 * weight),
+                ]
             }
             Self::Values => {
                 let value = [

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::scatter::LinearResponses;
 use super::table::ResponseTable;
 use super::terms::{POWERS, SIGNS};
-use super::touch_model::{Shape, TouchModel};
+use super::touch_model::{HALF_RISE, Shape, TouchModel};
 use crate::eit::SetupError;
 use crate::pad::{Pad, TouchSign};
 
@@ -57,6 +57,11 @@ impl DerivedResponses {
         let mut response = vec![0.0; table.channels];
         for sign in [TouchSign::Rise, TouchSign::Fall] {
             for strength in strengths {
+                if *strength == 0.0 {
+                    let scale = f64::from(sign.factor()) * HALF_RISE / (radius_mm * radius_mm);
+                    samples.extend(found.iter().map(|change| (scale * change) as f32));
+                    continue;
+                }
                 let touch = TouchModel {
                     centre_mm,
                     log_radius: libm::log(radius_mm),

@@ -108,10 +108,9 @@ impl ResponseTable {
         } = self.places;
         let margin = self.places.margin as f64;
         let [x, y] = touch.centre_mm;
-        [(x, columns), (y, rows)]
-            .map(|(at_mm, count)| {
-                Cubic::at(self.interpolant(), at_mm / pitch_mm + margin, count).per(pitch_mm)
-            })
+        [(x, columns), (y, rows)].map(|(at_mm, count)| {
+            Cubic::at(self.interpolant(), at_mm / pitch_mm + margin, count).per(pitch_mm)
+        })
     }
 
     fn sign_index(&self, touch: &TouchModel) -> usize {

@@ -3,8 +3,8 @@
 //! A spot in a conductor changes a reading by rise / (1 + b rise) to first approximation, b between 0 and 1: 1 where the spot fills
 //! a channel, 0 where it lies along the current, 1/2 for a disc in an even sheet (Jackson, Classical Electrodynamics, section 4.4, in two
 //! dimensions). Divided by the rise, that is nearly a straight line in rise / (rise + 2.5) for every such b, from the faintest touch on, so
-//! few terms describe it: on the shipped lattice they are off by 0.1 % of a response between the solved strengths and by 0.4 % below
-//! them, where a polynomial in the strength is off by 0.6 % and 3 %, of falling touches 7 %.
+//! few terms describe it: on the shipped lattice they are off by 0.3 % of a response, where three terms of a polynomial in the strength are off
+//! by 0.6 %, and by 3 to 7 % of a faint response.
 
 use super::terms::POWERS;
 use super::touch_model::HALF_RISE;
@@ -23,6 +23,15 @@ pub(super) enum StrengthLaw {
 }
 
 impl StrengthLaw {
+    /// The factor of each term, divided by the strength.
+    pub(super) fn factors_per_strength(self, strength: f64) -> [f64; POWERS] {
+        if strength > 0.0 {
+            self.factors(strength).map(|[factor, _]| factor / strength)
+        } else {
+            self.factors(0.0).map(|[_, slope]| slope)
+        }
+    }
+
     /// The factor of each term and its derivative by the strength.
     pub(super) fn factors(self, strength: f64) -> [[f64; 2]; POWERS] {
         let s = strength;
@@ -33,10 +42,7 @@ impl StrengthLaw {
                 let v = rise / (rise + MIDDLE_RISE);
                 let mut power = 1.0;
                 std::array::from_fn(|k| {
-                    let factor = [
-                        rise * power,
-                        slope * power * (1.0 + k as f64 * (1.0 - v)),
-                    ];
+                    let factor = [rise * power, slope * power * (1.0 + k as f64 * (1.0 - v))];
                     power *= v;
                     factor
                 })
@@ -49,17 +55,63 @@ impl StrengthLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eit::response::strength_from_rise;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
         fn slopes_are_those_of_the_factors(strength in 0.01..0.79f64, is_of_rise in any::<bool>()) {
             let law = if is_of_rise { StrengthLaw::Rise } else { StrengthLaw::Strength };
+            let per_strength = law.factors_per_strength(strength);
             let [before, after] = [-1e-5, 1e-5].map(|by| law.factors(strength + by));
-            for (power, [_, slope]) in law.factors(strength).into_iter().enumerate() {
+            for (power, [factor, slope]) in law.factors(strength).into_iter().enumerate() {
+                prop_assert!((strength * per_strength[power] - factor).abs() < 1e-12 * factor);
                 let seen = (after[power][0] - before[power][0]) / 2e-5;
                 prop_assert!((seen - slope).abs() < 1e-6 * slope, "{power}: {seen} for {slope}");
             }
+        }
+    }
+
+    #[test]
+    fn three_terms_describe_how_spots_of_every_shape_saturate() {
+        // As the table: through the faintest touch and two others.
+        let through = [0.0, 0.44, 0.74];
+        let factors = through.map(|strength| StrengthLaw::Rise.factors_per_strength(strength));
+        for b in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let exact = |rise: f64| rise / (1.0 + b * rise);
+            let per_strength = |s: f64| match s {
+                0.0 => HALF_RISE,
+                _ => exact(HALF_RISE * s / (1.0 - s)) / s,
+            };
+            let mut terms = through.map(per_strength).to_vec();
+            let mut matrix: Vec<f64> = factors.concat();
+            solve(&mut matrix, &mut terms);
+            for rise in [0.02, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0] {
+                let factors = StrengthLaw::Rise.factors(strength_from_rise(rise));
+                let sum: f64 = factors
+                    .iter()
+                    .zip(&terms)
+                    .map(|(f, term)| f[0] * term)
+                    .sum();
+                let off = sum / exact(rise) - 1.0;
+                assert!(off.abs() < 0.04, "b {b}, rise {rise}: {off}");
+            }
+        }
+    }
+
+    /// Solves three equations by elimination.
+    fn solve(matrix: &mut [f64], right: &mut [f64]) {
+        for pivot in 0..POWERS {
+            for row in (0..POWERS).filter(|row| *row != pivot) {
+                let factor = matrix[row * POWERS + pivot] / matrix[pivot * POWERS + pivot];
+                for column in 0..POWERS {
+                    matrix[row * POWERS + column] -= factor * matrix[pivot * POWERS + column];
+                }
+                right[row] -= factor * right[pivot];
+            }
+        }
+        for row in 0..POWERS {
+            right[row] /= matrix[row * POWERS + row];
         }
     }
 }

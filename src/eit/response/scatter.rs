@@ -59,6 +59,14 @@ struct Level {
     triangles: Buckets,
 }
 
+/// Relative changes of all readings for presses at one place that differ in their rise only.
+pub(super) struct Changes {
+    /// Of the faintest press that raises the conductivity, per rise at its centre.
+    pub(super) per_rise: Vec<f64>,
+    /// For each rise: of presses that multiply the conductivity by 1 + rise, and of those that divide it.
+    pub(super) by_sign: [Vec<Vec<f64>>; 2],
+}
+
 impl Scatterer {
     /// The first-order part.
     pub(super) fn linear(&self) -> &LinearResponses {
@@ -82,10 +90,9 @@ impl Scatterer {
         })
     }
 
-    /// Relative changes of all readings for presses that differ in their rise only: one vector per rise. A negative rise is
-    /// that of a touch that lowers the conductivity: it is divided by 1 + |rise|.
+    /// Relative changes of all readings for presses that differ in their rise only.
     #[must_use]
-    pub fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Vec<Vec<f64>> {
+    pub(super) fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Changes {
         let press = |rise| Press {
             centre_mm,
             radius_mm,
@@ -99,23 +106,23 @@ impl Scatterer {
         };
         // The two meshes differ in amplitude as well as in shape.
         let scale = (norm(&fine) / norm(&coarse).max(f64::MIN_POSITIVE)).min(2.0);
-        rises
-            .iter()
-            .map(|rise| {
-                let press = press(rise.abs());
-                let sign = if *rise < 0.0 {
-                    TouchSign::Fall
-                } else {
-                    TouchSign::Rise
-                };
+        let by_sign = [TouchSign::Rise, TouchSign::Fall].map(|sign| {
+            let solved = rises.iter().map(|rise| {
+                let press = press(*rise);
                 let change = self.stiffness_change(&local, |point| press.change(point, sign));
                 let exact = self.relative(&local, &change, &local.touched_fields(&change));
+                let rise = f64::from(sign.factor()) * rise;
                 fine.iter()
                     .zip(coarse.iter().zip(&exact))
                     .map(|(fine, (first, exact))| rise * fine + scale * (exact - rise * first))
                     .collect()
-            })
-            .collect()
+            });
+            solved.collect()
+        });
+        Changes {
+            per_rise: fine,
+            by_sign,
+        }
     }
 
     /// Change of the stiffness between local nodes for a relative change of conductivity: (row, column, siemens).

@@ -20,7 +20,9 @@ pub(super) fn through_terms(
     let stride = POWERS * rank;
     let of_place = RADII * stride;
     let terms = Terms::new(terms, rank, orbits.clone(), basis);
-    let solved: Vec<usize> = (0..places.len()).filter(|place| orbits.is_solved(*place)).collect();
+    let solved: Vec<usize> = (0..places.len())
+        .filter(|place| orbits.is_solved(*place))
+        .collect();
     let mut all = vec![0.0f32; SIGNS * solved.len() * of_place];
     let mut grid = vec![0.0f64; places.len() * stride];
     for sign in 0..SIGNS {
