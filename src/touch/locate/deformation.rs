@@ -13,7 +13,7 @@ const DEGREE: usize = 5;
 /// An edge dries over this share of the pad's longer side.
 const EDGE_SHARE: f64 = 0.1;
 /// The patterns are sums of the responses of faint touches that stand this share of the longer side apart.
-const SPACING_SHARE: f64 = 1.0 / 30.0;
+const SPACING_SHARE: f64 = 0.04;
 /// Their relative rise.
 const FAINT_RISE: f64 = 0.02;
 /// Patterns whose part that the others do not explain is below this share add nothing.
