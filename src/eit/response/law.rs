@@ -86,7 +86,7 @@ mod tests {
             let mut terms = through.map(per_strength).to_vec();
             let mut matrix: Vec<f64> = factors.concat();
             solve(&mut matrix, &mut terms);
-            for rise in [0.02, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0] {
+            for rise in [0.02, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0, 4.5] {
                 let factors = StrengthLaw::Rise.factors(strength_from_rise(rise));
                 let sum: f64 = factors
                     .iter()
@@ -94,7 +94,7 @@ mod tests {
                     .map(|(f, term)| f[0] * term)
                     .sum();
                 let off = sum / exact(rise) - 1.0;
-                assert!(off.abs() < 0.04, "b {b}, rise {rise}: {off}");
+                assert!(off.abs() < 0.05, "b {b}, rise {rise}: {off}");
             }
         }
     }
