@@ -181,7 +181,7 @@ impl Locator {
             self.recent.clear();
         }
         if self.fit.touches.len() > touches && self.model.table.has_both_signs() {
-            self.try_other_sizes();
+            self.try_other_sizes(noise);
         }
     }
 

@@ -121,20 +121,7 @@ impl Locator {
             return rest;
         }
         copy.try_fit(&landed, 0);
-        eprintln!(
-            "DBG lift {} {:?} {:?}: search leaves {left} rest {rest}; landed at once {}",
-            lift.rest,
-            lift.sign,
-            lift.fingers,
-            energy(&copy.trial.residual)
-        );
         copy.try_fit(&landed, FIT_STEPS);
-        eprintln!(
-            "DBG   fitted {} {:?} {}",
-            energy(&copy.trial.residual),
-            copy.trial.touches,
-            copy.model.table.rank()
-        );
         rest * (energy(&copy.trial.residual) / left).min(1.0)
     }
 

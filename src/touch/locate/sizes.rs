@@ -11,13 +11,15 @@ use crate::eit::response::{MOST_STRENGTH, Shape, TouchModel, strength_from_rise}
 
 /// Where the fits start between the least and the largest log radius.
 const STARTS: [f64; 3] = [0.1, 0.5, 0.9];
+/// Another size explains at least this many squared deviations more: less is noise, and a typical finger is likelier.
+const LEAST_GAIN: f64 = 9.0;
 /// A fit that starts closer than this (log radius) to the one so far would end there, too.
 const LEAST_STEP: f64 = 0.1;
 
 impl Locator {
     /// Fits each round touch of the fit again, from other sizes of the same volume while the others stay, and takes what explains the
-    /// frame better.
-    pub(super) fn try_other_sizes(&mut self) {
+    /// frame much better.
+    pub(super) fn try_other_sizes(&mut self, noise: f64) {
         let frame = self.frame.coordinates.clone();
         let mut is_better = false;
         for index in 0..self.fit.touches.len() {
@@ -30,6 +32,7 @@ impl Locator {
             add_scaled(&mut self.frame.coordinates, own, 1.0);
             self.try_fit(&[touch], 0);
             std::mem::swap(&mut self.trial, &mut self.best);
+            let cost = self.best.cost;
             for start in self.sizes_like(&touch) {
                 self.try_fit(&[start], NEW_TOUCH_STEPS);
                 if self.trial.cost < self.best.cost {
@@ -37,7 +40,7 @@ impl Locator {
                 }
             }
             let best = self.best.touches[0];
-            if best != touch {
+            if best != touch && self.best.cost < cost - LEAST_GAIN * noise {
                 is_better = true;
                 self.fit.touches[index] = best;
                 self.fit.responses[index].clone_from(&self.best.responses[0]);
