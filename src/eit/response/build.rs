@@ -27,7 +27,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Strengths whose responses of either sign a table is made from: the faintest touch, which the Jacobian gives, and rises of 1.2 and
 /// 4.3.
 const STRENGTHS: [f64; POWERS] = [0.0, 0.44, 0.74];
@@ -123,11 +123,7 @@ impl ResponseBuilder {
     }
 
     fn with_responses(pad: &Pad, responses: Responses) -> Self {
-        let size_mm = pad.outline.size_mm();
-        let places = match responses.law() {
-            StrengthLaw::Rise => Places::new(size_mm),
-            StrengthLaw::Strength => Places::of_values(size_mm),
-        };
+        let places = Places::new(pad.outline.size_mm());
         Self {
             responses,
             orbits: Orbits::new(pad, &places),

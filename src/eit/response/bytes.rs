@@ -111,10 +111,7 @@ impl ResponseTable {
             let orbits = Orbits::none(&places, pad.channels());
             Self::read(bytes, places, orbits, 1, pad.channels())
         } else {
-            let places = match bytes.starts_with(MAGIC) {
-                true => Places::new(size_mm),
-                false => Places::of_values(size_mm),
-            };
+            let places = Places::new(size_mm);
             let orbits = Orbits::new(pad, &places);
             Self::read(bytes, places, orbits, SIGNS, pad.channels())
         }

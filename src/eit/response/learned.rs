@@ -27,7 +27,7 @@ impl LearnedResponses {
     /// Prepares the maps of a pad.
     pub(super) fn new(pad: &Pad, maps: &Arc<LearnedMaps>) -> Self {
         let size_mm = pad.outline.size_mm();
-        let radii_mm = Places::of_values(size_mm).radii_mm();
+        let radii_mm = Places::new(size_mm).radii_mm();
         let radius_mm = radii_mm[radii_mm.len() / 2];
         let area_mm2 = 0.5 * std::f64::consts::PI * radius_mm * radius_mm;
         let strength = strength_from_rise(TYPICAL_PRESS_MM2 / area_mm2);

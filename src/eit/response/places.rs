@@ -2,11 +2,9 @@
 
 use crate::types::PointMm;
 
-/// Grid steps along a pad's longer side: 1.7 mm on a 100 mm pad. Over the channels of a lattice, splines through the responses are then
-/// off by 0.3 % of a response; with 2 mm by 0.6 %, with 1 mm by 0.06 %, which would take three times as long to solve.
-const PLACES_ALONG: f64 = 60.0;
-/// The same in tables of values instead of splines.
-const VALUES_ALONG: f64 = 50.0;
+/// Grid steps along a pad's longer side: 2 mm on a 100 mm pad. Over the channels of a lattice, splines through the responses are then
+/// off by 0.6 % of a response; with 1.5 mm by 0.3 %, for a table of twice the size.
+const PLACES_ALONG: f64 = 50.0;
 /// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
 /// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.
 pub(super) const RADII: usize = 7;
@@ -14,9 +12,7 @@ pub(super) const RADII: usize = 7;
 const LEAST_RADIUS_SHARE: f64 = 0.044;
 pub(super) const RADIUS_STEP: f64 = 1.22;
 /// Grid steps beyond the pad's box on each side: a finger at the edge may have its centre outside.
-const MARGIN: usize = 4;
-/// The same in tables of values.
-const VALUES_MARGIN: usize = 3;
+const MARGIN: usize = 3;
 /// The same in tables of the first version: what the cubic interpolation needs.
 const OLD_MARGIN: usize = 1;
 /// What the grid of a table depends on beside the pad.
@@ -32,8 +28,6 @@ pub(super) const CONSTANTS: [f64; 5] = [
 /// interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Places {
-    /// Steps along the longer side of the box.
-    along: f64,
     pub(super) pitch_mm: f64,
     pub(super) columns: usize,
     pub(super) rows: usize,
@@ -44,24 +38,18 @@ pub(super) struct Places {
 impl Places {
     /// The grid of a pad of the given width and height, mm.
     pub(super) fn new(size_mm: [f64; 2]) -> Self {
-        Self::with_steps(size_mm, PLACES_ALONG, MARGIN)
-    }
-
-    /// The grid of tables of values.
-    pub(super) fn of_values(size_mm: [f64; 2]) -> Self {
-        Self::with_steps(size_mm, VALUES_ALONG, VALUES_MARGIN)
+        Self::with_margin(size_mm, MARGIN)
     }
 
     /// The grid of tables of the first version.
     pub(super) fn old(size_mm: [f64; 2]) -> Self {
-        Self::with_steps(size_mm, VALUES_ALONG, OLD_MARGIN)
+        Self::with_margin(size_mm, OLD_MARGIN)
     }
 
-    fn with_steps([width, height]: [f64; 2], along: f64, margin: usize) -> Self {
-        let pitch_mm = width.max(height) / along;
+    fn with_margin([width, height]: [f64; 2], margin: usize) -> Self {
+        let pitch_mm = width.max(height) / PLACES_ALONG;
         let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 1 + 2 * margin;
         Self {
-            along,
             pitch_mm,
             columns: count(width),
             rows: count(height),
@@ -97,7 +85,7 @@ impl Places {
 
     /// The first radius, mm.
     pub(super) fn least_radius_mm(&self) -> f64 {
-        LEAST_RADIUS_SHARE * self.along * self.pitch_mm / RADIUS_STEP
+        LEAST_RADIUS_SHARE * PLACES_ALONG * self.pitch_mm / RADIUS_STEP
     }
 
     /// All radii, mm.
