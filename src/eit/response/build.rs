@@ -16,7 +16,6 @@ use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, LinearResponses, Scatterer};
-use super::spline;
 use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
 use super::table::ResponseTable;
@@ -27,7 +26,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 /// Strengths whose responses of either sign a table is made from: the faintest touch, which the Jacobian gives, and rises of 1.2 and
 /// 4.3.
 const STRENGTHS: [f64; POWERS] = [0.0, 0.44, 0.74];
@@ -249,9 +248,6 @@ impl ResponseBuilder {
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
         let mut solved = terms.concat();
-        if law == StrengthLaw::Rise {
-            solved = spline::through_terms(solved, rank, &self.orbits, &self.places, &basis);
-        }
         quantized::round(&mut solved, &self.places, rank);
         ResponseTable {
             key: self.key,

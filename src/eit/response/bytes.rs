@@ -3,9 +3,9 @@
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
 //! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
 //! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it. The version tells the
-//! law by which responses grow with strength (`law.rs`) and what the terms are: since the fifth, that of the rise and splines. A learned table, whose law is that of the
+//! law by which responses grow with strength (`law.rs`): since the fifth, that of the rise. A learned table, whose law is that of the
 //! strength and which does not know what longer fingers add, is of the third version. The others remain for older recordings: the fourth
-//! is the fifth with the other law, and values; the second holds the terms as f32; the first, too, of one sign at all places, and no places
+//! is the fifth with the other law; the second holds the terms as f32; the first, too, of one sign at all places, and no places
 //! beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
