@@ -128,8 +128,9 @@ fn the_same_seed_gives_the_same_files_and_snrs_are_independent() {
     // A tenth of the noise is a tenth of the bound.
     let at_80 = number(&at(&both, 1, 80.0)["place_bound_mm"]["median"]);
     assert!((bound_mm / at_80 - 10.0).abs() < 1e-6);
-    // No method is better than the bound, except by chance.
-    assert!(number(&both["bound"]["ratio"]["median"]) > 0.8);
+    // The bound is that of methods that know nothing of fingers. Ours expects typical ones and may be better, but not several times.
+    let over_bound = number(&both["bound"]["ratio"]["median"]);
+    assert!((0.25..1.3).contains(&over_bound), "{over_bound}");
     let pairs = both["discrimination"]["pairs"].as_array().expect("a list");
     let told = |index: usize| number(&pairs[index]["told_apart"]["share"]);
     assert!(told(pairs.len() - 1) > 0.9, "at 40 mm two are two");

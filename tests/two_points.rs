@@ -203,6 +203,28 @@ fn beside_a_heel_a_finger_counts_and_a_damaged_frame_does_not() {
     assert_eq!(after[5..], [0; 45], "{after:?}");
 }
 
+/// A wide soft finger beside a hole of the lattice and a small hard one 1 mm away change the readings nearly alike.
+#[test]
+fn a_soft_finger_beside_a_hole_is_not_taken_for_a_small_hard_one() {
+    let mut bench = Bench::new(13);
+    bench.noise = Noise::new(80.0, 13);
+    let fingers = [
+        ([68.9, 38.8], 8.91, 0.56),
+        ([88.2, 71.6], 7.75, 1.38),
+        ([71.2, 71.4], 8.45, 0.64),
+        ([43.3, 72.8], 6.53, 0.76),
+    ];
+    for (place, radius_mm, rise) in fingers {
+        let seen = bench
+            .touched(|point| rise * (1.0 - (apart_mm(point, place) / radius_mm).powi(2)).max(0.0));
+        let off_mm = seen.first().map(|at| apart_mm(*at, place));
+        assert!(
+            seen.len() == 1 && off_mm.is_some_and(|off_mm| off_mm < 0.4),
+            "{place:?}: {off_mm:?}"
+        );
+    }
+}
+
 /// A finger narrower than the table's smallest may press the gel over a hole of the lattice only: then nothing shows it.
 #[test]
 fn a_narrow_finger_that_the_readings_show_is_a_touch() {

@@ -1,7 +1,7 @@
 //! Electrodes that fail, a board that hangs, and one that is plugged in another way.
 
 use gelpad::eit::Press;
-use gelpad::pad::{Direction, Numbering, Renumbered};
+use gelpad::pad::{Direction, Numbering, Renumbered, TouchSign};
 use gelpad::types::{Frame, Phase};
 
 use crate::bench::{Bench, FRAME_NS, finger, wild};
@@ -326,7 +326,8 @@ fn a_press_right_after_the_lift_of_a_finger_that_lay_there_at_the_start_is_one_p
     }
 }
 
-/// The first press of a session, which may look like the lift of a finger of the other sign: a very wide finger, or two close together.
+/// The first press of a session, which may look like the lift of a finger of the other sign: a very wide finger, two close together, or the
+/// heel of a hand.
 #[test]
 fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
     let mut retaken = 0;
@@ -336,6 +337,9 @@ fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
             let close = [-6.0, 6.0]
                 .map(|off_mm| finger([x_mm + off_mm, y_mm], 7.0, 1.2))
                 .to_vec();
+            let heel = [-12.0, 12.0]
+                .map(|off_mm| finger([x_mm + off_mm, y_mm], 14.0, 1.2))
+                .to_vec();
             // The press ends before, while and after the new reference is taken.
             for (fingers, frames) in [
                 (&wide, 12),
@@ -344,6 +348,9 @@ fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
                 (&close, 12),
                 (&close, 10),
                 (&close, 11),
+                (&heel, 12),
+                (&heel, 10),
+                (&heel, 11),
             ] {
                 let mut bench = Bench::located(60.0, 12);
                 bench.play(&[], 400);
@@ -355,6 +362,25 @@ fn a_first_press_that_looks_like_a_lift_leaves_no_ghost() {
         }
     }
     assert!(retaken > 0, "some are taken for a lift at first");
+}
+
+/// Over a hole of the lattice a narrow finger touches little of the gel on either side, which looks like the lift of a long one of the
+/// other sign.
+#[test]
+fn a_first_narrow_finger_does_not_turn_the_sign() {
+    for x_mm in [21.0, 36.0, 50.0, 64.0, 79.0] {
+        for off_mm in [-1.5, 0.0, 1.5] {
+            let mut bench = Bench::located(60.0, 12);
+            bench.play(&[], 400);
+            let at_rest = bench.detector.references_retaken();
+            bench.play(&[finger([x_mm + off_mm, 50.0], 3.0, 2.0)], 10);
+            bench.play(&[], 20);
+            let what = format!("at {} mm", x_mm + off_mm);
+            assert_eq!(bench.detector.touch_sign(), TouchSign::Rise, "{what}");
+            assert_eq!(bench.detector.references_retaken(), at_rest, "{what}");
+            assert_eq!(bench.down(), [], "{what}");
+        }
+    }
 }
 
 /// Palms, heels, forearms: up to four wide fingers, which may overlap. Each search ends, and half a second after the lift nothing is down.
