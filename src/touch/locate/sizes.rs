@@ -1,8 +1,7 @@
 //! New touches are fitted again from other sizes.
 //!
 //! Where a finger lies over a hole of a lattice, a small hard one and a wide soft one beside it change the readings nearly alike,
-//! and a fit that starts from a typical finger may end at the wrong one: at 80 dB one touch in ten is up to 1.5 mm off
-//! for this alone.
+//! and a fit that starts from a typical finger may end at the wrong one.
 
 use super::locator::{Locator, volume_mm2};
 use super::new_touches::NEW_TOUCH_STEPS;
