@@ -2,7 +2,7 @@
 
 use gelpad::eit::Press;
 use gelpad::pad::{Direction, Numbering, Renumbered, TouchSign};
-use gelpad::types::{Frame, Phase};
+use gelpad::types::{Contact, Frame, Phase, distance_mm};
 
 use crate::bench::{Bench, FRAME_NS, finger, wild};
 
@@ -379,6 +379,72 @@ fn a_first_narrow_finger_does_not_turn_the_sign() {
             assert_eq!(bench.detector.touch_sign(), TouchSign::Rise, "{what}");
             assert_eq!(bench.detector.references_retaken(), at_rest, "{what}");
             assert_eq!(bench.down(), [], "{what}");
+        }
+    }
+}
+
+/// A fist, or metal: far more than the table's strongest touch, which the fit must not run away from.
+#[test]
+fn presses_far_stronger_than_any_finger_are_touches_and_lift() {
+    let mut bench = Bench::located(60.0, 4);
+    bench.play(&[], 400);
+    for place_mm in [[50.0, 50.0], [3.0, 60.0], [97.0, 96.0], [30.0, 79.0]] {
+        for radius_mm in [3.0, 7.0, 15.0] {
+            for rise in [8.0, 40.0, 1000.0] {
+                bench.play(&[finger(place_mm, radius_mm, rise)], 12);
+                for touch in bench.down() {
+                    let Contact {
+                        centre_mm: [x, y],
+                        force,
+                        ..
+                    } = touch.contact;
+                    let is_on_pad = [x, y].iter().all(|at| (0.0..=100.0).contains(at));
+                    assert!(is_on_pad && (0.0..=1.0).contains(&force), "{touch:?}");
+                }
+                bench.play(&[], 50);
+                let what = format!("{place_mm:?}, radius {radius_mm} mm, rise {rise}");
+                assert_eq!(bench.down(), [], "{what}");
+            }
+        }
+    }
+    play_once_more(&mut bench);
+}
+
+/// Fingers that land together beside each other, in little noise, where each is fitted again from other sizes: none of them ends on
+/// another.
+#[test]
+fn fingers_that_land_together_stay_apart() {
+    const LEAST_MM: f64 = 12.5;
+    for snr_db in [60.0, 80.0] {
+        let mut bench = Bench::located(snr_db, 6);
+        bench.play(&[], 400);
+        for hand in 0..60 {
+            let number = |index: usize| f64::from(wild(index, 900 + hand));
+            let middle_mm = [0, 1].map(|axis| 50.0 + 28.0 * number(axis));
+            let far_mm = 9.0 + 3.0 * number(2);
+            let fingers: Vec<_> = (0..2 + hand as usize % 3)
+                .map(|index| {
+                    let angle = 2.1 * index as f64 + 3.0 * number(3);
+                    let place_mm = [
+                        middle_mm[0] + far_mm * angle.cos(),
+                        middle_mm[1] + far_mm * angle.sin(),
+                    ];
+                    let radius_mm = 6.5 + 2.0 * number(4 + index);
+                    finger(place_mm, radius_mm, 1.2 + 0.7 * number(8 + index))
+                })
+                .collect();
+            bench.play(&fingers, 1);
+            let down = bench.down();
+            for (index, touch) in down.iter().enumerate() {
+                for other in &down[..index] {
+                    let [a, b] = [touch, other].map(|touch| touch.contact.centre_mm);
+                    let apart_mm = distance_mm(a, b);
+                    assert!(apart_mm > LEAST_MM - 0.5, "hand {hand}: {a:?}, {b:?}");
+                }
+            }
+            bench.play(&fingers, 11);
+            bench.play(&[], 50);
+            assert_eq!(bench.down(), [], "hand {hand}: {fingers:?}");
         }
     }
 }

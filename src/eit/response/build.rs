@@ -357,6 +357,7 @@ fn powers_through_strengths(law: StrengthLaw) -> Mat<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eit::response::strength_from_rise;
 
     /// How many dimensions are kept if each holds `share` of the energy of the one before.
     fn needed(share: f64) -> usize {
@@ -373,5 +374,29 @@ mod tests {
             118,
             "0.9^118 is the first below the largest rest"
         );
+    }
+
+    #[test]
+    fn three_samples_describe_how_spots_of_every_shape_saturate() {
+        let powers = powers_through_strengths(StrengthLaw::Rise);
+        // A spot changes a reading by rise / (1 + b rise), b between 0 and 1.
+        for b in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let per_strength = |strength: f64| {
+                let rise_per_strength = HALF_RISE / (1.0 - strength);
+                rise_per_strength / (1.0 + b * rise_per_strength * strength)
+            };
+            let samples = Mat::from_fn(1, POWERS, |_, sample| per_strength(STRENGTHS[sample]));
+            let terms = samples * &powers;
+            for rise in [0.02, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0, 4.5] {
+                let strength = strength_from_rise(rise);
+                let factors = StrengthLaw::Rise.factors(strength);
+                let of_terms = factors.iter().enumerate();
+                let sum: f64 = of_terms
+                    .map(|(k, [factor, _])| factor * terms[(0, k)])
+                    .sum();
+                let off = sum / (strength * per_strength(strength)) - 1.0;
+                assert!(off.abs() < 0.05, "b {b}, rise {rise}: {off}");
+            }
+        }
     }
 }

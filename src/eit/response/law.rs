@@ -60,7 +60,6 @@ impl StrengthLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eit::response::strength_from_rise;
     use proptest::prelude::*;
 
     proptest! {
@@ -76,49 +75,6 @@ mod tests {
                 let seen = (after[power][0] - before[power][0]) / 2e-5;
                 prop_assert!((seen - slope).abs() < 1e-3, "{power}: {seen} for {slope}");
             }
-        }
-    }
-
-    #[test]
-    fn three_terms_describe_how_spots_of_every_shape_saturate() {
-        // As the table: through the faintest touch and two others.
-        let through = [0.0, 0.44, 0.74];
-        let factors = through.map(|strength| StrengthLaw::Rise.factors_per_strength(strength));
-        for b in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            let exact = |rise: f64| rise / (1.0 + b * rise);
-            let per_strength = |s: f64| match s {
-                0.0 => HALF_RISE,
-                _ => exact(HALF_RISE * s / (1.0 - s)) / s,
-            };
-            let mut terms = through.map(per_strength).to_vec();
-            let mut matrix: Vec<f64> = factors.concat();
-            solve(&mut matrix, &mut terms);
-            for rise in [0.02, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0, 4.5] {
-                let factors = StrengthLaw::Rise.factors(strength_from_rise(rise));
-                let sum: f64 = factors
-                    .iter()
-                    .zip(&terms)
-                    .map(|(f, term)| f[0] * term)
-                    .sum();
-                let off = sum / exact(rise) - 1.0;
-                assert!(off.abs() < 0.05, "b {b}, rise {rise}: {off}");
-            }
-        }
-    }
-
-    /// Solves three equations by elimination.
-    fn solve(matrix: &mut [f64], right: &mut [f64]) {
-        for pivot in 0..POWERS {
-            for row in (0..POWERS).filter(|row| *row != pivot) {
-                let factor = matrix[row * POWERS + pivot] / matrix[pivot * POWERS + pivot];
-                for column in 0..POWERS {
-                    matrix[row * POWERS + column] -= factor * matrix[pivot * POWERS + column];
-                }
-                right[row] -= factor * right[pivot];
-            }
-        }
-        for row in 0..POWERS {
-            right[row] /= matrix[row * POWERS + row];
         }
     }
 }

@@ -27,7 +27,6 @@ const LANES: usize = 8;
 pub use build::{ResponseBuilder, ResponseRow};
 pub use bytes::TableError;
 pub use learned::TYPICAL_PRESS_MM2;
-pub use scatter::Scatterer;
 pub use shaped::ShapedResponse;
 pub use stretch::StretchResponse;
 pub use table::{Response, ResponseTable};

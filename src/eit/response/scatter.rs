@@ -29,7 +29,7 @@ pub(super) const CONSTANTS: [f64; 3] = [MOST_NODES as f64, COARSE_SCALE, COARSER
 
 /// A pad prepared for touches at any place.
 #[derive(Clone, Debug)]
-pub struct Scatterer {
+pub(super) struct Scatterer {
     pad: Pad,
     coarse: Level,
     fine: LinearResponses,
@@ -77,7 +77,7 @@ impl Scatterer {
     ///
     /// # Errors
     /// A pad that cannot be solved, or a channel that reads zero.
-    pub fn new(pad: &Pad) -> Result<Self, SetupError> {
+    pub(super) fn new(pad: &Pad) -> Result<Self, SetupError> {
         let coarse = Level::new(pad, coarse_mesh(pad))?;
         let inverse = coarse.model.dense_inverse(&coarse.background)?;
         let fine = LinearResponses::new(pad)?;
@@ -346,9 +346,7 @@ impl Level {
             triangles,
         })
     }
-}
 
-impl Level {
     /// Potentials at points of the conductor: points x fields, V/A.
     fn fields_at(&self, points_mm: &[PointMm]) -> Mat<f64> {
         let mesh = self.model.mesh();

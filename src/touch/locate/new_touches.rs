@@ -412,7 +412,12 @@ impl Locator {
             return false;
         }
         let touches = &self.best.touches;
-        let least_apart = least_apart_mm(touches);
+        self.may_be_fingers(touches)
+            && (least_apart_mm(touches) >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)
+    }
+
+    /// Whether touches may all be new fingers: far enough apart, on the pad, heavy enough, and none the shadow of another.
+    pub(super) fn may_be_fingers(&self, touches: &[TouchModel]) -> bool {
         let lightest = touches.iter().map(volume_mm2).fold(f64::INFINITY, f64::min);
         let is_shadow = touches.iter().any(|weak| {
             touches.iter().any(|strong| {
@@ -430,11 +435,10 @@ impl Locator {
             .iter()
             .map(|touch| self.depth_mm(touch.centre_mm))
             .fold(f64::INFINITY, f64::min);
-        least_apart >= self.model.pad.least_apart_mm
+        least_apart_mm(touches) >= self.model.pad.least_apart_mm
             && outermost >= self.least_depth_mm()
             && lightest >= LEAST_MM2
             && !is_shadow
-            && (least_apart >= NEAR_MM || gain > NEAR_DROP * self.fit.cost)
     }
 
     /// Least distance of a new touch's centre from the edge, mm; negative outside.

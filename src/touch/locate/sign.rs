@@ -120,7 +120,6 @@ impl Locator {
         if lift.sign == self.sign() || landed.is_empty() || left <= 0.0 {
             return rest;
         }
-        copy.try_fit(&landed, 0);
         copy.try_fit(&landed, FIT_STEPS);
         rest * (energy(&copy.trial.residual) / left).min(1.0)
     }

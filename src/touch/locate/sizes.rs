@@ -17,7 +17,7 @@ const LEAST_STEP: f64 = 0.1;
 
 impl Locator {
     /// Fits each round touch of the fit again, from other sizes of the same volume while the others stay, and takes what explains the
-    /// frame much better.
+    /// frame much better and may be a new finger.
     pub(super) fn try_other_sizes(&mut self, noise: f64) {
         let frame = self.frame.coordinates.clone();
         let mut is_better = false;
@@ -34,7 +34,9 @@ impl Locator {
             let cost = self.best.cost;
             for start in self.sizes_like(&touch) {
                 self.try_fit(&[start], NEW_TOUCH_STEPS);
-                if self.trial.cost < self.best.cost {
+                let mut touches = self.fit.touches.clone();
+                touches[index] = self.trial.touches[0];
+                if self.trial.cost < self.best.cost && self.may_be_fingers(&touches) {
                     std::mem::swap(&mut self.trial, &mut self.best);
                 }
             }
