@@ -28,7 +28,11 @@ impl Press {
     /// Relative change of conductivity at a point.
     #[must_use]
     pub fn change(&self, point: PointMm, sign: TouchSign) -> f64 {
-        let rise = self.rise * self.rise_share(point);
+        Self::change_of(self.rise * self.rise_share(point), sign)
+    }
+
+    /// Relative change of conductivity where a press rises by so much.
+    pub(crate) fn change_of(rise: f64, sign: TouchSign) -> f64 {
         match sign {
             TouchSign::Rise => rise,
             TouchSign::Fall => -rise / (1.0 + rise),

@@ -93,23 +93,22 @@ impl Scatterer {
     /// Relative changes of all readings for presses that differ in their rise only.
     #[must_use]
     pub(super) fn changes(&self, centre_mm: PointMm, radius_mm: f64, rises: &[f64]) -> Changes {
-        let press = |rise| Press {
+        let press = Press {
             centre_mm,
             radius_mm,
-            rise,
+            rise: 1.0,
         };
         let fine = self.fine.per_rise(centre_mm, radius_mm);
-        let local = Local::new(self, &press(1.0));
+        let local = Local::new(self, &press);
         let coarse = {
-            let change = self.stiffness_change(&local, |point| press(1.0).rise_share(point));
+            let change = local.stiffness_change(|share| share);
             self.relative(&local, &change, &local.fields)
         };
         // The two meshes differ in amplitude as well as in shape.
         let scale = (norm(&fine) / norm(&coarse).max(f64::MIN_POSITIVE)).min(2.0);
         let by_sign = [TouchSign::Rise, TouchSign::Fall].map(|sign| {
             let solved = rises.iter().map(|rise| {
-                let press = press(*rise);
-                let change = self.stiffness_change(&local, |point| press.change(point, sign));
+                let change = local.stiffness_change(|share| Press::change_of(rise * share, sign));
                 let exact = self.relative(&local, &change, &local.touched_fields(&change));
                 let rise = f64::from(sign.factor()) * rise;
                 fine.iter()
@@ -125,50 +124,11 @@ impl Scatterer {
         }
     }
 
-    /// Change of the stiffness between local nodes for a relative change of conductivity: (row, column, siemens).
-    fn stiffness_change(
-        &self,
-        local: &Local,
-        change: impl Fn(PointMm) -> f64,
-    ) -> Vec<(usize, usize, f64)> {
-        let model = &self.coarse.model;
-        let mut entries = Vec::with_capacity(9 * local.under.len());
-        for (triangle, places) in &local.under {
-            let siemens =
-                self.coarse.background[*triangle] * mean_of(model.mesh(), *triangle, &change);
-            if siemens == 0.0 {
-                continue;
-            }
-            let element = model.element(*triangle);
-            for i in 0..3 {
-                for j in 0..3 {
-                    let entry = siemens * element.stiffness(i, j);
-                    entries.push((places[i], places[j], entry));
-                }
-            }
-        }
-        // Triangles share nodes: one entry per pair. The sort is stable, so sums keep their order.
-        entries.sort_by_key(|(row, column, _)| (*column, *row));
-        entries.dedup_by(|next, kept| {
-            let same = (next.0, next.1) == (kept.0, kept.1);
-            if same {
-                kept.2 += next.2;
-            }
-            same
-        });
-        entries
-    }
-
-    /// Relative changes of the readings from the change of the stiffness and the fields of the touched pad.
-    fn relative(
-        &self,
-        local: &Local,
-        change: &[(usize, usize, f64)],
-        touched: &Mat<f64>,
-    ) -> Vec<f64> {
+    /// Relative changes of the readings from the change of the stiffness between joined nodes and the fields of the touched pad.
+    fn relative(&self, local: &Local, change: &[f64], touched: &Mat<f64>) -> Vec<f64> {
         let fields = self.fields.ncols();
         let mut weighted = Mat::<f64>::zeros(local.nodes, fields);
-        for (row, column, siemens) in change {
+        for ([row, column], siemens) in local.joined.iter().zip(change) {
             for field in 0..fields {
                 weighted[(*row, field)] += siemens * touched[(*column, field)];
             }
@@ -268,15 +228,24 @@ impl LinearResponses {
     }
 }
 
-/// The part of the coarse mesh under one press.
+/// The part of the coarse mesh under presses that differ in their rise only.
 struct Local {
     nodes: usize,
-    /// Triangles, and the indices of their corners among the local nodes.
-    under: Vec<(usize, [usize; 3])>,
+    under: Vec<Under>,
+    /// Pairs of nodes that share a triangle: row and column among the local nodes, by column.
+    joined: Vec<[usize; 2]>,
     /// Potentials between the nodes, V/A.
     inverse: Mat<f64>,
     /// Nodes x fields of the untouched pad, V/A.
     fields: Mat<f64>,
+}
+
+/// A triangle under a press.
+struct Under {
+    /// Shares of the press's rise at the triangle's sixteen points.
+    shares: [f64; 16],
+    /// For each pair of corners, the place in [`Local::joined`], and the stiffness between them, S.
+    stiffness: [(usize, f64); 9],
 }
 
 impl Local {
@@ -289,24 +258,47 @@ impl Local {
         } = scatterer;
         let mesh = coarse.model.mesh();
         let near = coarse.triangles.near(press.centre_mm, press.radius_mm);
-        let under: Vec<usize> = near
+        let under: Vec<(usize, [f64; 16])> = near
             .into_iter()
-            .filter(|triangle| mean_of(mesh, *triangle, |point| press.rise_share(point)) > 0.0)
+            .map(|triangle| {
+                let points = mesh.sixteenth_points_mm(triangle);
+                (triangle, points.map(|point| press.rise_share(point)))
+            })
+            .filter(|(_, shares)| shares.iter().any(|share| *share > 0.0))
             .collect();
         let mut nodes: Vec<usize> = under
             .iter()
-            .flat_map(|triangle| mesh.triangles[*triangle])
+            .flat_map(|(triangle, _)| mesh.triangles[*triangle])
             .collect();
         nodes.sort_unstable();
         nodes.dedup();
         let place = |node: usize| nodes.partition_point(|other| *other < node);
+        let corners = |triangle: usize| mesh.triangles[triangle].map(place);
+        let mut joined: Vec<[usize; 2]> = under
+            .iter()
+            .flat_map(|(triangle, _)| pairs(corners(*triangle)))
+            .collect();
+        joined.sort_unstable_by_key(|[row, column]| (*column, *row));
+        joined.dedup();
         let count = nodes.len();
+        let under = under
+            .into_iter()
+            .map(|(triangle, shares)| {
+                let element = coarse.model.element(triangle);
+                let mut corners = pairs(corners(triangle)).into_iter();
+                let stiffness = pairs([0, 1, 2]).map(|[i, j]| {
+                    let pair = corners.next().unwrap_or_default();
+                    let at = joined
+                        .partition_point(|[row, column]| (*column, *row) < (pair[1], pair[0]));
+                    (at, coarse.background[triangle] * element.stiffness(i, j))
+                });
+                Under { shares, stiffness }
+            })
+            .collect();
         Self {
             nodes: count,
-            under: under
-                .iter()
-                .map(|triangle| (*triangle, mesh.triangles[*triangle].map(place)))
-                .collect(),
+            under,
+            joined,
             inverse: Mat::from_fn(count, count, |i, j| {
                 f64::from(inverse[(nodes[i], nodes[j])])
             }),
@@ -314,10 +306,22 @@ impl Local {
         }
     }
 
+    /// Changes of the stiffness between joined nodes, S, for the relative change of conductivity at a share of the rise.
+    fn stiffness_change(&self, change: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut siemens = vec![0.0; self.joined.len()];
+        for Under { shares, stiffness } in &self.under {
+            let mean = shares.map(&change).iter().sum::<f64>() / 16.0;
+            for (at, stiffness) in stiffness {
+                siemens[*at] += mean * stiffness;
+            }
+        }
+        siemens
+    }
+
     /// The fields of the touched pad.
-    fn touched_fields(&self, change: &[(usize, usize, f64)]) -> Mat<f64> {
+    fn touched_fields(&self, change: &[f64]) -> Mat<f64> {
         let mut system = Mat::<f64>::identity(self.nodes, self.nodes);
-        for (row, column, siemens) in change {
+        for ([row, column], siemens) in self.joined.iter().zip(change) {
             let from = self.inverse.col(*row);
             let to = system.col_mut(*column);
             for (sum, value) in to.iter_mut().zip(from.iter()) {
@@ -326,6 +330,11 @@ impl Local {
         }
         system.partial_piv_lu().solve(&self.fields)
     }
+}
+
+/// All pairs of three corners, each with itself, too.
+fn pairs(corners: [usize; 3]) -> [[usize; 2]; 9] {
+    std::array::from_fn(|index| [corners[index / 3], corners[index % 3]])
 }
 
 impl Level {
