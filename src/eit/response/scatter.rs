@@ -285,11 +285,11 @@ impl Local {
             .into_iter()
             .map(|(triangle, shares)| {
                 let element = coarse.model.element(triangle);
-                let mut corners = pairs(corners(triangle)).into_iter();
+                let corners = corners(triangle);
                 let stiffness = pairs([0, 1, 2]).map(|[i, j]| {
-                    let pair = corners.next().unwrap_or_default();
-                    let at = joined
-                        .partition_point(|[row, column]| (*column, *row) < (pair[1], pair[0]));
+                    let at = joined.partition_point(|[row, column]| {
+                        (*column, *row) < (corners[j], corners[i])
+                    });
                     (at, coarse.background[triangle] * element.stiffness(i, j))
                 });
                 Under { shares, stiffness }
