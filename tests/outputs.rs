@@ -2,6 +2,9 @@
 
 #![cfg(unix)]
 
+#[path = "outputs/cache.rs"]
+mod cache;
+
 use std::fs;
 use std::os::unix::fs::{FileTypeExt as _, symlink};
 use std::path::Path;

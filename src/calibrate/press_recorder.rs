@@ -13,6 +13,9 @@ use crate::types::{Contact, PointMm};
 
 /// The first frames of a press are left out: the finger is still sinking in.
 const SETTLE_FRAMES: usize = 5;
+/// A press is one of several fingers if it has as many frames with more than one touch. In a frame in which a finger lands or leaves,
+/// some drives are read with it and others without, which may look like a second one.
+const SEVERAL_FRAMES: usize = 5;
 /// Frames of a press that are averaged, where the model locates it.
 pub const MEAN_FRAMES: usize = 15;
 
@@ -58,13 +61,14 @@ pub enum RecordedPress {
 pub struct PressRecorder {
     /// Frames that are averaged at most.
     most_frames: usize,
-    /// Frames of the current press, settling included.
+    /// Frames of the current press with one touch, settling included.
     frames: usize,
     averaged: usize,
     change_sums: Vec<f64>,
     /// Sums of force, x and y.
     prediction_sums: Option<[f64; 3]>,
-    several: bool,
+    /// Frames with more than one touch, which are not averaged.
+    several: usize,
 }
 
 impl Default for PressRecorder {
@@ -83,7 +87,7 @@ impl PressRecorder {
             averaged: 0,
             change_sums: Vec::new(),
             prediction_sums: None,
-            several: false,
+            several: 0,
         }
     }
 
@@ -95,15 +99,15 @@ impl PressRecorder {
         shown_mm: PointMm,
     ) -> RecordedPress {
         let prediction = match touching {
-            Touching::Nothing if self.frames == 0 => return RecordedPress::Pending,
+            Touching::Nothing if self.frames + self.several == 0 => return RecordedPress::Pending,
             Touching::Nothing => {
                 let most_frames = self.most_frames;
                 return std::mem::replace(self, Self::averaging(most_frames)).finish(shown_mm);
             }
             Touching::One(prediction) => prediction,
             Touching::Several => {
-                self.several = true;
-                None
+                self.several += 1;
+                return RecordedPress::Pending;
             }
         };
         self.frames += 1;
@@ -130,7 +134,7 @@ impl PressRecorder {
     }
 
     fn finish(self, place_mm: PointMm) -> RecordedPress {
-        if self.several {
+        if self.several >= SEVERAL_FRAMES {
             return RecordedPress::Refused("several touches at once: press with one finger");
         }
         if self.averaged == 0 {
@@ -197,5 +201,17 @@ mod tests {
             };
             assert!(why.starts_with(reason));
         }
+    }
+
+    #[test]
+    fn what_a_landing_and_a_leaving_finger_look_like_is_no_second_one() {
+        let mut frames = vec![Touching::Several; 2];
+        frames.extend([one(41.0); 20]);
+        frames.extend([Touching::Several, Touching::Nothing]);
+        let [RecordedPress::Complete(press)] = &record(&frames)[..] else {
+            panic!("{:?}", record(&frames));
+        };
+        let modelled = press.modelled.expect("located");
+        assert!((modelled.place_mm[0] - 41.0).abs() < 1e-9);
     }
 }

@@ -99,7 +99,9 @@ fn a_finger_that_lies_there_at_first_does_not_become_a_part_of_the_pad() {
     // Its lift is taken for the press of the first place, so the person goes on with the second.
     let (_, others) = presses.split_once("up 1\n").expect("a first press");
     let script = format!("t:0 down 2 30 60\nt:4500 up 2\n{others}");
-    let _board = Board::start(folder.path(), "./built.toml", &script);
+    // In the noise of seed 6, the eighth finger looks like two in the frame in which it leaves: half of the drives are read with it.
+    let seed = ["--seed", "6"];
+    let _board = Board::with_options(folder.path(), "./built.toml", &script, &seed);
     let (is_done, said) = gelpad(folder.path(), &IDENTIFY);
     let named = "13 used; not explained, and left out: number 1 ";
     assert!(is_done && said.contains(named), "{said}");

@@ -50,7 +50,7 @@ impl Board {
         Self::with_options(folder, pad, script, &[])
     }
 
-    fn with_options(folder: &Path, pad: &str, script: &str, options: &[&str]) -> Self {
+    pub fn with_options(folder: &Path, pad: &str, script: &str, options: &[&str]) -> Self {
         std::fs::write(folder.join("script.txt"), script).expect("written");
         let port = folder.join("board");
         let process = Command::new(env!("CARGO_BIN_EXE_gelpad"))
