@@ -230,10 +230,12 @@ impl Reference {
             if !self.is_live(channel) {
                 continue;
             }
-            // Quiet channels weigh most, those under a touch hardly anything.
+            // Quiet channels weigh most, those under a touch hardly anything; nor those of a few steps of the converter, which stay where they
+            // are while the others drift.
             let error = TOUCH_ERROR * f64::from(*touched);
-            let weight =
-                1.0 / (self.noise[channel] + self.covariances[channel].level + error * error);
+            let own =
+                self.noise[channel] + self.rounding[channel] + self.covariances[channel].level;
+            let weight = 1.0 / (own + error * error);
             surprise += weight * (f64::from(*volt) / self.volts[channel] - 1.0);
             weights += weight;
         }

@@ -280,6 +280,7 @@ impl Detector {
             let is_young =
                 self.frames - self.referenced_at < YOUNG_FRAMES && self.reference.is_rounded();
             locator.demand(if is_young { YOUNG_GAINS } else { 1.0 });
+            locator.expect_rounding(self.reference.is_rounded());
         }
         let (noise, steady) = self.noise();
         let outside = locator.take_frame(&self.changes, noise).outside;

@@ -78,13 +78,22 @@ impl Locator {
         }
     }
 
-    /// Takes what the patterns explain of a residual out of the frame, and fits the touches again. Returns whether it did: not
-    /// if a finger explains it as well, or if it is more than a pad deforms by.
+    /// Takes what the patterns explain of a residual beyond noise out of the frame, and fits the touches again. Returns whether it did:
+    /// not if a finger explains it as well, or if it is more than a pad deforms by.
+    ///
+    /// Of the readings of a coarse converter, whose noise is not known well, the amplitudes are taken by that share only (James and Stein
+    /// 1961): the whole would carry this frame's noise into the reference, and the next frame would show it as another deformation, and
+    /// so on. Otherwise this is rare, and the whole follows a pad that bends better.
     pub(super) fn take_deformation(&mut self, residual: &[f32], noise: f64) -> bool {
         if self.is_finger(residual, noise) {
             return false;
         }
         let model = &self.model;
+        let gain = model.deformations.gain(residual);
+        let share = match self.is_rounded {
+            true => (self.beyond_noise(gain, noise) / gain).max(0.0) as f32,
+            false => 1.0,
+        };
         let rank = model.deformations.rank;
         let mut change = vec![0.0f32; rank];
         let mut rest = self.frame.coordinates.clone();
@@ -94,7 +103,7 @@ impl Locator {
             .chunks_exact(rank)
             .zip(model.deformations.coordinates.chunks_exact(rank))
         {
-            let along = dot(pattern, residual);
+            let along = share * dot(pattern, residual);
             for (total, value) in change.iter_mut().zip(coordinates) {
                 *total += along * value;
             }

@@ -47,6 +47,8 @@ pub struct Locator {
     pub(super) most_new: Option<usize>,
     /// New touches must explain this many times [`DOWN_GAIN`].
     pub(super) down_gains: f64,
+    /// Whether the board's converter rounds coarsely.
+    pub(super) is_rounded: bool,
     /// The cost at which the last search for another touch failed; the search is repeated when it has grown.
     pub(super) refused_cost: f64,
     /// The cost of the last frame that neither touches nor the lift of a finger explain.
@@ -90,6 +92,7 @@ impl Locator {
             recent: RecentResiduals::default(),
             most_new: None,
             down_gains: 1.0,
+            is_rounded: false,
             refused_cost: 0.0,
             unclear_cost: 0.0,
             before: Vec::new(),
@@ -114,6 +117,11 @@ impl Locator {
     /// New touches must explain `times` as much as usual: while the reference is young, its noise is little known.
     pub fn demand(&mut self, times: f64) {
         self.down_gains = times;
+    }
+
+    /// Whether the board's converter rounds so coarsely that its steps are seen.
+    pub fn expect_rounding(&mut self, is_rounded: bool) {
+        self.is_rounded = is_rounded;
     }
 
     /// Most touches that may begin in the next frames, which share readings; `None` for frames of their own.
