@@ -126,3 +126,36 @@ fn a_dead_channel_has_no_change() {
     reference.relative_changes(&[0.5], &mut changes);
     assert_eq!(changes, [0.0]);
 }
+
+/// Readings of a converter of steps of 1 mV: all but the last channel waver by some steps, the last always reads three.
+fn rounded(frame: u64) -> [f32; CHANNELS] {
+    let mut volts = reading(frame, 0.0).map(|volt| (volt * 1000.0).round() / 1000.0);
+    volts[CHANNELS - 1] = 0.003;
+    volts
+}
+
+#[test]
+fn a_channel_that_always_reads_the_same_few_steps_does_not_pull_the_others() {
+    let mut reference = Reference::new(CHANNELS);
+    reference.set_step(Some(1e-3));
+    for frame in 0..100 {
+        let (t_ns, volts) = (frame * FRAME_NS, rounded(frame));
+        if reference.is_ready() {
+            reference.advance(t_ns);
+            reference.update(&volts, &[0.0; CHANNELS]);
+        } else {
+            reference.add_first_frame(t_ns, &volts);
+        }
+    }
+    for frame in 100..200 {
+        // A deformation is found that lowers its level: it reads on what it read.
+        let mut change = [0.0; CHANNELS];
+        change[CHANNELS - 1] = -2e-3;
+        reference.shift(&change);
+        reference.advance(frame * FRAME_NS);
+        reference.update(&rounded(frame), &[0.0; CHANNELS]);
+    }
+    for (channel, volt) in reference.volts()[..CHANNELS - 1].iter().enumerate() {
+        assert!((volt - 1.0).abs() < 1e-3, "channel {channel}: {volt}");
+    }
+}
