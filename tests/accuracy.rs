@@ -186,6 +186,30 @@ fn a_row_of_white_noise_and_round_fingers_has_the_bound_beside_its_errors() {
     }
 }
 
+/// On pads of this seed, channels of few steps once pulled the reference, and deformations were made of noise: touches of 120 and 260 ms.
+#[test]
+fn a_coarse_converter_makes_no_touches_that_last() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = [
+        "--real",
+        "--seed",
+        "7",
+        "--disturb",
+        "adc:12",
+        "--snr",
+        "70",
+    ];
+    let output = accuracy(&study, folder.path());
+    assert!(output.status.success(), "{output:?}");
+    let text = fs::read_to_string(folder.path().join("real.json")).expect("findings");
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    let conditions = found["conditions"].as_array().expect("a list");
+    assert_eq!(conditions.len(), 2, "a finger, and an untouched pad");
+    for row in conditions {
+        assert!(number(&row["longest_ms"]) <= 50.0, "{row}");
+    }
+}
+
 /// Fingers so wide that two touches nearly explain them: the search once added a touch and removed another without end.
 #[test]
 fn the_search_for_a_very_wide_finger_ends() {

@@ -1,4 +1,4 @@
-//! Outputs replace nothing but regular files, and never the file that is read.
+//! Outputs replace nothing but regular files, and never the file that is read. What is cached survives what happens to it.
 
 #![cfg(unix)]
 

@@ -230,12 +230,7 @@ impl Reference {
             if !self.is_live(channel) {
                 continue;
             }
-            // Quiet channels weigh most, those under a touch hardly anything; nor those of a few steps of the converter, which stay where they
-            // are while the others drift.
-            let error = TOUCH_ERROR * f64::from(*touched);
-            let own =
-                self.noise[channel] + self.rounding[channel] + self.covariances[channel].level;
-            let weight = 1.0 / (own + error * error);
+            let weight = 1.0 / self.own_variance(channel, *touched);
             surprise += weight * (f64::from(*volt) / self.volts[channel] - 1.0);
             weights += weight;
         }
@@ -260,12 +255,17 @@ impl Reference {
                 return None;
             }
             let change = f64::from(volts[channel]) / self.volts[channel] - 1.0;
-            let error = TOUCH_ERROR * f64::from(touched[channel]);
-            let own =
-                self.noise[channel] + self.rounding[channel] + self.covariances[channel].level;
-            Some((change, own + error * error))
+            Some((change, self.own_variance(channel, touched[channel])))
         });
         self.shared = Some(shared);
+    }
+
+    /// Variance of a channel's change beside what channels share: large under a touch, and for a reading of a few steps of the
+    /// converter, which stays where it is while the others drift.
+    fn own_variance(&self, channel: usize, touched: f32) -> f64 {
+        let error = TOUCH_ERROR * f64::from(touched);
+        let own = self.noise[channel] + self.rounding[channel] + self.covariances[channel].level;
+        own + error * error
     }
 
     fn is_live(&self, channel: usize) -> bool {

@@ -277,10 +277,10 @@ impl Detector {
     /// Locates touches in the voltages.
     fn locate(&mut self, locator: &mut Locator, frame: &Frame, changed: &mut Vec<Touch>) {
         if self.knows_both_signs() {
-            let is_young =
-                self.frames - self.referenced_at < YOUNG_FRAMES && self.reference.is_rounded();
+            let is_rounded = self.reference.is_rounded();
+            let is_young = self.frames - self.referenced_at < YOUNG_FRAMES && is_rounded;
             locator.demand(if is_young { YOUNG_GAINS } else { 1.0 });
-            locator.expect_rounding(self.reference.is_rounded());
+            locator.expect_rounding(is_rounded);
         }
         let (noise, steady) = self.noise();
         let outside = locator.take_frame(&self.changes, noise).outside;
