@@ -248,7 +248,7 @@ fn invalid_input_is_rejected_before_anything_is_solved() {
     let taken = root.path().join("taken");
     fs::write(&taken, "a file").expect("written");
     let never = root.path().join("never");
-    let cases: [(&[&str], &Path, i32, &str); 6] = [
+    let cases: [(&[&str], &Path, i32, &str); 7] = [
         (&["--snr", "loud"], &never, 2, "a ratio in dB, 0 to 300"),
         (&["--snr", "60,,40"], &never, 2, "a ratio in dB, 0 to 300"),
         (&["--snr", "60,-5"], &never, 2, "a ratio in dB, 0 to 300"),
@@ -260,6 +260,12 @@ fn invalid_input_is_rejected_before_anything_is_solved() {
         ),
         (&["--pad", "./no-such.toml"], &never, 1, "no-such.toml"),
         (&["--quick"], &taken, 1, "taken"),
+        (
+            &["--real", "--disturb", "adc:12", "--only", "spikes"],
+            &never,
+            1,
+            "no condition's name contains `spikes`; the conditions are:\n  a finger\n  untouched",
+        ),
     ];
     for (arguments, out, code, says) in cases {
         let output = accuracy(arguments, out);

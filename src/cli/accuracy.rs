@@ -74,21 +74,22 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// The conditions of `--real`: one's own, or the shipped ones whose names contain `--only`.
+/// The conditions of `--real`, one's own or the shipped ones: those whose names contain `--only`.
 fn chosen_conditions(args: &AccuracyArgs) -> anyhow::Result<Vec<Condition>> {
-    if !args.disturb.is_empty() {
-        return Ok(own_conditions(&args.disturb, args.snr[0]));
-    }
-    let mut shipped = conditions();
-    let names: Vec<&str> = shipped.iter().map(|condition| condition.name).collect();
-    shipped.retain(|condition| condition.name.contains(&args.only));
+    let mut chosen = if args.disturb.is_empty() {
+        conditions()
+    } else {
+        own_conditions(&args.disturb, args.snr[0])
+    };
+    let names: Vec<&str> = chosen.iter().map(|condition| condition.name).collect();
+    chosen.retain(|condition| condition.name.contains(&args.only));
     ensure!(
-        !shipped.is_empty(),
+        !chosen.is_empty(),
         "no condition's name contains `{}`; the conditions are:\n  {}",
         args.only,
         names.join("\n  ")
     );
-    Ok(shipped)
+    Ok(chosen)
 }
 
 /// `--real`: each row is printed and stored as soon as it is played, since all of them take more than ten minutes.

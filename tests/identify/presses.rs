@@ -1,6 +1,7 @@
 //! Presses at known places tell more of a pad than its readings at rest.
 
 use std::fmt::Write as _;
+use std::sync::OnceLock;
 
 use gelpad::eit::Press;
 use gelpad::eit::identify::{
@@ -40,6 +41,38 @@ fn presses(pad: &Pad, told: impl Fn(usize, [f64; 2]) -> [f64; 2]) -> Vec<KnownPr
     places.enumerate().map(press).collect()
 }
 
+/// What most tests press: the drawing, an uneven pad made after it, its readings at rest, exact presses, and how far off the pad is that
+/// the readings at rest alone give.
+struct Bench {
+    drawing: Pad,
+    truth: Pad,
+    volts: Vec<f64>,
+    presses: Vec<KnownPress>,
+    error_at_rest: f64,
+}
+
+/// Solved once for all tests.
+fn bench() -> &'static Bench {
+    static BENCH: OnceLock<Bench> = OnceLock::new();
+    BENCH.get_or_init(|| {
+        let drawing = drawing("edinburgh-lattice");
+        let truth = uneven(&drawing);
+        let volts = rest(&truth);
+        Bench {
+            error_at_rest: error_at_rest(&drawing, &truth, &volts),
+            presses: presses(&truth, |_, place| place),
+            volts,
+            truth,
+            drawing,
+        }
+    })
+}
+
+fn error_at_rest(drawing: &Pad, truth: &Pad, volts: &[f64]) -> f64 {
+    let alone = identify(drawing, volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
+    errors(&alone.pad, truth)[0]
+}
+
 fn with_presses(
     drawing: &Pad,
     volts: &[f64],
@@ -59,26 +92,17 @@ fn with_presses(
 
 #[test]
 fn presses_tell_what_the_untouched_pad_leaves_open() {
-    let drawing = drawing("edinburgh-lattice");
-    let truth = uneven(&drawing);
-    let volts = rest(&truth);
-    let alone = identify(&drawing, &volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
-    let [alone, _] = errors(&alone.pad, &truth);
+    let bench = bench();
+    let alone = bench.error_at_rest;
     // A hand that is 1 mm beside the places, in all directions.
     let beside = |index: usize, [x, y]: [f64; 2]| {
         let angle = 2.4 * index as f64;
         [x + libm::cos(angle), y + libm::sin(angle)]
     };
-    for (name, told, share) in [
-        (
-            "exact",
-            &(|_, place| place) as &dyn Fn(usize, [f64; 2]) -> [f64; 2],
-            0.5,
-        ),
-        ("beside", &beside, 0.7),
-    ] {
-        let found = with_presses(&drawing, &volts, &presses(&truth, told)).expect("found");
-        let [cells, _] = errors(&found.pad, &truth);
+    let beside = presses(&bench.truth, beside);
+    for (name, presses, share) in [("exact", &bench.presses, 0.5), ("beside", &beside, 0.7)] {
+        let found = with_presses(&bench.drawing, &bench.volts, presses).expect("found");
+        let [cells, _] = errors(&found.pad, &bench.truth);
         println!("{name}: {cells:.4} of {alone:.4}");
         assert!(cells < share * alone, "{name}: {cells} of {alone}");
         assert!(found.unexplained.is_empty(), "{:?}", found.unexplained);
@@ -88,17 +112,18 @@ fn presses_tell_what_the_untouched_pad_leaves_open() {
 
 #[test]
 fn presses_at_other_places_are_left_out_and_those_of_another_pad_refused() {
-    let drawing = drawing("edinburgh-lattice");
-    let truth = uneven(&drawing);
-    let volts = rest(&truth);
-    let one_wrong = presses(&truth, |index, [x, y]| match index {
-        6 => [x + 50.0, y + 30.0],
-        _ => [x, y],
-    });
-    let found = with_presses(&drawing, &volts, &one_wrong).expect("found");
+    let bench = bench();
+    let mut one_wrong = bench.presses.clone();
+    one_wrong[6].place_mm[0] += 50.0;
+    one_wrong[6].place_mm[1] += 30.0;
+    let found = with_presses(&bench.drawing, &bench.volts, &one_wrong).expect("found");
     assert_eq!(found.unexplained, [6]);
-    let mirrored = presses(&truth, |index, [x, y]| [100.0 - y, x + 0.01 * index as f64]);
-    let error = with_presses(&drawing, &volts, &mirrored).expect_err("other places");
+    let mut mirrored = bench.presses.clone();
+    for (index, press) in mirrored.iter_mut().enumerate() {
+        let [x, y] = press.place_mm;
+        press.place_mm = [100.0 - y, x + 0.01 * index as f64];
+    }
+    let error = with_presses(&bench.drawing, &bench.volts, &mirrored).expect_err("other places");
     assert!(
         matches!(error, IdentifyError::OtherPresses { .. }),
         "{error}"
@@ -114,8 +139,7 @@ fn presses_that_lower_the_conductivity_tell_as_much() {
         ..uneven(&drawing)
     };
     let volts = rest(&truth);
-    let alone = identify(&drawing, &volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
-    let [alone, _] = errors(&alone.pad, &truth);
+    let alone = error_at_rest(&drawing, &truth, &volts);
     let found = with_presses(&drawing, &volts, &presses(&truth, |_, place| place)).expect("found");
     let [cells, _] = errors(&found.pad, &truth);
     println!("{cells:.4} of {alone:.4}");
@@ -125,14 +149,12 @@ fn presses_that_lower_the_conductivity_tell_as_much() {
 
 #[test]
 fn presses_tell_of_the_pad_without_the_channels_of_a_lost_electrode() {
-    let drawing = drawing("edinburgh-lattice");
-    let truth = uneven(&drawing);
-    let mut volts = rest(&truth);
-    let alone = identify(&drawing, &volts, &vec![1e-4; volts.len()], &one_by_one).expect("found");
-    let [alone, _] = errors(&alone.pad, &truth);
-    let mut known = presses(&truth, |_, place| place);
+    let bench = bench();
+    let alone = bench.error_at_rest;
+    let (mut volts, mut known) = (bench.volts.clone(), bench.presses.clone());
     let lost = Pair(5, 5);
-    for (channel, Channel { drive, measure }) in drawing.protocol.channels.iter().enumerate() {
+    for (channel, Channel { drive, measure }) in bench.drawing.protocol.channels.iter().enumerate()
+    {
         if !drive.shares_electrode(lost) && !measure.shares_electrode(lost) {
             continue;
         }
@@ -141,8 +163,8 @@ fn presses_tell_of_the_pad_without_the_channels_of_a_lost_electrode() {
             press.changes[channel] = f64::NAN;
         }
     }
-    let found = with_presses(&drawing, &volts, &known).expect("found");
-    let [cells, _] = errors(&found.pad, &truth);
+    let found = with_presses(&bench.drawing, &volts, &known).expect("found");
+    let [cells, _] = errors(&found.pad, &bench.truth);
     println!("{cells:.4} of {alone:.4}");
     assert!(cells < 0.7 * alone, "{cells} of {alone}");
     assert!(found.unexplained.is_empty(), "{:?}", found.unexplained);
@@ -150,11 +172,9 @@ fn presses_tell_of_the_pad_without_the_channels_of_a_lost_electrode() {
 
 #[test]
 fn a_press_of_two_fingers_or_of_none_is_left_out() {
-    let drawing = drawing("edinburgh-lattice");
-    let truth = uneven(&drawing);
-    let volts = rest(&truth);
-    let mut known = presses(&truth, |_, place| place);
-    let simulated = SimulatedPad::new(&truth).expect("solvable");
+    let bench = bench();
+    let mut known = bench.presses.clone();
+    let simulated = SimulatedPad::new(&bench.truth).expect("solvable");
     let fingers = [[30.0, 30.0], [70.0, 70.0]].map(|centre_mm| Press {
         centre_mm,
         radius_mm: 7.0,
@@ -163,29 +183,27 @@ fn a_press_of_two_fingers_or_of_none_is_left_out() {
     let pairs = simulated.volts(&fingers).expect("solved");
     known[3].changes = pairs
         .iter()
-        .zip(&volts)
+        .zip(&bench.volts)
         .map(|(v, rest)| v / rest - 1.0)
         .collect();
     known[8].changes.fill(0.0);
     known[9].changes.fill(f64::NAN);
-    let found = with_presses(&drawing, &volts, &known).expect("found");
+    let found = with_presses(&bench.drawing, &bench.volts, &known).expect("found");
     assert_eq!(found.unexplained, [3, 8, 9]);
 }
 
 #[test]
 fn the_command_takes_presses_with_a_row_of_the_untouched_pad() {
     let folder = tempfile::tempdir().expect("a folder");
-    let drawing = drawing("edinburgh-lattice");
-    let truth = uneven(&drawing);
-    let volts = rest(&truth);
-    std::fs::write(folder.path().join("rest.csv"), recorded(&volts)).expect("written");
+    let Bench { volts, presses, .. } = bench();
+    std::fs::write(folder.path().join("rest.csv"), recorded(volts)).expect("written");
     let head = (0..volts.len()).map(|channel| format!(",d{channel}"));
     let mut file = format!("x_mm,y_mm{}\n", head.collect::<String>());
-    for KnownPress { place_mm, changes } in presses(&truth, |_, place| place) {
+    for KnownPress { place_mm, changes } in presses {
         let [x, y] = place_mm;
         let differences = changes
             .iter()
-            .zip(&volts)
+            .zip(volts)
             .map(|(d, v)| format!(",{}", d * v));
         let _ = writeln!(file, "{x},{y}{}", differences.collect::<String>());
     }
@@ -213,10 +231,9 @@ fn the_command_takes_presses_with_a_row_of_the_untouched_pad() {
 
 #[test]
 fn presses_of_another_pad_of_the_same_kind_are_refused() {
-    let drawing = drawing("edinburgh-lattice");
-    let volts = rest(&uneven(&drawing));
-    let of_another = presses(&built(&drawing), |_, place| place);
-    let error = with_presses(&drawing, &volts, &of_another).expect_err("another pad");
+    let bench = bench();
+    let of_another = presses(&built(&bench.drawing), |_, place| place);
+    let error = with_presses(&bench.drawing, &bench.volts, &of_another).expect_err("another pad");
     assert!(
         matches!(error, IdentifyError::Contradicted { .. }),
         "{error}"
