@@ -15,6 +15,7 @@ use gelpad::types::PointMm;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
+use rayon::prelude::*;
 
 /// Fingers are drawn as by `gelpad accuracy --real`: radii, mm, and the distance of centres from the edge.
 const RADII_MM: [f64; 2] = [5.0, 9.0];
@@ -126,7 +127,8 @@ fn no_method_places_a_faint_finger_within_0_8_mm_in_one_frame() {
             }
         }
     }
-    // From half to twenty times: rises of 5 to 200 %.
+    // From half to twenty times: rises of 5 to 200 %, which are taken to change the readings in proportion. Larger ones are far from what
+    // is read.
     let any: Vec<f64> = (0..20)
         .map(|step| 0.5 * 40_f64.powf(f64::from(step) / 19.0))
         .collect();
@@ -147,7 +149,7 @@ fn no_method_places_a_faint_finger_within_0_8_mm_in_one_frame() {
             *value += noise;
         }
         let along: Vec<f64> = candidates
-            .iter()
+            .par_iter()
             .map(|candidate| dot(&read, &candidate.change))
             .collect();
         for (error_mm, rises) in errors_mm.iter_mut().zip([&[1.0][..], &any]) {
