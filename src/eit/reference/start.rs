@@ -1,4 +1,5 @@
-//! The first frames of a reference: its levels, the noise of each channel, and the channels that are dead or loose.
+//! The first frames of a reference: its levels, the noise of each channel, and the channels that are dead, loose or below
+//! the noise.
 
 use super::{LEAST_NOISE, Reference};
 use crate::eit::noise::NoiseModel;
@@ -7,6 +8,8 @@ use crate::eit::noise::NoiseModel;
 const LEAST_OWN_SHARE: f64 = 0.01;
 /// A channel is loose if its first readings spread this many times as widely as expected.
 const LOOSE_SPREAD: f64 = 20.0;
+/// A channel is below the noise if the noise expected of its reading exceeds this share of it: a relative change of it may be anything.
+const BELOW_NOISE: f64 = 0.3;
 
 impl Reference {
     /// Adds one of the first frames to the mean.
@@ -42,7 +45,7 @@ impl Reference {
         }
     }
 
-    /// Estimates the noise from the spread of the first frames and mutes dead and loose channels.
+    /// Estimates the noise from the spread of the first frames and mutes channels that are dead, loose or below the noise.
     fn measure_first_frames(&mut self) {
         let rounding = self.step * self.step / 12.0;
         let count = self.frames as f64;
@@ -63,8 +66,9 @@ impl Reference {
             } else {
                 rounding / square
             };
-            self.muted[channel] =
-                square == 0.0 || *variance > LOOSE_SPREAD * LOOSE_SPREAD * (expected + rounding);
+            self.muted[channel] = square == 0.0
+                || expected > BELOW_NOISE * BELOW_NOISE * square
+                || *variance > LOOSE_SPREAD * LOOSE_SPREAD * (expected + rounding);
             self.noise[channel] = if square == 0.0 {
                 1.0
             } else {
