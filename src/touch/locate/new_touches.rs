@@ -29,8 +29,13 @@ const BLIND_EDGE_GAINS: f64 = 4.0;
 const ODD_GAINS: f64 = 2.0;
 /// ... Farther apart less, and nothing from the second distance on, mm: fingers are seldom closer than they are wide.
 const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
-/// On pads whose model is poor, two touches must in any case explain more than one odd finger by this share of the model error; ...
+/// Two touches must in any case explain more than one odd finger by this share of the model error, ...
 const ODD_ERROR_SHARE: f64 = 0.35;
+/// ... of a model at most this poor (share of the amplitude) while both are as narrow as fingers: what a poor model leaves of a heel
+/// is two touches of which one is as wide as touches get; ...
+const NARROW_ERROR: f64 = 0.015;
+/// ... at most this share of the greatest radius is narrow; ...
+const NARROW_SHARE: f64 = 0.95;
 /// ... the share falls to nothing between these distances, mm: odd fingers are rarer the longer they are.
 const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
 /// Two touches closer than this, mm, may be one odd finger.
@@ -298,10 +303,17 @@ impl Locator {
         let odd = self.odd_finger(&target, [touches[i].centre_mm, touches[j].centre_mm]);
         let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
+        let widest = libm::exp(self.bounds.log_radius[1]);
+        let are_narrow =
+            [i, j].map(|index| libm::exp(touches[index].log_radius) < NARROW_SHARE * widest);
+        let long_error = match are_narrow {
+            [true, true] => error.min(NARROW_ERROR * NARROW_ERROR * energy(&target)),
+            _ => error,
+        };
         // Two fingers are commoner than palms, which have to explain the frame better.
         let more = match odd.touch.shape {
             Shape::Palm { .. } => 0.0,
-            _ => odd_gain(apart_mm, DOWN_GAIN * noise, error),
+            _ => odd_gain(apart_mm, DOWN_GAIN * noise, error, long_error),
         };
         let is_odd = odd.cost < pair + more;
         is_odd.then(|| {
@@ -486,11 +498,11 @@ pub(super) fn edited(
 }
 
 /// How much more two touches must explain than one odd finger. `down_gain` is what a new touch must explain above noise, `error` the
-/// energy of the model error; both in squared deviations.
-fn odd_gain(apart_mm: f64, down_gain: f64, error: f64) -> f64 {
+/// energy of the model error, `long_error` that which counts where fingers are long; all in squared deviations.
+fn odd_gain(apart_mm: f64, down_gain: f64, error: f64, long_error: f64) -> f64 {
     let fading =
         |[from_mm, to_mm]: [f64; 2]| ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0);
     let narrow = ODD_GAINS * fading(FINGER_WIDTH_MM) * (down_gain + error);
-    let long = ODD_ERROR_SHARE * fading(LONG_FINGER_MM) * error;
+    let long = ODD_ERROR_SHARE * fading(LONG_FINGER_MM) * long_error;
     narrow.max(long)
 }
