@@ -250,6 +250,43 @@ fn a_pad_that_bends_makes_no_touch_and_fingers_are_found() {
     }
 }
 
+/// While fingers press, bending is hard to see; when they lift, what is left of their touches explains some of it.
+#[test]
+fn touches_on_a_pad_that_bends_end_with_their_fingers() {
+    let mut lasting = 0;
+    for seed in [14, 15] {
+        let mut bench = Bench::located(60.0, seed);
+        bench.play(&[], 200);
+        let wave = |x: f64, y: f64| (std::f64::consts::TAU * (x + 0.5 * y)).sin();
+        let bumps: Vec<_> = (0..25)
+            .map(|k| [(k % 5) as f64 / 4.0, (k / 5) as f64 / 4.0])
+            .map(|[x, y]| finger([100.0 * x, 100.0 * y], 35.0, 0.008 * wave(x, y)))
+            .collect();
+        let rest = bench.simulated.volts(&[]).expect("solvable");
+        let bent = bench.simulated.volts(&bumps).expect("solvable");
+        let changes: Vec<f64> = bent.iter().zip(&rest).map(|(b, r)| b / r - 1.0).collect();
+        bench.board = Box::new(move |channel, volt, frame| {
+            let share = (std::f64::consts::TAU * (frame as f64 - 200.0) / 300.0).sin();
+            (f64::from(volt) * (1.0 + share * changes[channel])) as f32
+        });
+        for press in 0..40u32 {
+            let place = [37, 61].map(|step| 12.0 + f64::from(press * step % 77));
+            let (radius_mm, rise) = (
+                5.0 + f64::from(press % 5),
+                0.5 + 0.05 * f64::from(press % 30),
+            );
+            bench.play(&[finger(place, radius_mm, rise)], 10);
+            assert!(!bench.down().is_empty(), "seed {seed}, press {press}");
+            bench.play(&[], 5);
+            lasting += bench.down().len();
+            bench.play(&[], 15);
+        }
+    }
+    println!("{lasting} touches are down 50 ms after their finger has lifted");
+    // Without a look at what bending explains, every third one is.
+    assert!(lasting <= 2);
+}
+
 #[test]
 fn a_fast_slide_is_one_touch_and_keeps_up() {
     let mut bench = Bench::located(60.0, 11);

@@ -1,9 +1,10 @@
 //! Frames of a pad that has deformed: where patterns of deformation explain a residual better than a finger does, they are
 //! taken out of the frame, and the detector moves the reference by them.
 
-use super::locator::Locator;
+use super::locator::{Locator, stay_ratio};
 use super::metric::{dot, energy};
-use super::motion::Motion;
+use super::motion::{Motion, nearest};
+use crate::eit::cholesky::add_scaled;
 
 /// A deformation explains at least this many squared deviations: noise does once in minutes, and then it costs nothing. While electrodes are
 /// lost it may cost a short touch in hours; but with 85, a bend that is followed later makes several times as many.
@@ -15,8 +16,10 @@ const ERROR_SHARE: f64 = 0.25;
 const SOUND_OUTSIDE: f64 = 2.0;
 /// Touches that leave more than this many times noise and model error are not yet found.
 const SETTLED_REST: f64 = 3.0;
-/// It explains, beyond noise, this many times what a finger explains.
+/// It explains, beyond noise, this many times what a finger explains, ...
 const BETTER: f64 = 1.2;
+/// ... and this many times what a touch explains that has just become much weaker: rather it has lifted.
+const BETTER_THAN_LIFTING: f64 = 1.0;
 /// Steps of the fit of that finger.
 const FIT_STEPS: usize = 15;
 /// It changes readings by less than this share from one frame to the next (root mean square); a palm changes them by more.
@@ -53,6 +56,48 @@ impl Locator {
         let by_finger = energy(residual) - energy(&self.trial.residual);
         let gain = self.model.deformations.gain(residual);
         BETTER * by_finger >= self.beyond_noise(gain, noise)
+    }
+
+    /// Ends touches where a deformation explains the frame better: a finger has lifted, and what is left of its touch explains a
+    /// part of what the pad has bent by while it lay there. Not while channels are excluded: what the patterns extrapolate to them
+    /// would end touches, and they would begin again.
+    pub(super) fn end_deformed(&mut self, noise: f64) {
+        if self.model.deformations.whitened.is_empty()
+            || self.model.is_blind()
+            || self.quality(noise).outside >= SOUND_OUTSIDE
+        {
+            return;
+        }
+        let mut index = 0;
+        while index < self.fit.touches.len() {
+            let mut without = self.fit.residual.clone();
+            add_scaled(&mut without, &self.fit.responses[index].value, 1.0);
+            let by_touch = energy(&without) - energy(&self.fit.residual);
+            let gain = self.model.deformations.gain(&without);
+            let better = if self.is_lifting(index, noise) {
+                BETTER_THAN_LIFTING
+            } else {
+                BETTER
+            };
+            // Other touches leave of the frame what the model does not know of them, and patterns explain that, too.
+            let by_patterns = self.beyond_noise(gain, noise) - self.model_error();
+            let is_deformed = gain >= LEAST_GAIN * noise && by_patterns > better * by_touch;
+            if is_deformed {
+                self.fit.touches.remove(index);
+                self.fit_again();
+                index = 0;
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Whether a touch of the fit has just become much weaker.
+    fn is_lifting(&self, index: usize, noise: f64) -> bool {
+        let touch = &self.fit.touches[index];
+        let ratio = stay_ratio(touch, &self.fit.responses[index], noise);
+        nearest(&self.motions, touch.centre_mm)
+            .is_some_and(|which| self.motions[which].fades(ratio))
     }
 
     /// Whether the touches of the fit explain the frame well enough to look for a deformation in what they leave: no electrode is

@@ -170,6 +170,7 @@ impl Locator {
         self.deformation.clear();
         // The reference's uncertainty ends no touch.
         self.follow(noise - steady);
+        self.end_deformed(noise);
         self.try_landing_beside(noise);
         if self.model.table.has_both_signs() && self.quality(noise).rest > MISFIT_REST {
             // A fast finger is far from where the fit looked for it.
@@ -344,7 +345,7 @@ impl Locator {
 }
 
 /// What a touch explains as a multiple of what it needs to stay.
-fn stay_ratio(touch: &TouchModel, response: &Response, noise: f64) -> f64 {
+pub(super) fn stay_ratio(touch: &TouchModel, response: &Response, noise: f64) -> f64 {
     let gain = energy(&response.value) / (STAY_GAIN * noise);
     gain.min(volume_mm2(touch) / (STAY_SHARE * LEAST_MM2))
 }

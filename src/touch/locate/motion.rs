@@ -29,6 +29,8 @@ const LEAST_STEP_MM: f64 = 1.0;
 const EVIDENCE_WEIGHT: f64 = 0.25;
 /// A touch that explains less than this many times what it needs to stay is faint.
 const FAINT: f64 = 5.0;
+/// A finger lifts if its touch explains less than one in so many of what it explained in the last frames.
+const FADES: f64 = 4.0;
 /// Places that are so far from the expected one, mm, are another touch's.
 const REACH_MM: f64 = 14.0;
 
@@ -114,6 +116,11 @@ impl Motion {
     /// frames, and the last frame showed it.
     pub(super) fn survives_weak_frame(&self) -> bool {
         self.evidence < FAINT && !self.was_weak
+    }
+
+    /// Whether a touch that explains this multiple of what it needs to stay explained far more in the last frames.
+    pub(super) fn fades(&self, stay_ratio: f64) -> bool {
+        self.evidence > FADES * stay_ratio
     }
 
     /// The place by all frames so far.
