@@ -14,7 +14,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 
 const FRAME_NS: Nanos = 10_000_000;
-const APART_MM: f64 = 18.0;
 const RADIUS_MM: f64 = 7.0;
 const WITHIN_MM: f64 = 4.5;
 
@@ -102,15 +101,13 @@ fn apart_mm(a: PointMm, b: PointMm) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-#[test]
-fn two_touches_18_mm_apart_are_two_in_their_places() {
-    let mut bench = Bench::new(11);
-    let draws = draws();
+/// How many of some pairs of touches at a distance are seen as two, both in their places.
+fn told_apart(bench: &mut Bench, distance_mm: f64, pairs: usize) -> usize {
     let mut told_apart = 0;
-    for _ in 0..draws {
+    for _ in 0..pairs {
         let angle = bench.between(0.0, std::f64::consts::PI);
-        let half = [angle.cos(), angle.sin()].map(|part| part * APART_MM / 2.0);
-        let edge = 8.0 + APART_MM / 2.0;
+        let half = [angle.cos(), angle.sin()].map(|part| part * distance_mm / 2.0);
+        let edge = 8.0 + distance_mm / 2.0;
         let middle = [(); 2].map(|()| bench.between(edge, 100.0 - edge));
         let places = [-1.0, 1.0].map(|side| [0, 1].map(|i| middle[i] + side * half[i]));
         // Each multiplies the conductivity by 1 + (1 - (d/r)^2).
@@ -121,8 +118,22 @@ fn two_touches_18_mm_apart_are_two_in_their_places() {
         let near = |place: PointMm| seen.iter().any(|at| apart_mm(*at, place) < WITHIN_MM);
         told_apart += usize::from(seen.len() == 2 && places.into_iter().all(near));
     }
-    println!("{told_apart} of {draws} pairs told apart");
-    assert!(told_apart * 100 >= draws * 95);
+    println!("{told_apart} of {pairs} pairs {distance_mm} mm apart are told apart");
+    told_apart
+}
+
+#[test]
+fn two_touches_18_mm_apart_are_two_in_their_places() {
+    let draws = draws();
+    assert!(told_apart(&mut Bench::new(11), 18.0, draws) * 100 >= draws * 95);
+}
+
+/// The pad is taken as drawn. There the heel of a hand must be one touch, too, which takes pairs for one finger the more the stricter
+/// it is.
+#[test]
+fn two_touches_14_mm_apart_are_mostly_two() {
+    let draws = 2 * draws();
+    assert!(told_apart(&mut Bench::new(16), 14.0, draws) * 100 >= draws * 80);
 }
 
 #[test]
