@@ -10,14 +10,12 @@ use faer::{Mat, Side};
 use std::sync::Arc;
 
 use super::LANES;
-use super::cubic::Interpolant;
 use super::derived::DerivedResponses;
 use super::law::{MIDDLE_RISE, StrengthLaw};
 use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, LinearResponses, Scatterer};
-use super::spline;
 use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
 use super::table::ResponseTable;
@@ -28,7 +26,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 10;
+const VERSION: u32 = 9;
 /// Strengths whose responses of either sign a table is made from: the faintest touch, which the Jacobian gives, and rises of 1.2 and
 /// 4.3.
 const STRENGTHS: [f64; POWERS] = [0.0, 0.44, 0.74];
@@ -250,14 +248,6 @@ impl ResponseBuilder {
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
         let mut solved = terms.concat();
-        // Maps that presses describe have a few coarse values, which splines would overshoot.
-        let interpolant = match self.responses {
-            Responses::Exact(_) | Responses::Derived(_) => Interpolant::Spline,
-            Responses::Learned(_) => Interpolant::Values,
-        };
-        if interpolant == Interpolant::Spline {
-            solved = spline::through_terms(solved, rank, &self.orbits, &self.places, &basis);
-        }
         quantized::round(&mut solved, &self.places, rank);
         ResponseTable {
             key: self.key,
@@ -265,7 +255,6 @@ impl ResponseBuilder {
             rank,
             places: self.places,
             law,
-            interpolant,
             terms: Terms::new(solved, rank, self.orbits, &basis),
             basis,
             stretches,

@@ -2,8 +2,7 @@
 
 use crate::types::PointMm;
 
-/// Grid steps along a pad's longer side: 2 mm on a 100 mm pad. Over the channels of a lattice, splines through the responses are then
-/// off by 0.6 % of a response; with 1.5 mm by 0.3 %, for a table of twice the size.
+/// Grid steps along a pad's longer side: 2 mm on a 100 mm pad, fine enough for the channels of a lattice.
 const PLACES_ALONG: f64 = 50.0;
 /// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
 /// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.

@@ -7,7 +7,7 @@
 //!
 //! The vectors vary slowly, since they belong to a whole finger: they are kept at every second place of the table.
 
-use super::cubic::{Cubic, Interpolant};
+use super::cubic::Cubic;
 use super::places::Places;
 use super::quantized;
 use super::scatter::LinearResponses;
@@ -121,8 +121,8 @@ impl Stretches {
             values.resize(self.rank, 0.0);
         }
         let at = centre_mm.map(|at_mm| at_mm / self.pitch_mm + self.margin);
-        let across = Cubic::at(Interpolant::Values, at[0], self.columns).per(self.pitch_mm);
-        let up = Cubic::at(Interpolant::Values, at[1], self.rows).per(self.pitch_mm);
+        let across = Cubic::at(at[0], self.columns).per(self.pitch_mm);
+        let up = Cubic::at(at[1], self.rows).per(self.pitch_mm);
         for index in 0..16 {
             let (j, i) = (index / 4, index % 4);
             let place = (up.first + j) * self.columns + across.first + i;
