@@ -81,7 +81,9 @@ impl Locator {
             };
             // Other touches leave of the frame what the model does not know of them, and patterns explain that, too.
             let by_patterns = self.beyond_noise(gain, noise) - self.model_error();
-            let is_deformed = gain >= LEAST_GAIN * noise && by_patterns > better * by_touch;
+            let is_deformed = gain >= LEAST_GAIN * noise
+                && by_patterns > better * by_touch
+                && self.seen_change(&self.change_by_patterns(&without)) <= MOST_CHANGE;
             if is_deformed {
                 self.fit.touches.remove(index);
                 self.fit_again();
@@ -90,6 +92,18 @@ impl Locator {
                 index += 1;
             }
         }
+    }
+
+    /// The change that the patterns explain of a residual, in the table's coordinates.
+    fn change_by_patterns(&self, residual: &[f32]) -> Vec<f32> {
+        let patterns = &self.model.deformations;
+        let mut change = vec![0.0f32; patterns.rank];
+        for (pattern, coordinates) in (patterns.whitened.chunks_exact(patterns.rank))
+            .zip(patterns.coordinates.chunks_exact(patterns.rank))
+        {
+            add_scaled(&mut change, coordinates, dot(pattern, residual));
+        }
+        change
     }
 
     /// Whether a touch of the fit has just become much weaker.
