@@ -118,7 +118,7 @@ fn told_apart(bench: &mut Bench, distance_mm: f64, pairs: usize) -> usize {
         let near = |place: PointMm| seen.iter().any(|at| apart_mm(*at, place) < WITHIN_MM);
         told_apart += usize::from(seen.len() == 2 && places.into_iter().all(near));
     }
-    println!("{told_apart} of {pairs} pairs {distance_mm} mm apart are told apart");
+    println!("{told_apart} of {pairs} pairs at {distance_mm} mm are seen as two");
     told_apart
 }
 

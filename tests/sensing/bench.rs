@@ -105,6 +105,18 @@ impl Bench {
             Box::new(move |channel, volt, frame| reading(uses[channel], channel, volt, frame));
     }
 
+    /// Bends the pad from now on: by what these touches change and back, and the other way, in three seconds.
+    pub fn bend(&mut self, by: &[Press]) {
+        let rest = self.simulated.volts(&[]).expect("solvable");
+        let bent = self.simulated.volts(by).expect("solvable");
+        let changes: Vec<f64> = bent.iter().zip(&rest).map(|(b, r)| b / r - 1.0).collect();
+        let from = self.frame;
+        self.board = Box::new(move |channel, volt, frame| {
+            let share = (std::f64::consts::TAU * (frame - from) as f64 / 300.0).sin();
+            (f64::from(volt) * (1.0 + share * changes[channel])) as f32
+        });
+    }
+
     pub fn down(&self) -> &[Touch] {
         self.detector.touches_down()
     }

@@ -83,7 +83,7 @@ impl Locator {
             let by_patterns = self.beyond_noise(gain, noise) - self.model_error();
             let is_deformed = gain >= LEAST_GAIN * noise
                 && by_patterns > better * by_touch
-                && self.seen_change(&self.change_by_patterns(&without)) <= MOST_CHANGE;
+                && self.seen_change(&self.change_by_patterns(&without, 1.0)) <= MOST_CHANGE;
             if is_deformed {
                 self.fit.touches.remove(index);
                 self.fit_again();
@@ -94,14 +94,14 @@ impl Locator {
         }
     }
 
-    /// The change that the patterns explain of a residual, in the table's coordinates.
-    fn change_by_patterns(&self, residual: &[f32]) -> Vec<f32> {
+    /// A share of the change that the patterns explain of a residual, in the table's coordinates.
+    fn change_by_patterns(&self, residual: &[f32], share: f32) -> Vec<f32> {
         let patterns = &self.model.deformations;
         let mut change = vec![0.0f32; patterns.rank];
         for (pattern, coordinates) in (patterns.whitened.chunks_exact(patterns.rank))
             .zip(patterns.coordinates.chunks_exact(patterns.rank))
         {
-            add_scaled(&mut change, coordinates, dot(pattern, residual));
+            add_scaled(&mut change, coordinates, share * dot(pattern, residual));
         }
         change
     }
@@ -153,22 +153,14 @@ impl Locator {
             true => (self.beyond_noise(gain, noise) / gain).max(0.0) as f32,
             false => 1.0,
         };
-        let rank = model.deformations.rank;
-        let mut change = vec![0.0f32; rank];
+        let change = self.change_by_patterns(residual, share);
         let mut rest = self.frame.coordinates.clone();
-        for (pattern, coordinates) in model
+        for pattern in model
             .deformations
             .whitened
-            .chunks_exact(rank)
-            .zip(model.deformations.coordinates.chunks_exact(rank))
+            .chunks_exact(model.deformations.rank)
         {
-            let along = share * dot(pattern, residual);
-            for (total, value) in change.iter_mut().zip(coordinates) {
-                *total += along * value;
-            }
-            for (value, part) in rest.iter_mut().zip(pattern) {
-                *value -= along * part;
-            }
+            add_scaled(&mut rest, pattern, -share * dot(pattern, residual));
         }
         let most_change = if self.fit.touches.is_empty() {
             MOST_CHANGE

@@ -7,7 +7,7 @@ use crate::pad::{LearnedMaps, Outline, Pad, TouchSign};
 /// Model error of a pad as drawn, as a share of a frame's amplitude: pads differ from their drawing.
 const DRAWN_ERROR: f64 = 0.04;
 /// The same of a pad as found: its table is derived to first order, from readings that do not tell everything.
-const FOUND_ERROR: f64 = 0.015;
+pub(super) const FOUND_ERROR: f64 = 0.015;
 /// Least distance between two touches, mm: a finger's width. What looks closer on a pad as drawn is one wide or oval finger.
 const DRAWN_APART_MM: f64 = 12.5;
 /// Least distance on a pad as found: closer, even exact responses hardly differ.

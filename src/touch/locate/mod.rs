@@ -18,6 +18,7 @@ mod model;
 mod motion;
 mod new_touches;
 mod odd;
+mod pair_or_odd;
 mod place_held;
 mod recent;
 mod responses;

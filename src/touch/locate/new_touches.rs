@@ -9,8 +9,7 @@ use super::locator::{DOWN_GAIN, LEAST_MM2, Locator, volume_mm2};
 use super::metric::energy;
 use super::recent::{MEAN_FRAMES, REFUSED_GROWTH};
 use super::templates::Peak;
-use crate::eit::cholesky::add_scaled;
-use crate::eit::response::{Shape, TouchModel};
+use crate::eit::response::TouchModel;
 use crate::types::{PointMm, distance_mm};
 
 /// Least distance of a new touch's centre from the edge with tables that end there: a fit at the very edge is an error of an
@@ -24,22 +23,6 @@ const EDGE_REST: f64 = 3.0;
 /// While channels are excluded, a new touch at the edge must explain this many times as much as another one: near a lost
 /// electrode the edge is hardly seen.
 const BLIND_EDGE_GAINS: f64 = 4.0;
-/// Two touches closer than the first of [`FINGER_WIDTH_MM`] must explain more than one odd finger does: more by this many times what a
-/// new touch must explain. ...
-const ODD_GAINS: f64 = 2.0;
-/// ... Farther apart less, and nothing from the second distance on, mm: fingers are seldom closer than they are wide.
-const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
-/// Two touches must in any case explain more than one odd finger by this share of the model error, ...
-const ODD_ERROR_SHARE: f64 = 0.35;
-/// ... of a model at most this poor (share of the amplitude) while both are as narrow as fingers: what a poor model leaves of a heel
-/// is two touches of which one is as wide as touches get; ...
-const NARROW_ERROR: f64 = 0.015;
-/// ... at most this share of the greatest radius is narrow; ...
-const NARROW_SHARE: f64 = 0.95;
-/// ... the share falls to nothing between these distances, mm: odd fingers are rarer the longer they are.
-const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
-/// Two touches closer than this, mm, may be one odd finger.
-const ODD_REACH_MM: f64 = 20.0;
 /// Below this distance, the second touch must explain the share [`NEAR_DROP`] of what the first leaves.
 const NEAR_MM: f64 = 28.0;
 /// Least share of what a touch leaves that a second one near it must explain.
@@ -279,59 +262,6 @@ impl Locator {
                 || self.model.is_blind() && gain < BLIND_EDGE_GAINS * least_gain)
     }
 
-    /// The touches of the best trial with one finger of odd shape instead of the two nearest ones, if that explains the frame about as
-    /// well.
-    fn odd_instead(&self, noise: f64) -> Option<Vec<TouchModel>> {
-        if !self.model.table.has_both_signs() {
-            return None;
-        }
-        let touches = &self.best.touches;
-        let pairs = (0..touches.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let (apart_mm, i, j) = pairs
-            .map(|(i, j)| {
-                let apart_mm = distance_mm(touches[i].centre_mm, touches[j].centre_mm);
-                (apart_mm, i, j)
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if apart_mm >= ODD_REACH_MM {
-            return None;
-        }
-        let mut target = self.best.residual.clone();
-        for index in [i, j] {
-            add_scaled(&mut target, &self.best.responses[index].value, 1.0);
-        }
-        let odd = self.odd_finger(&target, [touches[i].centre_mm, touches[j].centre_mm]);
-        let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
-        let error = self.model.error_energy(energy(&target));
-        let widest = libm::exp(self.bounds.log_radius[1]);
-        let are_narrow =
-            [i, j].map(|index| libm::exp(touches[index].log_radius) < NARROW_SHARE * widest);
-        let long_error = match are_narrow {
-            [true, true] => error.min(NARROW_ERROR * NARROW_ERROR * energy(&target)),
-            _ => error,
-        };
-        // Two fingers are commoner than palms, which have to explain the frame better.
-        let more = match odd.touch.shape {
-            Shape::Palm { .. } => 0.0,
-            _ => odd_gain(apart_mm, DOWN_GAIN * noise, error, long_error),
-        };
-        let is_odd = odd.cost < pair + more;
-        is_odd.then(|| {
-            let others = edited(touches, &[odd.touch], Some(i));
-            edited(&others, &[], Some(j))
-        })
-    }
-
-    /// Takes touches with a finger of odd shape if they explain enough more than those so far.
-    fn take_odd(&mut self, touches: &[TouchModel], least_gain: f64) -> bool {
-        self.try_fit(touches, NEW_TOUCH_STEPS);
-        let is_better = self.fit.cost - self.trial.cost >= least_gain;
-        if is_better {
-            std::mem::swap(&mut self.fit, &mut self.trial);
-        }
-        is_better
-    }
-
     /// Tries one more touch at each of the best places: at the edge, the fit that starts from the best one may end beside the
     /// least cost.
     fn try_other_starts(&mut self) {
@@ -495,14 +425,4 @@ pub(super) fn edited(
         .map(|(_, touch)| *touch)
         .chain(more.iter().copied())
         .collect()
-}
-
-/// How much more two touches must explain than one odd finger. `down_gain` is what a new touch must explain above noise, `error` the
-/// energy of the model error, `long_error` that which counts where fingers are long; all in squared deviations.
-fn odd_gain(apart_mm: f64, down_gain: f64, error: f64, long_error: f64) -> f64 {
-    let fading =
-        |[from_mm, to_mm]: [f64; 2]| ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0);
-    let narrow = ODD_GAINS * fading(FINGER_WIDTH_MM) * (down_gain + error);
-    let long = ODD_ERROR_SHARE * fading(LONG_FINGER_MM) * long_error;
-    narrow.max(long)
 }
