@@ -15,6 +15,7 @@ mod places;
 mod quantized;
 mod scatter;
 mod shaped;
+mod spline;
 mod stretch;
 mod symmetry;
 mod table;
