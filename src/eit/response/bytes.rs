@@ -239,6 +239,7 @@ mod tests {
     use std::sync::OnceLock;
 
     use super::*;
+    use crate::pad::{DEFAULT_PAD, shipped_pad};
     use proptest::prelude::*;
 
     fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
@@ -305,6 +306,29 @@ mod tests {
             let bytes = table.to_bytes();
             assert!(bytes.starts_with(magic));
             assert_eq!(read(&bytes), Ok(table));
+        }
+    }
+
+    #[test]
+    fn tables_of_either_grid_are_read_for_their_pad() {
+        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
+        let pad = Pad::from_toml("p", text).expect("sound");
+        let size_mm = pad.outline.size_mm();
+        let (channels, rank) = (pad.channels(), LANES);
+        for places in [Places::new(size_mm), Places::earlier(size_mm)] {
+            let orbits = Orbits::new(&pad, &places);
+            let basis = vec![0.0; rank * channels];
+            let terms =
+                (0..SIGNS * orbits.solved() * TERMS * rank).map(|index| (index % 97) as f32);
+            let table = ResponseTable {
+                channels,
+                places,
+                terms: Terms::new(terms.collect(), rank, orbits, &basis),
+                basis,
+                ..ResponseTable::small()
+            };
+            let read = ResponseTable::from_bytes(&table.to_bytes(), &pad);
+            assert_eq!(read, Ok(table), "{places:?}");
         }
     }
 
