@@ -99,7 +99,8 @@ fn solver_constants() -> String {
 pub struct ResponseRow {
     /// Solved places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
-    /// What longer fingers add at a row of places of their own, if there is one of this number and the pad is not learned.
+    /// What longer fingers add in the row of this number of the coarser grid of `stretch.rs`: places x axes, each the changes of all
+    /// channels. Empty if there is no such row, and of learned pads.
     stretched: Vec<Vec<f64>>,
 }
 
