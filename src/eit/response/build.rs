@@ -10,14 +10,12 @@ use faer::{Mat, Side};
 use std::sync::Arc;
 
 use super::LANES;
-use super::cubic::Interpolant;
 use super::derived::DerivedResponses;
 use super::law::{MIDDLE_RISE, StrengthLaw};
 use super::learned::LearnedResponses;
 use super::places::{self, Places, RADII};
 use super::quantized::{self, STEP_LOG2};
 use super::scatter::{self, LinearResponses, Scatterer};
-use super::spline;
 use super::stretch::{self, Stretches};
 use super::symmetry::Orbits;
 use super::table::ResponseTable;
@@ -28,7 +26,7 @@ use crate::pad::Pad;
 
 /// Part of the key. Raise it when the solver changes in a way that [`solver_constants`], which are part of the key too, do not
 /// show.
-const VERSION: u32 = 10;
+const VERSION: u32 = 9;
 /// Strengths whose responses of either sign a table is made from: the faintest touch, which the Jacobian gives, and rises of 1.2 and
 /// 4.3.
 const STRENGTHS: [f64; POWERS] = [0.0, 0.44, 0.74];
@@ -99,9 +97,6 @@ fn solver_constants() -> String {
 pub struct ResponseRow {
     /// Solved places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
-    /// What longer fingers add in the row of this number of the coarser grid of `stretch.rs`: places x axes, each the changes of all
-    /// channels. Empty if there is no such row, and of learned pads.
-    stretched: Vec<Vec<f64>>,
 }
 
 impl ResponseBuilder {
@@ -208,13 +203,7 @@ impl ResponseBuilder {
                 }
             }
         }
-        let stretched = match self.responses.linear() {
-            Some(linear) if row < Stretches::rows(&self.places) => {
-                Stretches::solve_row(linear, &self.places, row)
-            }
-            _ => Vec::new(),
-        };
-        ResponseRow { scaled, stretched }
+        ResponseRow { scaled }
     }
 
     /// Assembles the table from all rows, in order.
@@ -245,28 +234,20 @@ impl ResponseBuilder {
                 });
             }
         }
-        let stretches = self.responses.linear().map(|_| {
-            let changes = rows.iter().flat_map(|row| &row.stretched);
-            let projected = changes.flat_map(|changes| {
-                let changes = faer::ColRef::from_slice(changes);
-                let coordinates = basis.transpose() * changes;
-                let values = coordinates.iter().map(|value| *value as f32);
-                values.collect::<Vec<f32>>()
-            });
-            Stretches::new(projected.collect(), &self.places, rank)
+        let stretches = self.responses.linear().map(|linear| {
+            Stretches::solve(linear, &self.places, rank, |changes| {
+                (0..rank)
+                    .map(|dimension| {
+                        let column = basis.col(dimension).iter();
+                        column.zip(changes).map(|(a, b)| a * b).sum::<f64>() as f32
+                    })
+                    .collect()
+            })
         });
         let basis: Vec<f32> = (0..rank)
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))
             .collect();
         let mut solved = terms.concat();
-        // Maps that presses describe have a few coarse values, which splines would overshoot.
-        let interpolant = match self.responses {
-            Responses::Exact(_) | Responses::Derived(_) => Interpolant::Spline,
-            Responses::Learned(_) => Interpolant::Values,
-        };
-        if interpolant == Interpolant::Spline {
-            solved = spline::through_terms(solved, rank, &self.orbits, &self.places, &basis);
-        }
         quantized::round(&mut solved, &self.places, rank);
         ResponseTable {
             key: self.key,
@@ -274,7 +255,6 @@ impl ResponseBuilder {
             rank,
             places: self.places,
             law,
-            interpolant,
             terms: Terms::new(solved, rank, self.orbits, &basis),
             basis,
             stretches,

@@ -2,20 +2,17 @@
 //!
 //! Little-endian: magic; six u32 (length of the key, channels, rank, columns, rows, terms per place); the grid's pitch in
 //! mm (f64); the key; the basis (f32) and the terms of both signs at the places from which the others follow by symmetry (as in
-//! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it.
-//!
-//! The version tells the law by which responses grow with strength (`law.rs`) and what the terms are. A solved table is of the sixth:
-//! the law of the rise, and splines (`spline.rs`). A learned table, whose law is that of the strength and which does not know what
-//! longer fingers add, is of the third. The others remain for older recordings: the fifth is the sixth with values instead of splines; the
-//! fourth is the fifth with the other law; the second holds the terms as f32; the first, too, of one sign at all places, and no
-//! places beyond the edge but those that the interpolation needs. In older recordings the grid is coarser, too, which its pitch tells.
+//! `quantized.rs`); what longer fingers add (`stretch.rs`, as integers, too); CRC-32 of everything before it. The version tells the
+//! law by which responses grow with strength (`law.rs`): since the fifth, that of the rise. A learned table, whose law is that of the
+//! strength and which does not know what longer fingers add, is of the third version. The others remain for older recordings: the fourth
+//! is the fifth with the other law; the second holds the terms as f32; the first, too, of one sign at all places, and no places
+//! beyond the edge but those that the interpolation needs.
 //!
 //! The grid follows from the pad, so stored dimensions are only compared with it. Nothing is allocated before they agree.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 use super::LANES;
-use super::cubic::Interpolant;
 use super::law::StrengthLaw;
 use super::places::Places;
 use super::quantized;
@@ -26,9 +23,7 @@ use super::terms::{SIGNS, TERMS, Terms};
 use crate::pad::Pad;
 use crate::types::ByteReader;
 
-const MAGIC: &[u8; 8] = b"gelpadR6";
-/// With values instead of splines.
-const VALUES_MAGIC: &[u8; 8] = b"gelpadR5";
+const MAGIC: &[u8; 8] = b"gelpadR5";
 /// With the law of the strength.
 const STRENGTH_MAGIC: &[u8; 8] = b"gelpadR4";
 /// Without what longer fingers add.
@@ -36,8 +31,6 @@ const ROUND_MAGIC: &[u8; 8] = b"gelpadR3";
 /// Terms as f32.
 const FLOAT_MAGIC: &[u8; 8] = b"gelpadR2";
 const OLD_MAGIC: &[u8; 8] = b"gelpadR1";
-/// Where the grid's pitch stands.
-const PITCH: usize = 8 + 6 * 4;
 /// Sixteen bytes per step: a table of fifteen megabytes is checked at every start.
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Entries of an orthonormal basis are at most 1, apart from rounding.
@@ -70,8 +63,7 @@ impl ResponseTable {
         let packed = quantized::pack(solved.iter(), &self.places, self.rank);
         let packed = packed.filter(|_| self.has_both_signs());
         let magic = match packed {
-            Some(_) if self.interpolant == Interpolant::Spline => MAGIC,
-            Some(_) if self.law == StrengthLaw::Rise => VALUES_MAGIC,
+            Some(_) if self.law == StrengthLaw::Rise => MAGIC,
             Some(_) if self.stretches.is_some() => STRENGTH_MAGIC,
             Some(_) => ROUND_MAGIC,
             None if self.has_both_signs() => FLOAT_MAGIC,
@@ -115,16 +107,11 @@ impl ResponseTable {
     pub fn from_bytes(bytes: &[u8], pad: &Pad) -> Result<Self, TableError> {
         let size_mm = pad.outline.size_mm();
         if bytes.starts_with(OLD_MAGIC) {
-            let places = Places::first(size_mm);
+            let places = Places::old(size_mm);
             let orbits = Orbits::none(&places, pad.channels());
             Self::read(bytes, places, orbits, 1, pad.channels())
         } else {
-            let earlier = Places::earlier(size_mm);
-            let pitch = bytes.get(PITCH..).unwrap_or_default();
-            let places = match pitch.starts_with(&earlier.pitch_mm.to_le_bytes()) {
-                true => earlier,
-                false => Places::new(size_mm),
-            };
+            let places = Places::new(size_mm);
             let orbits = Orbits::new(pad, &places);
             Self::read(bytes, places, orbits, SIGNS, pad.channels())
         }
@@ -156,12 +143,9 @@ impl ResponseTable {
             return Err(TableError::OutOfRange);
         }
         let has_stretches = knows_stretches(bytes);
-        let (law, interpolant) = if bytes.starts_with(MAGIC) {
-            (StrengthLaw::Rise, Interpolant::Spline)
-        } else if bytes.starts_with(VALUES_MAGIC) {
-            (StrengthLaw::Rise, Interpolant::Values)
-        } else {
-            (StrengthLaw::Strength, Interpolant::Values)
+        let law = match bytes.starts_with(MAGIC) {
+            true => StrengthLaw::Rise,
+            false => StrengthLaw::Strength,
         };
         let is_packed = has_stretches || bytes.starts_with(ROUND_MAGIC);
         let read_terms = |count: usize, reader: &mut ByteReader<'_>| {
@@ -198,7 +182,6 @@ impl ResponseTable {
             basis,
             places,
             law,
-            interpolant,
             stretches: has_stretches.then(|| Stretches::unpack(stretched, &places, rank)),
         })
     }
@@ -206,22 +189,12 @@ impl ResponseTable {
 
 /// Whether a table that begins so knows what longer fingers add.
 fn knows_stretches(bytes: &[u8]) -> bool {
-    [MAGIC, VALUES_MAGIC, STRENGTH_MAGIC]
-        .iter()
-        .any(|magic| bytes.starts_with(*magic))
+    bytes.starts_with(MAGIC) || bytes.starts_with(STRENGTH_MAGIC)
 }
 
 /// The bytes between the format's name and a checksum that is right.
 fn checked_body(bytes: &[u8]) -> Result<&[u8], TableError> {
-    let versions = [
-        MAGIC,
-        VALUES_MAGIC,
-        STRENGTH_MAGIC,
-        ROUND_MAGIC,
-        FLOAT_MAGIC,
-        OLD_MAGIC,
-    ];
-    let rest = versions
+    let rest = [MAGIC, STRENGTH_MAGIC, ROUND_MAGIC, FLOAT_MAGIC, OLD_MAGIC]
         .iter()
         .find_map(|magic| bytes.strip_prefix(*magic))
         .ok_or(TableError::NotATable)?;
@@ -239,7 +212,6 @@ mod tests {
     use std::sync::OnceLock;
 
     use super::*;
-    use crate::pad::{DEFAULT_PAD, shipped_pad};
     use proptest::prelude::*;
 
     fn read(bytes: &[u8]) -> Result<ResponseTable, TableError> {
@@ -285,19 +257,10 @@ mod tests {
         }
     }
 
-    /// The same, of splines.
-    fn of_splines() -> ResponseTable {
-        ResponseTable {
-            interpolant: Interpolant::Spline,
-            ..of_rise()
-        }
-    }
-
     #[test]
     fn a_table_is_read_as_it_was_written() {
         let tables = [
-            (of_splines(), MAGIC),
-            (of_rise(), VALUES_MAGIC),
+            (of_rise(), MAGIC),
             (stretched(), STRENGTH_MAGIC),
             (rounded(), ROUND_MAGIC),
             (ResponseTable::small(), FLOAT_MAGIC),
@@ -310,29 +273,6 @@ mod tests {
     }
 
     #[test]
-    fn tables_of_either_grid_are_read_for_their_pad() {
-        let text = shipped_pad(DEFAULT_PAD).expect("shipped").toml;
-        let pad = Pad::from_toml("p", text).expect("sound");
-        let size_mm = pad.outline.size_mm();
-        let (channels, rank) = (pad.channels(), LANES);
-        for places in [Places::new(size_mm), Places::earlier(size_mm)] {
-            let orbits = Orbits::new(&pad, &places);
-            let basis = vec![0.0; rank * channels];
-            let terms =
-                (0..SIGNS * orbits.solved() * TERMS * rank).map(|index| (index % 97) as f32);
-            let table = ResponseTable {
-                channels,
-                places,
-                terms: Terms::new(terms.collect(), rank, orbits, &basis),
-                basis,
-                ..ResponseTable::small()
-            };
-            let read = ResponseTable::from_bytes(&table.to_bytes(), &pad);
-            assert_eq!(read, Ok(table), "{places:?}");
-        }
-    }
-
-    #[test]
     fn a_cut_table_is_damaged_and_something_else_is_no_table() {
         let bytes = ResponseTable::small().to_bytes();
         assert_eq!(read(&bytes[..bytes.len() - 9]), Err(TableError::Damaged));
@@ -341,6 +281,7 @@ mod tests {
 
     #[test]
     fn a_pitch_other_than_the_pads_is_refused() {
+        const PITCH: usize = 8 + 6 * 4;
         for pitch_mm in [f64::NAN, -1.2, 0.0, 1e-12, f64::INFINITY] {
             let bytes = edited(PITCH, &pitch_mm.to_le_bytes());
             assert_eq!(read(&bytes), Err(TableError::OtherPad), "{pitch_mm} mm");
@@ -382,7 +323,7 @@ mod tests {
         #[test]
         fn every_flipped_bit_is_detected(at in 8..100_000usize, bit in 0..8u8) {
             static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-            let mut bytes = BYTES.get_or_init(|| of_splines().to_bytes()).clone();
+            let mut bytes = BYTES.get_or_init(|| of_rise().to_bytes()).clone();
             let at = at % bytes.len();
             bytes[at] ^= 1 << bit;
             prop_assert!(read(&bytes).is_err());

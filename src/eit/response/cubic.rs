@@ -1,57 +1,9 @@
-//! Weights of cubic interpolation: a table's places and radii, and its places of stretches.
+//! Weights of interpolation by cubic convolution: a table's places and radii, and its places of stretches.
 
 /// Closer than this to a grid point, in steps, a coordinate is at it.
 const AT_POINT: f64 = 1e-9;
 
-/// What the numbers on a grid are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interpolant {
-    /// Coefficients of a cubic spline (`spline.rs`).
-    Spline,
-    /// Values, joined by cubic convolution (Keys 1981, IEEE Trans. ASSP 29, eq. 15): in older recordings, and of pads that presses
-    /// describe.
-    Values,
-}
-
-impl Interpolant {
-    /// Weights of four neighbouring points, and their slopes, at a share of the step between the two in the middle.
-    fn weights(self, f: f64) -> [[f64; 4]; 2] {
-        let (f2, f3) = (f * f, f * f * f);
-        match self {
-            Self::Spline => {
-                let g = 1.0 - f;
-                let value = [
-                    g * g * g,
-                    3.0 * f3 - 6.0 * f2 + 4.0,
-                    3.0 * (f + f2 - f3) + 1.0,
-                    f3,
-                ];
-                let slope = [-g * g, 3.0 * f2 - 4.0 * f, 1.0 + 2.0 * f - 3.0 * f2, f2];
-                [
-                    value.map(|weight| weight / 6.0),
-                    slope.map(|weight| 0.5 * weight),
-                ]
-            }
-            Self::Values => {
-                let value = [
-                    2.0 * f2 - f3 - f,
-                    3.0 * f3 - 5.0 * f2 + 2.0,
-                    4.0 * f2 - 3.0 * f3 + f,
-                    f3 - f2,
-                ];
-                let slope = [
-                    4.0 * f - 3.0 * f2 - 1.0,
-                    9.0 * f2 - 10.0 * f,
-                    8.0 * f - 9.0 * f2 + 1.0,
-                    3.0 * f2 - 2.0 * f,
-                ];
-                [value, slope].map(|weights| weights.map(|weight| 0.5 * weight))
-            }
-        }
-    }
-}
-
-/// Weights of the four grid points around a coordinate.
+/// Weights of the four grid points around a coordinate (cubic convolution: Keys 1981, IEEE Trans. ASSP 29, eq. 15).
 pub(super) struct Cubic {
     pub(super) first: usize,
     pub(super) value: [f32; 4],
@@ -61,7 +13,7 @@ pub(super) struct Cubic {
 impl Cubic {
     /// `at` counts steps from the first of `count` points; it is clamped to the second and the last but one. NaN, too,
     /// becomes the second.
-    pub(super) fn at(interpolant: Interpolant, at: f64, count: usize) -> Self {
+    pub(super) fn at(at: f64, count: usize) -> Self {
         let last = (count - 2) as f64;
         let at = at.max(1.0).min(last);
         let nearest = libm::round(at);
@@ -69,7 +21,19 @@ impl Cubic {
         let at = if is_at_point { nearest } else { at };
         let cell = libm::floor(at).min(last - 1.0);
         let f = at - cell;
-        let [value, slope] = interpolant.weights(f);
+        let (f2, f3) = (f * f, f * f * f);
+        let value = [
+            0.5 * (2.0 * f2 - f3 - f),
+            0.5 * (3.0 * f3 - 5.0 * f2 + 2.0),
+            0.5 * (4.0 * f2 - 3.0 * f3 + f),
+            0.5 * (f3 - f2),
+        ];
+        let slope = [
+            0.5 * (4.0 * f - 3.0 * f2 - 1.0),
+            0.5 * (9.0 * f2 - 10.0 * f),
+            0.5 * (8.0 * f - 9.0 * f2 + 1.0),
+            0.5 * (3.0 * f2 - 2.0 * f),
+        ];
         Self {
             first: cell as usize - 1,
             value: value.map(|weight| weight as f32),
@@ -92,7 +56,7 @@ mod tests {
     fn a_touch_at_a_grid_point_has_one_weight() {
         // As rounding makes them: a hair beside the second, third and last point.
         for (at, first) in [(1.0, 0), (2.0 + 1e-12, 1), (2.0 - 1e-12, 1), (8.0, 6)] {
-            let cubic = Cubic::at(Interpolant::Values, at, 10);
+            let cubic = Cubic::at(at, 10);
             let ones = cubic.value.iter().filter(|weight| **weight == 1.0);
             let zeros = cubic.value.iter().filter(|weight| **weight == 0.0);
             assert_eq!(

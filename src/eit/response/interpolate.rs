@@ -8,7 +8,8 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::LANES;
-use super::cubic::{Cubic, Interpolant};
+use super::cubic::Cubic;
+use super::law::StrengthLaw;
 use super::places::{Places, RADII, RADIUS_STEP};
 use super::shaped::ShapedResponse;
 use super::table::{Response, ResponseTable};
@@ -35,32 +36,12 @@ impl ResponseTable {
         Arch::new().dispatch(Interpolation::new(self, touch, response));
     }
 
-    /// The value of [`ResponseTable::respond`] of a round touch alone: the same to the bit, but for rounding at grid points that follow from
-    /// others. Fast there, and for radii of the table: few terms are turned.
+    /// The value of [`ResponseTable::respond`] of a round touch alone, the same to the bit. Fast for touches at grid points with a radius of the
+    /// table: terms of weight 0 are not turned.
     pub fn respond_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
-        let place = self.places.index_at(touch.centre_mm);
-        // Around the origin of a place, most places are solved.
-        let follows = place.and_then(|place| Some((place, self.terms.origin_of(place)?)));
-        match follows.filter(|_| self.interpolant == Interpolant::Spline) {
-            Some((place, origin)) => {
-                let at_origin = TouchModel {
-                    centre_mm: self.places.at_mm(origin),
-                    ..*touch
-                };
-                let mut response = Vec::new();
-                self.sum_value(&at_origin, &mut response);
-                value.clear();
-                value.resize(self.rank, 0.0);
-                self.terms.turn(place, &response, value);
-            }
-            None => self.sum_value(touch, value),
-        }
-    }
-
-    fn sum_value(&self, touch: &TouchModel, value: &mut Vec<f32>) {
         value.clear();
         value.resize(self.rank, 0.0);
-        let size = SizeWeights::new(touch, self);
+        let size = SizeWeights::new(touch, &self.places, self.law);
         let [across, up] = self.cubics(touch);
         let sign = self.sign_index(touch);
         let mut at_place = vec![0.0f32; self.rank];
@@ -99,9 +80,8 @@ impl ResponseTable {
         } = self.places;
         let margin = self.places.margin as f64;
         let [x, y] = touch.centre_mm;
-        [(x, columns), (y, rows)].map(|(at_mm, count)| {
-            Cubic::at(self.interpolant, at_mm / pitch_mm + margin, count).per(pitch_mm)
-        })
+        [(x, columns), (y, rows)]
+            .map(|(at_mm, count)| Cubic::at(at_mm / pitch_mm + margin, count).per(pitch_mm))
     }
 
     fn sign_index(&self, touch: &TouchModel) -> usize {
@@ -133,7 +113,7 @@ impl<'a> Interpolation<'a> {
         }
         let [across, up] = table.cubics(touch);
         let sign = table.sign_index(touch);
-        let size = SizeWeights::new(touch, table);
+        let size = SizeWeights::new(touch, &table.places, table.law);
         let terms = std::array::from_fn(|index| {
             let (row, column) = (up.first + index / 4, across.first + index % 4);
             let place = row * table.places.columns + column;
@@ -224,16 +204,14 @@ struct SizeWeights {
 }
 
 impl SizeWeights {
-    fn new(touch: &TouchModel, table: &ResponseTable) -> Self {
-        let places = &table.places;
+    fn new(touch: &TouchModel, places: &Places, law: StrengthLaw) -> Self {
         let step = libm::log(RADIUS_STEP);
         let least = libm::log(places.least_radius_mm());
-        let at = (touch.log_radius - least) / step;
-        let radius = Cubic::at(table.interpolant, at, RADII).per(step);
+        let radius = Cubic::at((touch.log_radius - least) / step, RADII).per(step);
         let log_least = least + step;
         let log_most = least + step * (RADII - 2) as f64;
         let area = libm::exp(2.0 * touch.log_radius.clamp(log_least, log_most));
-        let factors = table.law.factors(touch.strength);
+        let factors = law.factors(touch.strength);
         let terms = std::array::from_fn(|index| {
             let (k, power) = (index / POWERS, index % POWERS);
             let (value, slope) = (f64::from(radius.value[k]), f64::from(radius.slope[k]));

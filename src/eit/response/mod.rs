@@ -15,7 +15,6 @@ mod places;
 mod quantized;
 mod scatter;
 mod shaped;
-mod spline;
 mod stretch;
 mod symmetry;
 mod table;

@@ -2,11 +2,8 @@
 
 use crate::types::PointMm;
 
-/// Grid steps along a pad's longer side: 1.67 mm on a 100 mm pad. Over the channels of a lattice, splines through the responses place a
-/// touch to 0.07 mm in little noise; with 2 mm to 0.09, with 1.5 mm to 0.065, for a table that takes a fifth more to solve.
-const PLACES_ALONG: f64 = 60.0;
-/// The same in tables of earlier versions.
-const EARLIER_PLACES_ALONG: f64 = 50.0;
+/// Grid steps along a pad's longer side: 2 mm on a 100 mm pad, fine enough for the channels of a lattice.
+const PLACES_ALONG: f64 = 50.0;
 /// Radii of a table, each [`RADIUS_STEP`] times the one before. Closely spaced, because a touch over a hole of a lattice
 /// reaches conductor suddenly as it widens. The outermost two only support the cubic interpolation.
 pub(super) const RADII: usize = 7;
@@ -16,7 +13,7 @@ pub(super) const RADIUS_STEP: f64 = 1.22;
 /// Grid steps beyond the pad's box on each side: a finger at the edge may have its centre outside.
 const MARGIN: usize = 3;
 /// The same in tables of the first version: what the cubic interpolation needs.
-const FIRST_MARGIN: usize = 1;
+const OLD_MARGIN: usize = 1;
 /// What the grid of a table depends on beside the pad.
 pub(super) const CONSTANTS: [f64; 5] = [
     PLACES_ALONG,
@@ -31,8 +28,6 @@ pub(super) const CONSTANTS: [f64; 5] = [
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Places {
     pub(super) pitch_mm: f64,
-    /// Steps along the pad's longer side.
-    along: f64,
     pub(super) columns: usize,
     pub(super) rows: usize,
     /// Steps beyond the box.
@@ -42,25 +37,19 @@ pub(super) struct Places {
 impl Places {
     /// The grid of a pad of the given width and height, mm.
     pub(super) fn new(size_mm: [f64; 2]) -> Self {
-        Self::with(size_mm, PLACES_ALONG, MARGIN)
-    }
-
-    /// The grid of tables of earlier versions.
-    pub(super) fn earlier(size_mm: [f64; 2]) -> Self {
-        Self::with(size_mm, EARLIER_PLACES_ALONG, MARGIN)
+        Self::with_margin(size_mm, MARGIN)
     }
 
     /// The grid of tables of the first version.
-    pub(super) fn first(size_mm: [f64; 2]) -> Self {
-        Self::with(size_mm, EARLIER_PLACES_ALONG, FIRST_MARGIN)
+    pub(super) fn old(size_mm: [f64; 2]) -> Self {
+        Self::with_margin(size_mm, OLD_MARGIN)
     }
 
-    fn with([width, height]: [f64; 2], along: f64, margin: usize) -> Self {
-        let pitch_mm = width.max(height) / along;
+    fn with_margin([width, height]: [f64; 2], margin: usize) -> Self {
+        let pitch_mm = width.max(height) / PLACES_ALONG;
         let count = |side: f64| libm::ceil(side / pitch_mm - 1e-9) as usize + 1 + 2 * margin;
         Self {
             pitch_mm,
-            along,
             columns: count(width),
             rows: count(height),
             margin,
@@ -95,7 +84,7 @@ impl Places {
 
     /// The first radius, mm.
     pub(super) fn least_radius_mm(&self) -> f64 {
-        LEAST_RADIUS_SHARE * self.along * self.pitch_mm / RADIUS_STEP
+        LEAST_RADIUS_SHARE * PLACES_ALONG * self.pitch_mm / RADIUS_STEP
     }
 
     /// All radii, mm.

@@ -7,7 +7,7 @@
 //!
 //! The vectors vary slowly, since they belong to a whole finger: they are kept at every second place of the table.
 
-use super::cubic::{Cubic, Interpolant};
+use super::cubic::Cubic;
 use super::places::Places;
 use super::quantized;
 use super::scatter::LinearResponses;
@@ -73,25 +73,27 @@ impl Stretches {
         }
     }
 
-    /// How many rows of places there are; not more than the table has.
-    pub(super) fn rows(places: &Places) -> usize {
-        grid(places)[1]
-    }
-
-    /// Solves one row of places: places x axes, each the relative changes of all readings.
-    pub(super) fn solve_row(
+    /// Solves them; `to_coordinates` projects relative changes on the table's basis.
+    pub(super) fn solve(
         linear: &LinearResponses,
         places: &Places,
-        row: usize,
-    ) -> Vec<Vec<f64>> {
+        rank: usize,
+        to_coordinates: impl Fn(&[f64]) -> Vec<f32>,
+    ) -> Self {
         let radius_mm = places.radii_mm()[RADIUS];
         let scale = HALF_RISE / (radius_mm * radius_mm);
-        let at_mm = |step: usize| ((EVERY * step) as f64 - places.margin as f64) * places.pitch_mm;
-        let [columns, _] = grid(places);
-        (0..columns)
-            .flat_map(|column| linear.per_stretch([at_mm(column), at_mm(row)], radius_mm))
-            .map(|changes| changes.iter().map(|change| scale * change).collect())
-            .collect()
+        let [columns, rows] = grid(places);
+        let mut values = Vec::with_capacity(Self::count(places, rank));
+        for index in 0..columns * rows {
+            let (row, column) = (index / columns, index % columns);
+            let centre_mm = [column, row]
+                .map(|step| ((EVERY * step) as f64 - places.margin as f64) * places.pitch_mm);
+            for changes in linear.per_stretch(centre_mm, radius_mm) {
+                let scaled: Vec<f64> = changes.iter().map(|change| scale * change).collect();
+                values.extend(to_coordinates(&scaled));
+            }
+        }
+        Self::new(values, places, rank)
     }
 
     /// The vectors as bytes.
@@ -119,8 +121,8 @@ impl Stretches {
             values.resize(self.rank, 0.0);
         }
         let at = centre_mm.map(|at_mm| at_mm / self.pitch_mm + self.margin);
-        let across = Cubic::at(Interpolant::Values, at[0], self.columns).per(self.pitch_mm);
-        let up = Cubic::at(Interpolant::Values, at[1], self.rows).per(self.pitch_mm);
+        let across = Cubic::at(at[0], self.columns).per(self.pitch_mm);
+        let up = Cubic::at(at[1], self.rows).per(self.pitch_mm);
         for index in 0..16 {
             let (j, i) = (index / 4, index % 4);
             let place = (up.first + j) * self.columns + across.first + i;

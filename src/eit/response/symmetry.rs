@@ -39,7 +39,7 @@ struct Symmetry {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Origin {
     /// The least of the images of the place, which is solved.
-    pub(super) place: usize,
+    place: usize,
     /// Its number among the solved places.
     pub(super) solved: usize,
     /// The symmetry that maps it to the place.

@@ -4,7 +4,6 @@
 //! basis of it instead of one value per channel. Several touches superpose: from two radii apart, their interaction is
 //! smaller than the model error.
 
-use super::cubic::Interpolant;
 use super::law::StrengthLaw;
 use super::places::Places;
 use super::stretch::{StretchResponse, Stretches};
@@ -25,8 +24,6 @@ pub struct ResponseTable {
     pub(super) places: Places,
     /// How responses grow with strength.
     pub(super) law: StrengthLaw,
-    /// How the terms are joined between places and radii.
-    pub(super) interpolant: Interpolant,
     /// Of each sign at each place. Tables of the first version hold one sign, that of the pad.
     pub(super) terms: Terms,
     /// What longer fingers add; none in tables of older recordings and of pads that were learned.
@@ -152,7 +149,6 @@ impl ResponseTable {
             basis,
             places,
             law: StrengthLaw::Strength,
-            interpolant: Interpolant::Values,
             stretches: None,
         }
     }

@@ -82,23 +82,14 @@ impl Terms {
             return vectors;
         }
         let slot = (sign * RADII + radius) * self.orbits.len() + place;
-        self.turned
-            .get_or_write(slot, |turned| self.turn(place, vectors, turned))
-    }
-
-    /// The place that a place follows from, if it does from another.
-    pub(super) fn origin_of(&self, place: usize) -> Option<usize> {
-        (!self.orbits.is_solved(place)).then(|| self.orbits.origin(place).place)
-    }
-
-    /// Turns up to [`POWERS`] vectors of the origin of a place to those of the place.
-    pub(super) fn turn(&self, place: usize, vectors: &[f32], turned: &mut [f32]) {
-        Arch::new().dispatch(Turning {
-            vectors,
-            columns: &self.turns[self.orbits.origin(place).symmetry],
-            rank: self.stride / POWERS,
-            turned,
-        });
+        self.turned.get_or_write(slot, |turned| {
+            Arch::new().dispatch(Turning {
+                vectors,
+                columns: &self.turns[origin.symmetry],
+                rank: self.stride / POWERS,
+                turned,
+            });
+        })
     }
 }
 

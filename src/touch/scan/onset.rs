@@ -18,8 +18,8 @@ const ALONG: f64 = 10.0;
 const LEAST_GAIN: f64 = 60.0;
 /// A change that is seen in more parts than this and is still refused stays so.
 const LASTING_PARTS: usize = 8;
-/// Steps of the first fit of a finger: with seven it is placed 0.1 to 0.2 mm worse in its first part. ...
-const FIRST_STEPS: usize = 14;
+/// Steps of the first fit of a finger, ...
+const FIRST_STEPS: usize = 7;
 /// ... and of the next ones, which start from the one before.
 const NEXT_STEPS: usize = 3;
 /// The fitted finger leaves at most this many squared deviations a reading ...
