@@ -97,6 +97,9 @@ fn solver_constants() -> String {
 pub struct ResponseRow {
     /// Solved places x samples x channels: responses divided by area and strength.
     scaled: Vec<f32>,
+    /// What longer fingers add in the row of this number of the coarser grid of `stretch.rs`: places x axes, each the changes of all
+    /// channels. Empty if there is no such row, and of learned pads.
+    stretched: Vec<Vec<f64>>,
 }
 
 impl ResponseBuilder {
@@ -203,7 +206,13 @@ impl ResponseBuilder {
                 }
             }
         }
-        ResponseRow { scaled }
+        let stretched = match self.responses.linear() {
+            Some(linear) if row < Stretches::rows(&self.places) => {
+                Stretches::solve_row(linear, &self.places, row)
+            }
+            _ => Vec::new(),
+        };
+        ResponseRow { scaled, stretched }
     }
 
     /// Assembles the table from all rows, in order.
@@ -234,15 +243,16 @@ impl ResponseBuilder {
                 });
             }
         }
-        let stretches = self.responses.linear().map(|linear| {
-            Stretches::solve(linear, &self.places, rank, |changes| {
-                (0..rank)
-                    .map(|dimension| {
-                        let column = basis.col(dimension).iter();
-                        column.zip(changes).map(|(a, b)| a * b).sum::<f64>() as f32
-                    })
-                    .collect()
-            })
+        let stretches = self.responses.linear().map(|_| {
+            let changes = rows.iter().flat_map(|row| &row.stretched);
+            let projected = changes.flat_map(|changes| {
+                let along = |dimension: usize| {
+                    let column = basis.col(dimension).iter();
+                    column.zip(changes).map(|(a, b)| a * b).sum::<f64>() as f32
+                };
+                (0..rank).map(along).collect::<Vec<f32>>()
+            });
+            Stretches::new(projected.collect(), &self.places, rank)
         });
         let basis: Vec<f32> = (0..rank)
             .flat_map(|dimension| basis.col(dimension).iter().map(|value| *value as f32))

@@ -183,9 +183,7 @@ impl LinearResponses {
         }
         sum
     }
-}
 
-impl LinearResponses {
     /// First-order relative changes of all readings for a conductivity that rises along an axis and falls as much across it, per
     /// relative rise at the centre of a press: for the axes along x and along the diagonal.
     pub(super) fn per_stretch(&self, centre_mm: PointMm, radius_mm: f64) -> [Vec<f64>; 2] {
@@ -211,15 +209,18 @@ impl LinearResponses {
             }
             let weight = share * background[triangle] * model.weight(triangle);
             model.gradients(fields, triangle, &mut x, &mut y);
+            // Both are symmetric.
             for k in 0..count {
-                for l in 0..count {
+                for l in k..count {
                     sums[0][k * count + l] += weight * (x[k] * x[l] - y[k] * y[l]);
                     sums[1][k * count + l] += weight * (x[k] * y[l] + y[k] * x[l]);
                 }
             }
         }
         sums.map(|sums| {
-            let changes = pair_sums(&self.protocol, count, |k, l| sums[k * count + l]);
+            let changes = pair_sums(&self.protocol, count, |k, l| {
+                sums[k.min(l) * count + k.max(l)]
+            });
             changes
                 .zip(volts)
                 .map(|(change, volt)| change / volt)

@@ -73,27 +73,25 @@ impl Stretches {
         }
     }
 
-    /// Solves them; `to_coordinates` projects relative changes on the table's basis.
-    pub(super) fn solve(
+    /// How many rows of places there are; not more than the table has.
+    pub(super) fn rows(places: &Places) -> usize {
+        grid(places)[1]
+    }
+
+    /// Solves one row of places: places x axes, each the relative changes of all readings.
+    pub(super) fn solve_row(
         linear: &LinearResponses,
         places: &Places,
-        rank: usize,
-        to_coordinates: impl Fn(&[f64]) -> Vec<f32>,
-    ) -> Self {
+        row: usize,
+    ) -> Vec<Vec<f64>> {
         let radius_mm = places.radii_mm()[RADIUS];
         let scale = HALF_RISE / (radius_mm * radius_mm);
-        let [columns, rows] = grid(places);
-        let mut values = Vec::with_capacity(Self::count(places, rank));
-        for index in 0..columns * rows {
-            let (row, column) = (index / columns, index % columns);
-            let centre_mm = [column, row]
-                .map(|step| ((EVERY * step) as f64 - places.margin as f64) * places.pitch_mm);
-            for changes in linear.per_stretch(centre_mm, radius_mm) {
-                let scaled: Vec<f64> = changes.iter().map(|change| scale * change).collect();
-                values.extend(to_coordinates(&scaled));
-            }
-        }
-        Self::new(values, places, rank)
+        let at_mm = |step: usize| ((EVERY * step) as f64 - places.margin as f64) * places.pitch_mm;
+        let [columns, _] = grid(places);
+        (0..columns)
+            .flat_map(|column| linear.per_stretch([at_mm(column), at_mm(row)], radius_mm))
+            .map(|changes| changes.iter().map(|change| scale * change).collect())
+            .collect()
     }
 
     /// The vectors as bytes.
