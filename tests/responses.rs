@@ -5,7 +5,7 @@ mod lattice;
 use gelpad::cache;
 use gelpad::eit::response::{Response, Shape, TouchModel, strength_from_rise};
 use gelpad::eit::{ContactModel, ForwardModel, Mesh, MeshSize};
-use gelpad::eit::{Press, ResponseTable};
+use gelpad::eit::{Press, ResponseBuilder, ResponseTable};
 use gelpad::pad::{Pad, TouchSign, shipped_pad};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -99,4 +99,19 @@ fn so_is_that_of_a_pad_whose_touches_conduct_worse_and_are_read_otherwise() {
     let pad = Pad::from_toml(shipped.name, shipped.toml).expect("sound");
     let errors = errors(&pad, TouchSign::Fall, 40);
     assert!(errors[20] < 0.03 && errors[38] < 0.12);
+}
+
+/// So that a table does not depend on the number of cores, nor on which of them is faster.
+#[test]
+fn the_rows_of_a_table_may_be_solved_in_any_order() {
+    let text = include_str!("data/recordings/strip-pad.toml");
+    let pad = Pad::from_toml("strip", text).expect("sound");
+    let builder = ResponseBuilder::new(&pad).expect("solvable");
+    let mut rows: Vec<_> = (0..builder.rows())
+        .rev()
+        .map(|row| builder.solve_row(row))
+        .collect();
+    rows.reverse();
+    let table = cache::solve(&pad, &|_, _| ()).expect("solvable");
+    assert_eq!(builder.finish(&rows), table);
 }

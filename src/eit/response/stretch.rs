@@ -150,3 +150,18 @@ fn integer(value: f32) -> i32 {
 fn grid(places: &Places) -> [usize; 2] {
     [places.columns, places.rows].map(|count| (count - 1).div_ceil(EVERY) + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Otherwise rows are never solved: each is solved with the table's row of its number.
+        #[test]
+        fn a_table_has_at_least_as_many_rows(width in 5.0..2000.0f64, height in 5.0..2000.0f64) {
+            let places = Places::new([width, height]);
+            prop_assert!(Stretches::rows(&places) <= places.rows);
+        }
+    }
+}
