@@ -29,6 +29,7 @@ pub(super) fn run(args: &AccuracyArgs) -> anyhow::Result<Ending> {
         snr_db: args.snr.clone(),
         seed: args.seed,
         quick: args.quick,
+        as_drawn: args.as_drawn,
         pad,
     };
     let study = Accuracy::new(settings, sensing)?;

@@ -94,7 +94,7 @@ fn on_one_specimen<T>(
     let mut random = Draws::new(&bench.pad, bench.seed, stream);
     let specimen = Specimen::random(&bench.pad, &mut random)?;
     let instrument = instrument(&specimen);
-    let rested = bench.sensing.rested(&instrument, random.seed())?;
+    let rested = bench.rested(&instrument, random.seed())?;
     let read = |volts: &[f64], seed: u64| rested.contacts(&instrument.frame(volts, seed));
     (0..draws)
         .map(|_| draw(&specimen, &read, &mut random))

@@ -65,7 +65,7 @@ pub(super) fn solve(
         snr_db: SNR_DB,
         rest: &specimen.rest,
     };
-    let rested = bench.sensing.rested(&instrument, random.seed())?;
+    let rested = bench.sensing.rested(&instrument, random.seed());
     let scores: Vec<Score> = (0..draws)
         .map(|_| {
             let contacts = rested.contacts(&instrument.frame(&volts, random.seed()));

@@ -7,8 +7,8 @@ use super::draws::{self, SingleShape};
 use super::efficiency::{self, PlaceFindings};
 use super::touches::{self, Drawn, ForceScale};
 use super::{
-    Accuracy, AccuracyOutcome, ImageFindings, PairFindings, SingleShapeFindings, Solved, Spread,
-    Task, TouchFindings,
+    Accuracy, AccuracyOutcome, ImageFindings, MOST_TOUCHES, PairFindings, SingleShapeFindings,
+    Solved, Spread, Task, TouchFindings,
 };
 use crate::study::CommandLine;
 
@@ -27,6 +27,8 @@ pub struct Findings {
     pub seed: u64,
     /// Few draws only: a test that everything works.
     pub quick: bool,
+    /// Whether touches are located with the drawing, not with the pad as identified from its readings at rest.
+    pub as_drawn: bool,
     /// Factor of the lengths of touches and distances; below 1 on a pad below 100 mm.
     pub length_scale: f64,
     /// Touches, by number and noise.
@@ -82,15 +84,21 @@ impl Accuracy {
     #[must_use]
     pub fn findings(&self, outcomes: &[AccuracyOutcome]) -> Findings {
         let bench = &self.bench;
-        let of_touches: Vec<Vec<&Drawn>> = (0..=3)
-            .map(|count| {
-                self.of_task(outcomes, Task::Touches(count))
-                    .flat_map(|solved| match solved {
-                        Solved::Touches(drawn) => drawn.as_slice(),
-                        _ => &[],
-                    })
-                    .collect()
+        let drawn: Vec<&Drawn> = self
+            .of_task(outcomes, Task::Touches)
+            .flat_map(|solved| match solved {
+                Solved::Touches(drawn) => drawn.as_slice(),
+                _ => &[],
             })
+            .collect();
+        let of_count = |count| {
+            drawn
+                .iter()
+                .copied()
+                .filter(move |one| one.presses.len() == count)
+        };
+        let of_touches: Vec<Vec<&Drawn>> = (0..=MOST_TOUCHES)
+            .map(|count| of_count(count).collect())
             .collect();
         let force = ForceScale::from_draws(&of_touches[1]);
         let touches = of_touches
@@ -113,6 +121,7 @@ impl Accuracy {
             method: self.settings.method.name().to_owned(),
             seed: self.settings.seed,
             quick: self.settings.quick,
+            as_drawn: self.settings.as_drawn,
             length_scale: bench.scale,
             touches,
             force,
@@ -148,6 +157,7 @@ impl Accuracy {
             .option("snr", snr_db.join(","))
             .option("seed", settings.seed)
             .flag("quick", settings.quick)
+            .flag("as-drawn", settings.as_drawn)
             .finish()
     }
 

@@ -10,12 +10,14 @@ pub(super) mod draws;
 mod efficiency;
 mod figure;
 mod findings;
+mod found;
 pub mod identified;
 mod noise;
 pub mod real;
 mod report;
 pub mod scan;
 mod score;
+mod sensed;
 mod sensing;
 mod solved;
 pub(super) mod specimen;
@@ -30,7 +32,8 @@ pub use noise::NoiseKind;
 pub use spread::{Share, Spread};
 pub use touches::{ForceScale, ImageFindings, TouchFindings};
 
-use sensing::Sensing;
+use noise::Instrument;
+use sensing::{RestedDetector, Sensing};
 use specimen::Specimen;
 
 use super::StudyError;
@@ -38,7 +41,9 @@ use crate::pad::Pad;
 use crate::touch::SensingBuilder;
 use crate::types::{Method, PointMm};
 
-/// Draws on one specimen: many enough to be worth solving it, few enough for many specimens.
+/// Most touches of a draw.
+const MOST_TOUCHES: usize = 3;
+/// Draws of a kind on one specimen: many enough to be worth identifying it, few enough for many specimens.
 const DRAWS_A_SPECIMEN: usize = 25;
 
 /// Numbers of draws.
@@ -55,7 +60,7 @@ struct Plan {
     places: (usize, usize),
 }
 
-/// About a minute on two cores.
+/// Some minutes on two cores.
 const FULL: Plan = Plan {
     touches: 200,
     distances_mm: [8, 40, 2],
@@ -89,6 +94,8 @@ pub struct AccuracySettings {
     pub seed: u64,
     /// Few draws only.
     pub quick: bool,
+    /// Whether touches are located with the drawing, not with the pad as identified from its readings at rest.
+    pub as_drawn: bool,
 }
 
 /// What all cases share.
@@ -103,9 +110,18 @@ struct Bench {
     snr_db: Vec<f64>,
     /// Factor of all lengths on this pad.
     scale: f64,
+    as_drawn: bool,
 }
 
 impl Bench {
+    /// The sensing of play once it has read the untouched pad of a specimen.
+    fn rested(&self, instrument: &Instrument, seed: u64) -> Result<RestedDetector, StudyError> {
+        if self.as_drawn {
+            return Ok(self.sensing.rested(instrument, seed));
+        }
+        self.sensing.rested_as_found(&self.pad, instrument, seed)
+    }
+
     /// Every noise with which a state is read: proportional noise first, high SNR first.
     fn noises(&self) -> impl Iterator<Item = (NoiseKind, f64)> {
         NoiseKind::ALL
@@ -125,8 +141,11 @@ pub struct Case {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Task {
-    Touches(usize),
-    Pairs { distance_mm: usize },
+    /// No touch to [`MOST_TOUCHES`], as many draws of each.
+    Touches,
+    Pairs {
+        distance_mm: usize,
+    },
     SingleShape(SingleShape),
     Place(PointMm),
 }
@@ -174,6 +193,7 @@ impl Accuracy {
                 seed: settings.seed,
                 scale: draws::scale(&pad),
                 snr_db,
+                as_drawn: settings.as_drawn,
                 pad,
             },
             cases: cases(plan, &settings.pad),
@@ -244,7 +264,7 @@ impl Accuracy {
     pub fn solve(&self, case: &Case) -> Result<AccuracyOutcome, StudyError> {
         let (bench, draws, stream) = (&self.bench, case.draws, case.stream);
         Ok(AccuracyOutcome(match case.task {
-            Task::Touches(count) => Solved::Touches(touches::solve(bench, count, draws, stream)?),
+            Task::Touches => Solved::Touches(touches::solve(bench, draws, stream)?),
             Task::Pairs { distance_mm } => {
                 let distance_mm = distance_mm as f64;
                 let pairs = discrimination::solve_pairs(bench, distance_mm, draws, stream)?;
@@ -263,7 +283,7 @@ impl Accuracy {
 
 fn cases(plan: &Plan, pad: &Pad) -> Vec<Case> {
     let [least, most, step] = plan.distances_mm;
-    let touches = (0..=3).map(|count| (Task::Touches(count), plan.touches));
+    let touches = std::iter::once((Task::Touches, plan.touches));
     let pairs = (least..=most)
         .step_by(step)
         .map(|distance_mm| (Task::Pairs { distance_mm }, plan.pairs));

@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
+use super::found::{self, FOUND_FROM_FRAMES};
 use super::noise::Instrument;
-use crate::eit::{Imager, REFERENCE_FRAMES, Reconstruction, Reference};
+use super::sensed::{FRAME_NS, Sensed};
+use crate::eit::{Imager, REFERENCE_FRAMES, Reference};
 use crate::pad::{Pad, TouchSign};
 use crate::study::{Merit, Press, Raster, StudyError, conductivity_factor};
 use crate::touch::{ChannelNoise, Detector, SensingBuilder};
-use crate::types::{Contact, Frame, Image, NANOS_PER_MS, Nanos};
+use crate::types::{Contact, Frame, Image, Nanos};
 
-/// A hundred frames a second, as in play.
-const FRAME_NS: Nanos = 10 * NANOS_PER_MS;
 /// Frames of the untouched pad before the first touch: two seconds, in which the detector takes its reference, learns the noise
 /// of each channel, and may request a matrix with matching weights.
 pub(super) const REST_FRAMES: usize = 200;
+/// Frames of the untouched pad after it is identified, as the noise of its channels is weighed anew.
+const FRAMES_AS_FOUND: usize = 50;
 /// Images are smoothed with this deviation before they are judged, mm, as in the phantom study.
 const SMOOTHING_MM: f64 = 4.0;
 
@@ -22,7 +24,6 @@ const SMOOTHING_MM: f64 = 4.0;
 pub(super) struct Sensing {
     builder: SensingBuilder,
     detector: Detector,
-    reconstruction: Arc<Reconstruction>,
     size_mm: [f64; 2],
     touch_sign: TouchSign,
 }
@@ -31,8 +32,8 @@ pub(super) struct Sensing {
 #[derive(Clone, Debug)]
 pub(super) struct RestedDetector {
     detector: Detector,
+    frames: usize,
     reference: Reference,
-    reconstruction: Arc<Reconstruction>,
     size_mm: [f64; 2],
     touch_sign: TouchSign,
 }
@@ -40,11 +41,9 @@ pub(super) struct RestedDetector {
 impl Sensing {
     pub(super) fn from_pad(pad: &Pad, builder: SensingBuilder) -> Result<Self, StudyError> {
         let sensing = Arc::new(builder.build_initial()?);
-        let reconstruction = Arc::clone(&sensing.reconstruction);
         Ok(Self {
             builder,
             detector: Detector::for_pad(sensing, &pad.protocol),
-            reconstruction,
             size_mm: pad.outline.size_mm(),
             touch_sign: pad.touch_sign,
         })
@@ -66,35 +65,61 @@ impl Sensing {
     }
 
     /// Reads the untouched pad. A matrix that the detector requests is there with the next frame.
-    pub(super) fn rested(
+    pub(super) fn rested(&self, instrument: &Instrument, seed: u64) -> RestedDetector {
+        let mut sensed = Sensed::new(self.detector.clone(), &self.builder);
+        let frames = instrument.frames(instrument.rest, seed, REST_FRAMES);
+        read(&mut sensed, &frames, 0);
+        self.ready(&sensed, &frames)
+    }
+
+    /// Reads the untouched pad and identifies it from the last second, as play does.
+    ///
+    /// # Errors
+    /// A pad as found that cannot be solved.
+    pub(super) fn rested_as_found(
         &self,
+        pad: &Pad,
         instrument: &Instrument,
         seed: u64,
     ) -> Result<RestedDetector, StudyError> {
-        let mut rested = RestedDetector {
-            detector: self.detector.clone(),
-            reference: Reference::new(instrument.rest.len()),
-            reconstruction: Arc::clone(&self.reconstruction),
+        let found;
+        let mut sensed = Sensed::new(self.detector.clone(), &self.builder);
+        let frames = instrument.frames(instrument.rest, seed, REST_FRAMES + FRAMES_AS_FOUND);
+        let (drawn, as_found) = frames.split_at(REST_FRAMES);
+        read(&mut sensed, drawn, 0);
+        let last_second = &drawn[REST_FRAMES - FOUND_FROM_FRAMES..];
+        found = found::find(pad, &self.builder, last_second, &sensed.left_out())?;
+        let Some(found) = &found else {
+            return Ok(self.ready(&sensed, drawn));
+        };
+        sensed.change_pad(found);
+        read(&mut sensed, as_found, REST_FRAMES);
+        Ok(self.ready(&sensed, &frames))
+    }
+
+    /// The detector that has read these frames.
+    fn ready(&self, sensed: &Sensed, frames: &[Vec<f32>]) -> RestedDetector {
+        let mut reference = Reference::new(frames[0].len());
+        for (index, volts) in frames[..REFERENCE_FRAMES].iter().enumerate() {
+            reference.add_first_frame(index as Nanos * FRAME_NS, volts);
+        }
+        RestedDetector {
+            detector: sensed.detector.clone(),
+            frames: frames.len(),
+            reference,
             size_mm: self.size_mm,
             touch_sign: self.touch_sign,
-        };
-        let mut changed = Vec::new();
-        let frames = instrument.frames(instrument.rest, seed, REST_FRAMES);
-        for (index, volts) in frames.into_iter().enumerate() {
-            let t_ns = index as Nanos * FRAME_NS;
-            if index < REFERENCE_FRAMES {
-                rested.reference.add_first_frame(t_ns, &volts);
-            }
-            rested
-                .detector
-                .process_frame(&Frame { t_ns, volts }, &mut changed);
-            if let Some(wanted) = rested.detector.wanted() {
-                let sensing = Arc::new(self.builder.build(wanted)?);
-                rested.reconstruction = Arc::clone(&sensing.reconstruction);
-                rested.detector.set_sensing(sensing);
-            }
         }
-        Ok(rested)
+    }
+}
+
+/// Hands frames over, one after another; `first` is the number of the first one.
+fn read(sensed: &mut Sensed, frames: &[Vec<f32>], first: usize) {
+    for (index, volts) in frames.iter().enumerate() {
+        sensed.process(&Frame {
+            t_ns: (first + index) as Nanos * FRAME_NS,
+            volts: volts.clone(),
+        });
     }
 }
 
@@ -103,7 +128,7 @@ impl RestedDetector {
     pub(super) fn contacts(&self, volts: &[f32]) -> Vec<Contact> {
         let mut detector = self.detector.clone();
         let frame = Frame {
-            t_ns: REST_FRAMES as Nanos * FRAME_NS,
+            t_ns: self.frames as Nanos * FRAME_NS,
             volts: volts.to_vec(),
         };
         detector.process_frame(&frame, &mut Vec::new());
@@ -115,18 +140,14 @@ impl RestedDetector {
     pub(super) fn merit(&self, volts: &[f32], press: &Press) -> Merit {
         let mut changes = vec![0.0; volts.len()];
         self.reference.relative_changes(volts, &mut changes);
-        let mut image = Image::blank(self.reconstruction.grid);
-        Imager::new(Arc::clone(&self.reconstruction)).signed_image(
+        let reconstruction = &self.detector.sensing().reconstruction;
+        let mut image = Image::blank(reconstruction.grid);
+        Imager::new(Arc::clone(reconstruction)).signed_image(
             &changes,
             self.reference.change_noise(),
             &mut image,
         );
-        let raster = Raster::smoothed(
-            &image,
-            &self.reconstruction.coverage,
-            self.size_mm,
-            SMOOTHING_MM,
-        );
+        let raster = Raster::smoothed(&image, &reconstruction.coverage, self.size_mm, SMOOTHING_MM);
         let mut truth = raster.mask(|_| false);
         for (cell, value) in truth.values.iter_mut().enumerate() {
             let point = raster.grid.centre_mm(cell);

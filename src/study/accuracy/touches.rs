@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use super::Bench;
 use super::draws::Draws;
 use super::noise::{Instrument, NoiseKind, share};
 use super::score::{Found, REACH_MM, Score};
 use super::sensing::RestedDetector;
 use super::specimen::Specimen;
 use super::spread::{Share, Spread};
+use super::{Bench, MOST_TOUCHES};
 use crate::study::{Merit, Press, PressBound, StudyError};
 
 /// Largest error of force that is counted, as a share of the true force; the same for its bound.
@@ -19,7 +19,7 @@ const MEAN_OF_DEVIATION: f64 = 0.797_884_560_802_865_4;
 /// One state of a pad, read with every kind of noise.
 #[derive(Clone, Debug)]
 pub(super) struct Drawn {
-    presses: Vec<Press>,
+    pub(super) presses: Vec<Press>,
     /// In the order of [`Bench::noises`].
     readings: Vec<Reading>,
 }
@@ -34,13 +34,8 @@ struct Reading {
     merit: Option<Merit>,
 }
 
-/// Draws states with a number of touches on one specimen.
-pub(super) fn solve(
-    bench: &Bench,
-    touches: usize,
-    draws: usize,
-    stream: u64,
-) -> Result<Vec<Drawn>, StudyError> {
+/// Draws states with each number of touches on one specimen.
+pub(super) fn solve(bench: &Bench, draws: usize, stream: u64) -> Result<Vec<Drawn>, StudyError> {
     let mut random = Draws::new(&bench.pad, bench.seed, stream);
     let specimen = Specimen::random(&bench.pad, &mut random)?;
     let seed = random.seed();
@@ -52,11 +47,12 @@ pub(super) fn solve(
                 snr_db,
                 rest: &specimen.rest,
             };
-            Ok((instrument, bench.sensing.rested(&instrument, seed)?))
+            Ok((instrument, bench.rested(&instrument, seed)?))
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
-    (0..draws)
-        .map(|_| {
+    (0..=MOST_TOUCHES)
+        .flat_map(|touches| std::iter::repeat_n(touches, draws))
+        .map(|touches| {
             let presses = random.presses(touches)?;
             read_state(bench, &specimen, &readers, presses, random.seed())
         })

@@ -306,10 +306,10 @@ fn locate_on_pad(
         Sensing::from_pad(&built.pad, of_true_pad)?,
     ];
     let seed = draws.seed();
-    let rested = readers
+    let rested: Vec<_> = readers
         .iter()
         .map(|sensing| sensing.rested(&instrument, seed))
-        .collect::<Result<Vec<_>, _>>()?;
+        .collect();
     let own_draws = Draws::new(drawing, bench.seed, stream + PRESS_STREAMS);
     let presses = press(&built, &instrument, &means, &rested[1], own_draws)?;
     let with_presses = identify_with_presses(
@@ -327,7 +327,7 @@ fn locate_on_pad(
     );
     let refined = with_presses.map_or_else(|_| found.clone(), |identified| identified.pad);
     let refined = Sensing::from_pad(&refined, solved::found_pad(&refined, builder)?)?;
-    let refined = refined.rested(&instrument, seed)?;
+    let refined = refined.rested(&instrument, seed);
     let mut models: [Located; 4] = Default::default();
     for _ in 0..touches {
         let presses = draws.presses(1)?;

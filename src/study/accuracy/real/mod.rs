@@ -6,7 +6,6 @@
 
 mod board;
 mod conditions;
-mod found;
 mod hand;
 mod play;
 mod report;
@@ -21,12 +20,15 @@ use std::collections::BTreeMap;
 
 use super::Bench;
 use super::draws::Draws;
+use super::found::{self, FOUND_FROM_FRAMES};
+use super::sensed::Sensed;
 use super::specimen::Specimen;
 use crate::eit::PressedPad;
 use crate::pad::{Pad, TouchSign};
 use crate::study::{Slopes, StudyError, job};
 use crate::touch::SensingBuilder;
 use crate::types::PointMm;
+use board::Board;
 use hand::Drawn;
 use play::{Played, Press, Solved, Stage};
 
@@ -58,6 +60,9 @@ impl Extent {
 
 /// Sessions that are played at the same time: enough for many cores, few enough that rows come out one after another.
 const SESSIONS_AT_ONCE: usize = 8;
+
+/// Frames before those from which a pad is found.
+const SETTLING_FRAMES: usize = 200;
 
 /// Added to the seed of the sessions for the readings that a pad is found from.
 const FINDING: u64 = 1 << 32;
@@ -140,12 +145,33 @@ fn find_pads(
                 .seed
                 .wrapping_mul(1_000_003)
                 .wrapping_add(FINDING + *pad as u64);
-            found::find(bench, condition, rest, seed)
+            find_pad(bench, condition, rest, seed)
         },
         |_, _| (),
     )?;
     found.extend(boards.into_iter().map(|(board, _)| board).zip(new));
     Ok(())
+}
+
+/// The pad as found by the first press, as the board of the condition reads it. A board that wakes up badly is awake by then.
+fn find_pad(
+    bench: &Bench,
+    condition: &Condition,
+    rest: &[f64],
+    seed: u64,
+) -> Result<Option<SensingBuilder>, StudyError> {
+    let mut board = Board::new(condition, rest, &bench.pad.protocol, seed);
+    let drawn = bench.sensing.builder();
+    let mut sensed = Sensed::new(bench.sensing.new_detector(), drawn);
+    let mut frames = Vec::with_capacity(FOUND_FROM_FRAMES);
+    for index in 0..SETTLING_FRAMES + FOUND_FROM_FRAMES {
+        let frame = board.read(rest);
+        sensed.process(&frame);
+        if index >= SETTLING_FRAMES {
+            frames.push(frame.volts);
+        }
+    }
+    found::find(&bench.pad, drawn, &frames, &sensed.left_out())
 }
 
 /// Solves the hands of these conditions on every pad, each once in its surroundings, and adds them to those solved before.

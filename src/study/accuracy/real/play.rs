@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::board::{Board, FRAME_NS, Sensed};
+use super::board::Board;
 use super::{Condition, Extent, Hand, Surroundings};
 use crate::study::PressBound;
 use crate::study::accuracy::Bench;
 use crate::study::accuracy::noise::share;
 use crate::study::accuracy::score::{REACH_MM, assign};
+use crate::study::accuracy::sensed::{FRAME_NS, Sensed};
 use crate::touch::SensingBuilder;
 use crate::types::{Nanos, PointMm};
 
