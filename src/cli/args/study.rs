@@ -15,10 +15,11 @@ use crate::types::Method;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  gelpad accuracy --out accuracy                                  a minute on two cores
+  gelpad accuracy --out accuracy                                  some five minutes on two cores
+  gelpad accuracy --as-drawn --out drawn                          with the drawing alone: a minute
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
   gelpad accuracy --real --out real                               ADC steps, spikes, edges: some minutes
-  gelpad accuracy --pad round-tank --quick --out tank             a quick test in 10 s, not for results")]
+  gelpad accuracy --pad round-tank --quick --out tank             a quick test in seconds, not for results")]
 pub(in crate::cli) struct AccuracyArgs {
     /// Folder for report, figure, JSON and CSV
     #[arg(long, value_name = "DIR")]

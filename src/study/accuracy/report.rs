@@ -293,11 +293,16 @@ impl Findings {
         } else {
             String::new()
         };
+        let model = if self.as_drawn {
+            "touches are located with the pad as drawn"
+        } else {
+            "from the last of which the pad is identified as in play"
+        };
         vec![
             format!(
                 "Each draw presses a simulated {} that differs from the model: another mesh, contact impedances that differ by up to \
                  30 % either way, a background that is uneven by a few percent. After two seconds of noisy frames of the untouched pad, \
-                 one noisy frame is judged. Touches multiply the conductivity by 1 + rise (1 - (d / r)^2), r 5 to 9 mm, rise 0.5 to 2, \
+                 {model}, one noisy frame is judged. Touches multiply the conductivity by 1 + rise (1 - (d / r)^2), r 5 to 9 mm, rise 0.5 to 2, \
                  centres at least 30 mm apart and 10 mm from the edge.{scaled}",
                 self.pad
             ),
