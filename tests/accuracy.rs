@@ -72,13 +72,17 @@ fn number(value: &Value) -> f64 {
 fn the_same_seed_gives_the_same_files_and_snrs_are_independent() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = |name: &str| root.path().join(name);
-    let said = done(&["--quick", "--snr", "80,60", "--seed", "3"], &folder("a"));
+    let played = |snrs, out| {
+        let arguments = ["--quick", "--as-drawn", "--snr", snrs, "--seed", "3"];
+        done(&arguments, &folder(out))
+    };
+    let said = played("80,60", "a");
     assert!(
         said.contains("told apart"),
         "a table on the terminal: {said}"
     );
-    done(&["--quick", "--snr", "60,80", "--seed", "3"], &folder("b"));
-    done(&["--quick", "--snr", "60", "--seed", "3"], &folder("alone"));
+    played("60,80", "b");
+    played("60", "alone");
 
     let (a, b) = (files(&folder("a")), files(&folder("b")));
     let names: Vec<&str> = a.keys().map(String::as_str).collect();
@@ -137,6 +141,27 @@ fn the_same_seed_gives_the_same_files_and_snrs_are_independent() {
 }
 
 #[test]
+fn identified_pads_are_located_better_than_drawn_ones() {
+    let root = tempfile::tempdir().expect("a folder");
+    let error_mm = |options: &[&str], name: &str| {
+        let out = root.path().join(name);
+        done(&[&["--quick", "--snr", "80"], options].concat(), &out);
+        let found = json(&out);
+        let command = found["command"].as_str().expect("a text");
+        assert_eq!(command.contains("--as-drawn"), !options.is_empty());
+        number(&at(&found, 1, 80.0)["place_error_mm"]["mean"])
+    };
+    let (identified, drawn) = (
+        error_mm(&[], "identified"),
+        error_mm(&["--as-drawn"], "drawn"),
+    );
+    assert!(
+        identified < 0.7 * drawn,
+        "{identified} mm, {drawn} mm as drawn"
+    );
+}
+
+#[test]
 fn round_pads_and_other_protocols_are_supported() {
     let root = tempfile::tempdir().expect("a folder");
     // A small pad on which lengths are scaled, and a tank with opposite drive.
@@ -151,7 +176,10 @@ fn round_pads_and_other_protocols_are_supported() {
         fs::write(&pad, text).expect("written");
         let out = root.path().join(name);
         let pad = pad.display().to_string();
-        done(&["--pad", &pad, "--quick", "--snr", "80"], &out);
+        done(
+            &["--pad", &pad, "--quick", "--as-drawn", "--snr", "80"],
+            &out,
+        );
         let found = json(&out);
         assert_eq!(number(&found["length_scale"]), scale, "{name}");
         let one = at(&found, 1, 80.0);

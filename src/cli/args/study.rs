@@ -15,7 +15,7 @@ use crate::types::Method;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  gelpad accuracy --out accuracy                                  some five minutes on two cores
+  gelpad accuracy --out accuracy                                  some seven minutes on two cores
   gelpad accuracy --as-drawn --out drawn                          with the drawing alone: a minute
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
   gelpad accuracy --real --out real                               ADC steps, spikes, edges: some minutes
