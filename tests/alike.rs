@@ -115,7 +115,7 @@ fn touches_are_found_in_the_first_frame_and_rest_makes_none() {
 fn presses_missed_in_one_frame_are_the_faintest_and_found_within_five() {
     const PRESSES: usize = 60;
     const FRAMES: usize = 5;
-    // A search of all places and sizes has some hundred chances a frame to take noise for a touch: it cannot believe six deviations.
+    // Standard deviations. A new touch has to explain 6.7 (45 squared), and the noise of its frame adds or takes one.
     const FAINT: f64 = 8.0;
     let mut bench = Bench::new(1e-3, 1);
     assert_eq!(bench.rest(200), 0);
