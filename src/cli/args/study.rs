@@ -39,7 +39,7 @@ pub(in crate::cli) struct AccuracyArgs {
     /// Few random draws: a quick test, not for results
     #[arg(long)]
     pub quick: bool,
-    /// Locate touches with the pad as drawn, not with the pad as play identifies it from its readings at rest: a quarter of the time
+    /// Locate touches with the pad as drawn, not with the pad as play identifies it from its readings at rest: faster
     #[arg(long, conflicts_with_all = ["real", "scan"])]
     pub as_drawn: bool,
     /// Play the conditions of real boards, pads and hands, and print what is missed, false and off

@@ -10,15 +10,15 @@ use crate::touch::SensingBuilder;
 pub(super) const FOUND_FROM_FRAMES: usize = 100;
 
 /// What touches are located with once a pad is identified from frames of its rest, without the channels that the sensing leaves out;
-/// `None` where its drawing stays in use: because it explains the readings, because no pad does, or because touches are located from
-/// images, which take no pad as found.
+/// `None` where the pad stays in use as it is: because it explains the readings or was found before, because no pad explains them, or because
+/// touches are located from images, which take no pad as found.
 pub(super) fn find(
     pad: &Pad,
     drawn: &SensingBuilder,
     frames: &[Vec<f32>],
     left_out: &[usize],
 ) -> Result<Option<SensingBuilder>, StudyError> {
-    if drawn.table().is_none() {
+    if drawn.table().is_none() || !pad.deviations.is_none() {
         return Ok(None);
     }
     let (mut volts, mut deviations) = rest_medians(frames);
