@@ -161,6 +161,42 @@ fn identified_pads_are_located_better_than_drawn_ones() {
     );
 }
 
+/// In play, a pad that was found before is not identified again.
+#[test]
+fn a_pad_that_was_found_before_stays_as_it_is() {
+    let root = tempfile::tempdir().expect("a folder");
+    let pad = root.path().join("found.toml").display().to_string();
+    let untouched = concat!(
+        "replay:",
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/lattice-presses/session.csv"
+    );
+    let identified = Command::new(env!("CARGO_BIN_EXE_gelpad"))
+        .args(["pad", "identify", "--source", untouched, "-o", &pad])
+        .output()
+        .expect("started");
+    assert!(identified.status.success());
+    let touches = |options: &[&str], name: &str| {
+        let out = root.path().join(name);
+        let quick = ["--pad", &pad, "--quick", "--snr", "80"];
+        done(&[&quick, options].concat(), &out);
+        fs::read(out.join("accuracy.csv")).expect("written")
+    };
+    let as_drawn = touches(&["--as-drawn"], "drawn");
+    assert!(touches(&[], "play") == as_drawn, "it was identified again");
+}
+
+#[test]
+fn noise_as_large_as_the_readings_makes_no_touch() {
+    let root = tempfile::tempdir().expect("a folder");
+    let out = root.path().join("noise");
+    // Noise as large as the readings.
+    done(&["--quick", "--snr", "0"], &out);
+    let found = json(&out);
+    let untouched = at(&found, 0, 0.0);
+    assert_eq!(number(&untouched["false_touches"]), 0.0, "{untouched}");
+}
+
 #[test]
 fn round_pads_and_other_protocols_are_supported() {
     let root = tempfile::tempdir().expect("a folder");

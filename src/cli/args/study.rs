@@ -16,7 +16,7 @@ use crate::types::Method;
 #[command(after_help = "\
 Examples:
   gelpad accuracy --out accuracy                                  some seven minutes on two cores
-  gelpad accuracy --as-drawn --out drawn                          with the drawing alone: a minute
+  gelpad accuracy --as-drawn --out drawn                          pads are not identified: a minute
   gelpad accuracy --pad ./my-pad.toml --snr 70,60,45 --out mine
   gelpad accuracy --real --out real                               ADC steps, spikes, edges: some minutes
   gelpad accuracy --pad round-tank --quick --out tank             a quick test in seconds, not for results")]

@@ -14,7 +14,8 @@ use crate::types::{Contact, Frame, Image, Nanos};
 /// Frames of the untouched pad before the first touch: two seconds, in which the detector takes its reference, learns the noise
 /// of each channel, and may request a matrix with matching weights.
 pub(super) const REST_FRAMES: usize = 200;
-/// Frames of the untouched pad after it is identified, as the noise of its channels is weighed anew.
+/// Frames of the untouched pad that are read after it is identified, half a second as for `--real`, so that the detector settles
+/// before it is pressed.
 const FRAMES_AS_FOUND: usize = 50;
 /// Images are smoothed with this deviation before they are judged, mm, as in the phantom study.
 const SMOOTHING_MM: f64 = 4.0;
