@@ -160,7 +160,9 @@ fn a_short_between_neighbours_makes_no_touch_and_play_goes_on() {
 
 #[test]
 fn a_pad_that_bends_is_followed_while_two_electrodes_are_lost() {
-    for seed in [1, 2, 3] {
+    const SEEDS: u64 = 8;
+    let mut all = 0;
+    for seed in 1..=SEEDS {
         let mut bench = Bench::located(60.0, seed);
         assert_eq!(bench.play(&[], 100), (0, 0));
         // Wider than any finger.
@@ -191,10 +193,10 @@ fn a_pad_that_bends_is_followed_while_two_electrodes_are_lost() {
                 false => volt * (1.0 + share * bends[channel]),
             }
         });
-        let (downs, _) = bench.play(&[], 3000);
-        // A few in half a minute; a bend that is not followed makes dozens.
-        assert!(downs <= 6, "seed {seed}: {downs} touches");
+        all += bench.play(&[], 3000).0;
     }
+    // Some five in half a minute; a bend that is not followed makes dozens.
+    assert!(all <= 8 * SEEDS as usize, "{all} touches");
 }
 
 #[test]
@@ -295,14 +297,20 @@ fn a_finger_that_jumps_to_a_mirrored_place_is_no_mirrored_board() {
 
 #[test]
 fn a_finger_that_lies_there_at_the_start_and_slides_away_leaves_no_ghost() {
-    for steps in [10, 60] {
-        let mut bench = Bench::located(60.0, 11);
+    // At 450 and 75 mm/s.
+    for (seed, steps) in (1..=20).flat_map(|seed| [(seed, 10), (seed, 60)]) {
+        let mut bench = Bench::located(60.0, seed);
         bench.play(&[finger([30.0, 60.0], 7.0, 1.2)], 60);
         for step in 0..steps {
             let x_mm = 30.0 + 45.0 * f64::from(step) / f64::from(steps);
             bench.play(&[finger([x_mm, 60.0 - 0.3 * x_mm], 7.0, 1.2)], 1);
         }
         bench.play(&[], 50);
+        assert_eq!(
+            bench.detector.touches_down(),
+            [],
+            "seed {seed}, {steps} steps"
+        );
         play_once_more(&mut bench);
     }
 }

@@ -17,14 +17,30 @@ impl Reference {
             return false;
         };
         let limit = MOST_DEVIATIONS * MOST_DEVIATIONS;
+        self.squares_between(before, last)
+            .all(|square| square <= limit)
+    }
+
+    /// How far two frames (volts) are apart: the median of the channels' squared differences in units of their variance. 0.45 for noise.
+    #[must_use]
+    pub fn apart(&self, before: &[f32], now: &[f32]) -> f64 {
+        let mut squares: Vec<f64> = self.squares_between(before, now).collect();
+        median(&mut squares).unwrap_or(0.0)
+    }
+
+    /// Squared differences between two frames of the channels in use, in units of the variance of a difference.
+    fn squares_between<'a>(
+        &'a self,
+        before: &'a [f32],
+        now: &'a [f32],
+    ) -> impl Iterator<Item = f64> + 'a {
         let shared = self.shared_noise();
         (0..self.volts.len())
             .filter(|c| self.is_live(*c))
-            .all(|channel| {
-                let change = f64::from(last[channel] - before[channel]) / self.volts[channel];
+            .map(move |channel| {
+                let change = f64::from(now[channel] - before[channel]) / self.volts[channel];
                 let own = self.noise[channel] + self.rounding[channel];
-                let variance = own + shared.gain + shared.drive;
-                change * change <= limit * 2.0 * variance
+                change * change / (2.0 * (own + shared.gain + shared.drive))
             })
     }
 

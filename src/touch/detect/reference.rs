@@ -2,7 +2,7 @@
 
 use super::Detector;
 use super::sign::Judged;
-use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, median, quantization_step};
+use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, quantization_step};
 use crate::types::{Frame, Nanos};
 
 /// A finger that lay on the pad from the start has lifted if, with no touch down, the mean change against a touch's
@@ -12,8 +12,8 @@ const REBOUND_SHARE: f64 = 0.002;
 const REBOUND_DEVIATIONS: f64 = 10.0;
 /// So many frames in a row must show it, ...
 const REBOUND_FRAMES: usize = 3;
-/// ... each within this many standard deviations of the one before.
-const REBOUND_AGREES: f64 = 6.0;
+/// ... each no further from the one before than by this much noise ([`Reference::apart`]): a finger that slides away is still there.
+const REBOUND_APART: f64 = 1.0;
 
 impl Detector {
     /// Forgets the reference, the touches fitted with it and the palm; lost electrodes stay lost.
@@ -90,18 +90,10 @@ impl Detector {
             self.rebounds.clear();
             return false;
         }
-        if let Some((_, last)) = self.rebounds.last() {
-            let mut apart: Vec<f64> = frame
-                .volts
-                .iter()
-                .zip(last)
-                .map(|(now, before)| f64::from((now - before).abs()) / f64::from(before.abs()))
-                .filter(|apart| apart.is_finite())
-                .collect();
-            let limit = REBOUND_AGREES * self.reference.change_noise();
-            if median(&mut apart).is_none_or(|median| median > limit) {
-                self.rebounds.clear();
-            }
+        let last = self.rebounds.last();
+        let is_apart = |last: &[f32]| self.reference.apart(last, &frame.volts) > REBOUND_APART;
+        if last.is_some_and(|(_, last)| is_apart(last)) {
+            self.rebounds.clear();
         }
         self.rebounds.push((frame.t_ns, frame.volts.clone()));
         if self.rebounds.len() >= REBOUND_FRAMES {
