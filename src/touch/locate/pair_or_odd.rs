@@ -18,11 +18,15 @@ const ODD_GAINS: f64 = 2.0;
 const FINGER_WIDTH_MM: [f64; 2] = [11.0, 12.5];
 /// Two touches must in any case explain more than one odd finger by this share of the model error, ...
 const ODD_ERROR_SHARE: f64 = 0.35;
-/// ... and of no poorer model than that of a pad as found, while both are narrower than this share of the greatest radius: what a poor
-/// model leaves of a heel is two touches of which one is as wide as touches get. ...
-const NARROW_SHARE: f64 = 0.95;
-/// ... The share falls to nothing between these distances, mm: odd fingers are rarer the longer they are.
+/// ... and of no poorer model than that of a pad as found. The share falls to nothing between these distances, mm: odd fingers are rarer
+/// the longer they are.
 const LONG_FINGER_MM: [f64; 2] = [15.0, 18.0];
+/// What a poor model leaves of a heel is two touches of which one is as wide as touches get, above this share of the greatest radius. They
+/// must explain more by this share of the pad's own model error, ...
+const WIDE_SHARE: f64 = 0.95;
+const WIDE_ERROR_SHARE: f64 = 0.8;
+/// ... which falls to nothing between these distances, mm.
+const WIDE_PAIR_MM: [f64; 2] = [18.0, 20.0];
 /// Two touches closer than this, mm, may be one odd finger.
 const ODD_REACH_MM: f64 = 20.0;
 
@@ -52,16 +56,17 @@ impl Locator {
         let pair = energy(&self.best.residual) - self.interaction_gain([i, j]);
         let error = self.model.error_energy(energy(&target));
         let widest = libm::exp(self.bounds.log_radius[1]);
-        let is_wide = |index: usize| libm::exp(touches[index].log_radius) >= NARROW_SHARE * widest;
-        let long_error = if is_wide(i) || is_wide(j) {
-            error
+        let is_wide = |index: usize| libm::exp(touches[index].log_radius) >= WIDE_SHARE * widest;
+        let more = if is_wide(i) || is_wide(j) {
+            WIDE_ERROR_SHARE * fading(apart_mm, WIDE_PAIR_MM) * error
+        } else if matches!(odd.touch.shape, Shape::Palm { .. }) {
+            // Two fingers are commoner than palms, which have to explain the frame better.
+            0.0
         } else {
-            error.min(FOUND_ERROR * FOUND_ERROR * energy(&target))
-        };
-        // Two fingers are commoner than palms, which have to explain the frame better.
-        let more = match odd.touch.shape {
-            Shape::Palm { .. } => 0.0,
-            _ => odd_gain(apart_mm, DOWN_GAIN * noise, error, long_error),
+            let long_error = error.min(FOUND_ERROR * FOUND_ERROR * energy(&target));
+            let long = ODD_ERROR_SHARE * fading(apart_mm, LONG_FINGER_MM) * long_error;
+            let narrow = ODD_GAINS * fading(apart_mm, FINGER_WIDTH_MM);
+            long.max(narrow * (DOWN_GAIN * noise + error))
         };
         let is_odd = odd.cost < pair + more;
         is_odd.then(|| {
@@ -81,12 +86,7 @@ impl Locator {
     }
 }
 
-/// How much more two touches must explain than one odd finger. `down_gain` is what a new touch must explain above noise, `error` the
-/// energy of the model error, `long_error` that which counts where fingers are long; all in squared deviations.
-fn odd_gain(apart_mm: f64, down_gain: f64, error: f64, long_error: f64) -> f64 {
-    let fading =
-        |[from_mm, to_mm]: [f64; 2]| ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0);
-    let narrow = ODD_GAINS * fading(FINGER_WIDTH_MM) * (down_gain + error);
-    let long = ODD_ERROR_SHARE * fading(LONG_FINGER_MM) * long_error;
-    narrow.max(long)
+/// One up to the first distance, nothing from the second one on.
+fn fading(apart_mm: f64, [from_mm, to_mm]: [f64; 2]) -> f64 {
+    ((to_mm - apart_mm) / (to_mm - from_mm)).clamp(0.0, 1.0)
 }
