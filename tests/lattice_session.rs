@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use gelpad::pad::DEFAULT_PAD;
+use gelpad::pad::{Channel, DEFAULT_PAD, Pair};
 use gelpad::source::{FramesCsv, Noise, Source, SourceReading};
 use gelpad::touch::Detector;
 use gelpad::types::{Frame, Nanos, TouchId};
@@ -18,8 +18,10 @@ use serde::Deserialize;
 /// A touch within this distance of a press is that press, mm.
 const FOUND_MM: f64 = 10.0;
 const NANOS_PER_MS: f64 = 1e6;
-/// Time at which an electrode comes off.
-const HALFWAY_NS: Nanos = 15_000_000_000;
+const NANOS_PER_S: Nanos = 1_000_000_000;
+/// Times at which an electrode comes off, s: while a finger lands beside another, 20 ms after the last one lifted, and while two lie there.
+/// `GELPAD_FULL=1` tries every second from 6 to 23.
+const OFF_AT_S: [Nanos; 3] = [10, 12, 16];
 /// Presses within this time after it need not be found.
 const EXEMPT_S: f64 = 1.0;
 
@@ -262,66 +264,82 @@ fn thinned_to_slow_boards() {
     }
 }
 
-#[test]
-fn with_any_electrode_of_the_first_half_disconnected_halfway() {
-    disconnected_halfway(0..pad().protocol.electrodes / 2);
+/// What the channels of an electrode read that is off.
+#[derive(Clone, Copy, Debug)]
+enum Reads {
+    Nothing,
+    /// Noise as large as the largest reading.
+    Noise,
 }
 
 #[test]
-fn with_any_electrode_of_the_second_half_disconnected_halfway() {
+fn with_any_electrode_of_the_first_half_off() {
+    off_at_any_time(0..pad().protocol.electrodes / 2);
+}
+
+#[test]
+fn with_any_electrode_of_the_second_half_off() {
     let electrodes = pad().protocol.electrodes;
-    disconnected_halfway(electrodes / 2..electrodes);
+    off_at_any_time(electrodes / 2..electrodes);
 }
 
-fn disconnected_halfway(electrodes: Range<usize>) {
-    let all = session();
-    let protocol = pad().protocol;
-    let full_scale = all[0]
-        .volts
-        .iter()
-        .fold(0.0f32, |most, volt| most.max(volt.abs()));
+fn off_at_any_time(electrodes: Range<usize>) {
+    let times_s = match std::env::var_os("GELPAD_FULL") {
+        Some(_) => (6..24).collect(),
+        None => OFF_AT_S.to_vec(),
+    };
+    let session = session();
     for electrode in electrodes {
-        // A reading of one with noise, minus one: noise alone.
-        let mut noise = Noise::new(0.0, electrode as u64);
-        let frames: Vec<Frame> = all
-            .iter()
-            .cloned()
-            .map(|mut frame| {
-                if frame.t_ns >= HALFWAY_NS {
-                    let wild = noise.read(&vec![1.0; frame.volts.len()]);
-                    for (index, channel) in protocol.channels.iter().enumerate() {
-                        let pairs = [channel.drive, channel.measure];
-                        if pairs
-                            .iter()
-                            .any(|pair| pair.0 == electrode || pair.1 == electrode)
-                        {
-                            frame.volts[index] = (wild[index] - 1.0) * full_scale;
-                        }
-                    }
-                }
-                frame
-            })
-            .collect();
-        let (tracks, lost) = played(&frames);
-        let label = format!("electrode {electrode}");
-        let half_way_ms = HALFWAY_NS as f64 / NANOS_PER_MS;
-        let [(_, before), (at_ms, after)] = &lost[..] else {
-            panic!("{label}: {lost:?}");
-        };
-        assert!(
-            before.is_empty() && *after == [electrode],
-            "{label}: {lost:?}"
-        );
-        assert!(
-            *at_ms - half_way_ms <= 1000.0,
-            "{label}: named after {at_ms} ms"
-        );
-        let exempt = |press: &Press| {
-            let half_way_s = half_way_ms / 1e3;
-            press.t0 < half_way_s + EXEMPT_S && press.t1 > half_way_s
-        };
-        compare_with_presses(&label, &frames, tracks, &session_presses(), exempt);
+        for at_s in &times_s {
+            for reads in [Reads::Nothing, Reads::Noise] {
+                let label = format!("electrode {electrode} off at {at_s} s, reads {reads:?}");
+                let frames = with_electrode_off(&session, electrode, at_s * NANOS_PER_S, reads);
+                check_electrode_off(&label, &frames, electrode, *at_s as f64);
+            }
+        }
     }
+}
+
+/// The frames with what the channels of an electrode read from a time on.
+fn with_electrode_off(
+    frames: &[Frame],
+    electrode: usize,
+    off_at_ns: Nanos,
+    reads: Reads,
+) -> Vec<Frame> {
+    let protocol = pad().protocol;
+    let uses_it = |pair: Pair| pair.0 == electrode || pair.1 == electrode;
+    let is_off = |channel: usize| {
+        let Channel { drive, measure } = protocol.channels[channel];
+        uses_it(drive) || uses_it(measure)
+    };
+    let full_scale = (frames[0].volts.iter()).fold(0.0f32, |most, volt| most.max(volt.abs()));
+    // A reading of one with noise, minus one: noise alone.
+    let mut noise = Noise::new(0.0, electrode as u64);
+    let mut frames = frames.to_vec();
+    for frame in frames.iter_mut().filter(|frame| frame.t_ns >= off_at_ns) {
+        let wild = noise.read(&vec![1.0; frame.volts.len()]);
+        for channel in (0..frame.volts.len()).filter(|channel| is_off(*channel)) {
+            frame.volts[channel] = match reads {
+                Reads::Nothing => 0.0,
+                Reads::Noise => (wild[channel] - 1.0) * full_scale,
+            };
+        }
+    }
+    frames
+}
+
+/// The electrode is named within a second, and no other; all presses are found but those of that second.
+fn check_electrode_off(label: &str, frames: &[Frame], electrode: usize, off_at_s: f64) {
+    let (tracks, lost) = played(frames);
+    let [(_, before), (at_ms, after)] = &lost[..] else {
+        panic!("{label}: {lost:?}");
+    };
+    let is_named = before.is_empty() && *after == [electrode];
+    assert!(is_named, "{label}: {lost:?}");
+    assert!(*at_ms <= 1e3 * (off_at_s + 1.0), "{label}: at {at_ms} ms");
+    let exempt = |press: &Press| press.t0 < off_at_s + EXEMPT_S && press.t1 > off_at_s;
+    compare_with_presses(label, frames, tracks, &session_presses(), exempt);
 }
 
 #[test]

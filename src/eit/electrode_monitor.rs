@@ -24,6 +24,11 @@ const SUSPECT_FRAMES: u32 = 2;
 const SUSPECT_MEAN: f64 = 4.0;
 /// ... each limited to this many, so that one wild reading is not enough.
 const MOST_DEVIATION: f64 = 20.0;
+/// Where all channels deviate because a finger lands in the same moment, the readings of a lost electrode still deviate by this many times
+/// as much as those of the others: ...
+const STANDS_OUT: f64 = 5.0;
+/// ... all of its readings but this share, which may be near their old value by chance. Of its neighbours' readings half are its own.
+const BY_CHANCE_SHARE: f64 = 0.25;
 /// Frames for which a lost electrode must be steady.
 const STEADY_FRAMES: u32 = 30;
 /// Steady readings stay within this many standard deviations of their mean (root mean square).
@@ -168,10 +173,17 @@ impl ElectrodeMonitor {
             .filter(|electrode| !self.is_lost(*electrode))
             .map(|electrode| (electrode, self.mean_deviation(electrode, &deviation)))
             .max_by(|a, b| a.1.total_cmp(&b.1))?;
-        if are_touches_removed && self.is_everywhere(mean, &deviation) {
-            self.accept_frame();
-            return None;
-        }
+        let electrode = if are_touches_removed && self.is_everywhere(mean, &deviation) {
+            match self.standing_out(&deviation) {
+                Some(electrode) => electrode,
+                None => {
+                    self.accept_frame();
+                    return None;
+                }
+            }
+        } else {
+            electrode
+        };
         for other in 0..self.states.len() {
             if other != electrode && matches!(self.states[other], ElectrodeState::Suspect(_)) {
                 self.states[other] = ElectrodeState::Sound;
@@ -203,6 +215,29 @@ impl ElectrodeMonitor {
             .collect();
         median(&mut all)
             .is_some_and(|median| median > SUSPECT_MEAN && median > EVERYWHERE_SHARE * worst_mean)
+    }
+
+    /// The electrode whose readings deviate by many times as much as all others, in a frame in which all channels deviate.
+    fn standing_out(&self, deviation: &impl Fn(usize) -> f64) -> Option<usize> {
+        let sorted = |channels: &mut dyn Iterator<Item = usize>| -> Vec<f64> {
+            let counted = channels.filter(|channel| !self.excludes(*channel));
+            let mut sizes: Vec<f64> = counted.map(|channel| deviation(channel).abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            sizes
+        };
+        let least_of = |electrode: usize| {
+            let own = sorted(&mut self.channels[electrode].iter().copied());
+            own.get((BY_CHANCE_SHARE * own.len() as f64) as usize)
+                .copied()
+        };
+        let (electrode, least) = (0..self.states.len())
+            .filter(|electrode| !self.is_lost(*electrode))
+            .filter_map(|electrode| Some((electrode, least_of(electrode)?)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let own = &self.channels[electrode];
+        let others = sorted(&mut (0..self.means.len()).filter(|channel| !own.contains(channel)));
+        let usual = others.get(others.len() / 2)?;
+        (least > STANDS_OUT * usual).then_some(electrode)
     }
 
     /// Watches the lost electrodes: `change` is the relative residual of each channel, `noise` its standard deviation.
@@ -375,6 +410,23 @@ mod tests {
         assert_eq!(monitor.suspect(&deviation, true), Some(5));
         assert_eq!(monitor.lost(), [5]);
         assert!(monitor.excludes(monitor.channels(5)[0]));
+    }
+
+    #[test]
+    fn an_electrode_is_lost_while_a_finger_lands() {
+        let mut monitor = monitor();
+        let lost = wild(&monitor, 5);
+        let deviation = |channel: usize| lost(channel) + 30.0;
+        monitor.suspect(deviation, true);
+        assert_eq!(monitor.suspect(deviation, true), Some(5));
+    }
+
+    #[test]
+    fn another_gain_of_all_channels_loses_no_electrode() {
+        let mut monitor = monitor();
+        for _ in 0..10 {
+            assert_eq!(monitor.suspect(|c| 200.0 + (c % 60) as f64, true), None);
+        }
     }
 
     #[test]

@@ -248,7 +248,7 @@ impl Detector {
         }
         if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
             locator.take_untouched(&self.changes, self.noise().0);
-            self.follow_deformation(&locator, frame);
+            self.follow_deformation(&mut locator, frame);
             self.locator = Some(locator);
         }
         if !self.is_between && self.is_rebound(frame) {
@@ -378,8 +378,12 @@ impl Detector {
     }
 
     /// Moves the reference by the deformation of the pad that the locator found in the frame.
-    fn follow_deformation(&mut self, locator: &Locator, frame: &Frame) {
-        if let Some(deformation) = locator.deformation().filter(|_| !self.is_between) {
+    fn follow_deformation(&mut self, locator: &mut Locator, frame: &Frame) {
+        if self.is_between {
+            return;
+        }
+        locator.keep_deformation();
+        if let Some(deformation) = locator.deformation() {
             self.reference.shift(&deformation);
             self.reference
                 .relative_changes(&frame.volts, &mut self.changes);
@@ -388,11 +392,23 @@ impl Detector {
 
     /// Whether too many readings changed more than touches can change them.
     fn is_impossible(&self) -> bool {
+        self.is_beyond(IMPOSSIBLE_SHARE)
+    }
+
+    /// Whether too many readings changed more than the lift of fingers that the reference was taken under can change them: seen from the
+    /// untouched pad, by more than touches can.
+    pub(super) fn is_impossible_lift(&self) -> bool {
+        self.is_beyond(IMPOSSIBLE_SHARE / (1.0 - IMPOSSIBLE_SHARE))
+    }
+
+    /// Whether too many readings fell by more than touches can lower them, or rose by more than this share.
+    fn is_beyond(&self, most_rise: f64) -> bool {
         let impossible = (0..self.changes.len()).filter(|channel| {
             let [noise, doubt] = self.reference.variances(*channel);
-            let change = f64::from(self.changes[*channel].abs());
-            let limit = IMPOSSIBLE_SHARE + IMPOSSIBLE_DEVIATIONS * libm::sqrt(noise + doubt);
-            change.is_nan() || change > limit
+            let change = f64::from(self.changes[*channel]);
+            let doubt = IMPOSSIBLE_DEVIATIONS * libm::sqrt(noise + doubt);
+            let possible = -IMPOSSIBLE_SHARE - doubt..=most_rise + doubt;
+            !possible.contains(&change)
         });
         impossible.count() >= IMPOSSIBLE_READINGS
     }

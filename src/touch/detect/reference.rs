@@ -79,8 +79,12 @@ impl Detector {
     }
 
     /// Whether frames in a row look like a finger that has left the pad after it lay there from the start; the last of
-    /// them retakes the reference. A single such frame is only skipped.
+    /// them retakes the reference. A single such frame is only skipped. A frame that shows a lost electrode does not count.
     pub(super) fn is_rebound(&mut self, frame: &Frame) -> bool {
+        if self.is_impossible_lift() {
+            self.rebounds.clear();
+            return false;
+        }
         let is_lift = match self.judge_onset(frame) {
             Judged::Touch => false,
             Judged::Lift => true,

@@ -61,6 +61,8 @@ pub struct Locator {
     last_motions: Vec<Motion>,
     /// What the pad's deformation changed in the last frame, in the table's coordinates; empty if nothing.
     pub(super) deformation: Vec<f32>,
+    /// What it changed since the first of the touches that are down, or were down last; empty if nothing.
+    pub(super) bent: Vec<f32>,
     /// Time of the last located frame.
     located_ns: Nanos,
     pub(super) response: Response,
@@ -99,6 +101,7 @@ impl Locator {
             motions: Vec::new(),
             last_motions: Vec::new(),
             deformation: Vec::new(),
+            bent: Vec::new(),
             located_ns: 0,
             response: Response::default(),
             sum: Vec::new(),
@@ -108,6 +111,7 @@ impl Locator {
     /// Replaces the weights; the touches stay.
     pub fn set_weights(&mut self, model: Arc<LocatorModel>) {
         self.model = model;
+        self.bent.clear();
         self.recent.clear();
         self.forget_held();
         self.refused_cost = 0.0;
@@ -170,6 +174,7 @@ impl Locator {
         self.deformation.clear();
         // The reference's uncertainty ends no touch.
         self.follow(noise - steady);
+        self.take_back_bend(noise);
         self.end_deformed(noise);
         self.try_landing_beside(noise);
         if self.model.table.has_both_signs() && self.quality(noise).rest > MISFIT_REST {

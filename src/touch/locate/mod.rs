@@ -24,6 +24,7 @@ mod recent;
 mod responses;
 mod sign;
 mod sizes;
+mod taken_back;
 mod templates;
 
 pub(super) use located_pad::LocatedPad;

@@ -149,13 +149,15 @@ impl Locator {
         }
     }
 
-    /// Removes touches without which the others, fitted again, explain the frame as well.
+    /// Removes touches without which the others, fitted again, explain the frame as well and stay apart.
     fn prune(&mut self, least_gain: f64) {
         let mut index = 0;
         while index < self.fit.touches.len() && self.fit.touches.len() > 1 {
             let others = edited(&self.fit.touches, &[], Some(index));
             self.try_fit(&others, NEW_TOUCH_STEPS);
-            if self.trial.cost - self.fit.cost < least_gain {
+            if self.trial.cost - self.fit.cost < least_gain
+                && least_apart_mm(&self.trial.touches) >= self.model.pad.least_apart_mm
+            {
                 std::mem::swap(&mut self.fit, &mut self.trial);
             } else {
                 index += 1;

@@ -77,8 +77,10 @@ impl Locator {
     pub fn explain_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
         // The search for faint touches in the mean of the last frames goes on.
         let recent = std::mem::take(&mut self.recent);
+        let bent = std::mem::take(&mut self.bent);
         let onset = self.judge_onset(changes, noise);
         self.recent = recent;
+        self.bent = bent;
         onset
     }
 
