@@ -173,16 +173,14 @@ impl ElectrodeMonitor {
             .filter(|electrode| !self.is_lost(*electrode))
             .map(|electrode| (electrode, self.mean_deviation(electrode, &deviation)))
             .max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let electrode = if are_touches_removed && self.is_everywhere(mean, &deviation) {
-            match self.standing_out(&deviation) {
-                Some(electrode) => electrode,
-                None => {
-                    self.accept_frame();
-                    return None;
-                }
-            }
-        } else {
-            electrode
+        let is_everywhere = are_touches_removed && self.is_everywhere(mean, &deviation);
+        let electrode = match is_everywhere {
+            true => self.standing_out(&deviation),
+            false => Some(electrode),
+        };
+        let Some(electrode) = electrode else {
+            self.accept_frame();
+            return None;
         };
         for other in 0..self.states.len() {
             if other != electrode && matches!(self.states[other], ElectrodeState::Suspect(_)) {

@@ -177,6 +177,13 @@ impl Reference {
         }
     }
 
+    /// Learns the gains that channels share in a frame that no touch changes, which is then taken for a deformation: a source that wavers
+    /// looks like one that comes and goes.
+    pub fn learn_gains(&mut self, volts: &[f32]) {
+        let untouched = vec![0.0; volts.len()];
+        self.learn_shared_noise(volts, &untouched);
+    }
+
     /// Multiplies each level by 1 + a relative change: the pad has deformed.
     pub fn shift(&mut self, changes: &[f32]) {
         for (volt, change) in self.volts.iter_mut().zip(changes) {

@@ -40,21 +40,32 @@ impl Bench {
     }
 
     pub fn monitored(builder: SensingBuilder, snr_db: f64, seed: u64) -> Self {
-        let first = builder.build_initial().expect("a matrix");
-        let detector = Detector::for_pad(Arc::new(first), &pad().protocol);
-        Self {
-            builder,
-            ..Self::new(detector, snr_db, seed)
-        }
+        Self::of_pad(pad(), builder, snr_db, seed)
     }
 
     pub fn new(detector: Detector, snr_db: f64, seed: u64) -> Self {
-        let pad = pad();
+        Self::of_detector(pad(), builder().clone(), detector, snr_db, seed)
+    }
+
+    /// Another pad than the lattice.
+    pub fn of_pad(pad: Pad, builder: SensingBuilder, snr_db: f64, seed: u64) -> Self {
+        let first = builder.build_initial().expect("a matrix");
+        let detector = Detector::for_pad(Arc::new(first), &pad.protocol);
+        Self::of_detector(pad, builder, detector, snr_db, seed)
+    }
+
+    fn of_detector(
+        pad: Pad,
+        builder: SensingBuilder,
+        detector: Detector,
+        snr_db: f64,
+        seed: u64,
+    ) -> Self {
         Self {
             simulated: SimulatedPad::new(&pad).expect("solvable"),
             pad,
             detector,
-            builder: builder().clone(),
+            builder,
             noise: Noise::new(snr_db, seed),
             frame: 0,
             board: Box::new(|_, volt, _| volt),

@@ -8,7 +8,7 @@
 //! K^-1 between all nodes fits in memory for a coarse mesh only. Nearly all error of a coarse mesh is in the linear part,
 //! which the Jacobian of a fine mesh gives cheaply: the response is the fine mesh's linear part plus the difference between
 //! the coarse mesh's exact and linear response. Both are of the coarse mesh's own fields, so that its errors cancel: with those of the fine
-//! mesh at the coarse nodes, places come out worse (the median error over bound of docs/accuracy.md is 1.20 instead of 1.13).
+//! mesh at the coarse nodes, places come out worse (the median error over bound of docs/accuracy.md is 1.17 instead of 1.11).
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;

@@ -384,6 +384,9 @@ impl Detector {
         }
         locator.keep_deformation();
         if let Some(deformation) = locator.deformation() {
+            if self.tracker.down().is_empty() {
+                self.reference.learn_gains(&frame.volts);
+            }
             self.reference.shift(&deformation);
             self.reference
                 .relative_changes(&frame.volts, &mut self.changes);

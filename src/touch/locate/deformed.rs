@@ -10,7 +10,7 @@ use crate::eit::cholesky::add_scaled;
 /// lost it may cost a short touch in hours; but with 85, a bend that is followed later makes several times as many.
 const LEAST_GAIN: f64 = 60.0;
 /// Under touches it explains this share of their model error as well.
-const ERROR_SHARE: f64 = 0.25;
+pub(super) const ERROR_SHARE: f64 = 0.25;
 /// A frame of which more than this many times noise and model error is nothing that a change of conductivity explains shows a
 /// bad electrode.
 const SOUND_OUTSIDE: f64 = 2.0;
@@ -172,13 +172,8 @@ impl Locator {
         }
         self.frame.energy += energy(&rest) - energy(&self.frame.coordinates);
         self.frame.coordinates = rest;
-        if self.deformation.is_empty() {
-            self.deformation = change;
-        } else {
-            for (total, value) in self.deformation.iter_mut().zip(&change) {
-                *total += value;
-            }
-        }
+        self.deformation.resize(change.len(), 0.0);
+        add_scaled(&mut self.deformation, &change, 1.0);
         self.fit_again();
         true
     }

@@ -5,14 +5,13 @@
 //! finger landed, and takes back the share of it that explains a frame better: one unknown, where a new bend has twenty and a new touch
 //! four.
 
+use super::deformed::ERROR_SHARE;
 use super::locator::Locator;
 use super::metric::{dot, energy};
 use crate::eit::cholesky::add_scaled;
 
 /// What is taken back explains at least this many squared deviations: twice what noise explains in one of a thousand frames.
 const LEAST_GAIN: f64 = 20.0;
-/// Under touches it explains this share of their model error as well.
-const ERROR_SHARE: f64 = 0.25;
 
 impl Locator {
     /// Remembers the deformation of the frame, which the detector has followed.
@@ -24,11 +23,8 @@ impl Locator {
         if self.deformation.is_empty() || was_untouched && self.fit.touches.is_empty() {
             return;
         }
-        if self.bent.is_empty() {
-            self.bent.clone_from(&self.deformation);
-        } else {
-            add_scaled(&mut self.bent, &self.deformation, 1.0);
-        }
+        self.bent.resize(self.deformation.len(), 0.0);
+        add_scaled(&mut self.bent, &self.deformation, 1.0);
     }
 
     /// Takes back the share of what the pad has bent by under touches that explains the frame better; fits the touches again.
@@ -48,13 +44,8 @@ impl Locator {
         let before = energy(&self.frame.coordinates);
         add_scaled(&mut self.frame.coordinates, &whitened, share as f32);
         self.frame.energy += energy(&self.frame.coordinates) - before;
-        self.add_deformation(-share as f32);
-        self.fit_again();
-    }
-
-    /// Adds a share of what the pad has bent by to the deformation of the frame.
-    fn add_deformation(&mut self, share: f32) {
         self.deformation.resize(self.bent.len(), 0.0);
-        add_scaled(&mut self.deformation, &self.bent, share);
+        add_scaled(&mut self.deformation, &self.bent, -share as f32);
+        self.fit_again();
     }
 }
