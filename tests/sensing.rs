@@ -11,6 +11,8 @@ mod faults;
 #[path = "sensing/held.rs"]
 mod held;
 mod lattice;
+#[path = "sensing/ripple.rs"]
+mod ripple;
 
 use bench::{Bench, FRAMES_PER_MINUTE, finger};
 use gelpad::pad::{Pad, TouchSign};

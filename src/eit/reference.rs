@@ -61,6 +61,8 @@ pub struct Reference {
     frames: usize,
     quiet_frames: u32,
     last_ns: u64,
+    /// Time of the last frame from which [`Self::take_out_gains`] learned.
+    gains_learned_ns: Option<u64>,
     /// Factor of the last time step for the rate of a channel under a touch.
     unseen_keep: f64,
 }
@@ -83,6 +85,7 @@ impl Reference {
             frames: 0,
             quiet_frames: SETTLE_FRAMES,
             last_ns: 0,
+            gains_learned_ns: None,
             unseen_keep: 1.0,
         }
     }
@@ -177,11 +180,29 @@ impl Reference {
         }
     }
 
-    /// Learns the gains that channels share in a frame that no touch changes, which is then taken for a deformation: a source that wavers
-    /// looks like one that comes and goes.
-    pub fn learn_gains(&mut self, volts: &[f32]) {
-        let untouched = vec![0.0; volts.len()];
-        self.learn_shared_noise(volts, &untouched);
+    /// Takes gains that channels share out of the relative changes of a frame, if they explain all but noise of what the touches of the
+    /// frame before leave: a source that begins to waver, before that is known. `touched` is what those touches change. With
+    /// `is_learned`, how much the gains vary is learned at once.
+    pub fn take_out_gains(&mut self, touched: &[f32], changes: &mut [f32], is_learned: bool) {
+        let Some(mut estimator) = self.shared.take() else {
+            return;
+        };
+        let residual = |channel: usize| {
+            let change = f64::from(changes[channel] - touched[channel]);
+            self.is_live(channel)
+                .then(|| (change, self.own_variance(channel, touched[channel])))
+        };
+        if estimator.explains_frame(residual, is_learned) {
+            for (channel, change) in changes.iter_mut().enumerate() {
+                if self.is_live(channel) {
+                    *change -= estimator.explaining_gain(channel) as f32;
+                }
+            }
+            if is_learned {
+                self.gains_learned_ns = Some(self.last_ns);
+            }
+        }
+        self.shared = Some(estimator);
     }
 
     /// Multiplies each level by 1 + a relative change: the pad has deformed.
@@ -214,7 +235,9 @@ impl Reference {
             return;
         }
         self.measure_common(volts, touched);
-        self.learn_shared_noise(volts, touched);
+        if self.gains_learned_ns != Some(self.last_ns) {
+            self.learn_shared_noise(volts, touched);
+        }
         for (channel, (volt, touched)) in volts.iter().zip(touched).enumerate() {
             if !self.is_live(channel) {
                 continue;

@@ -10,8 +10,14 @@ const FOLLOW: f64 = 0.01;
 const SIGNIFICANT: f64 = 3.0;
 /// ... and that of the channels' own noise by this share: less hardly matters, and the own noise is not known better.
 const LEAST_SURPLUS: f64 = 1.0;
-/// One wild frame moves an estimate at most as a frame this many times as noisy as expected would.
+/// One wild frame moves an estimate at most as a frame this many times as noisy as expected would, ...
 const MOST_TIMES: f64 = 9.0;
+/// ... but not one that gains explain: they explain at least this many squared deviations beyond noise, ...
+const LEAST_EXPLAINED: f64 = 60.0;
+/// ... and this many times what they leave beyond noise, ...
+const EXPLAINED_TIMES: f64 = 4.0;
+/// ... and are not larger than this: a board whose gain steps by more is another matter.
+const MOST_GAIN: f64 = 0.02;
 
 /// Variances of the relative gains that channels share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,19 +50,12 @@ pub struct SharedNoiseEstimator {
     expected: SharedNoise,
     /// Sums of one frame: weights and weighted residuals, a drive.
     sums: Vec<[f64; 2]>,
+    /// The gain of each drive in the last frame that gains were tried on.
+    gains: Vec<f64>,
     frames: u64,
     /// The estimate and the common gain after the last frame.
     last: SharedNoise,
     last_gain: f64,
-}
-
-/// The gains of one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameGain {
-    /// The gain common to all channels, relative.
-    pub gain: f64,
-    /// Its variance from the channels' own noise.
-    pub variance: f64,
 }
 
 impl SharedNoiseEstimator {
@@ -70,6 +69,7 @@ impl SharedNoiseEstimator {
             squares: SharedNoise::default(),
             expected: SharedNoise::default(),
             sums: vec![[0.0; 2]; count],
+            gains: vec![0.0; count],
             frames: 0,
             last: SharedNoise::default(),
             last_gain: 0.0,
@@ -78,53 +78,115 @@ impl SharedNoiseEstimator {
 
     /// Takes the residuals of a frame: for each channel the relative change that no touch explains and its own variance;
     /// `None` for a channel that does not count.
-    pub fn take_frame(&mut self, residual: impl Fn(usize) -> Option<(f64, f64)>) -> FrameGain {
+    pub fn take_frame(&mut self, residual: impl Fn(usize) -> Option<(f64, f64)>) {
+        self.sum(residual);
+        self.learn(MOST_TIMES);
+    }
+
+    /// Whether gains explain all but noise of a frame: one gain of all channels if that is enough, otherwise one of each drive;
+    /// [`Self::explaining_gain`] then gives them. `residual` as in [`Self::take_frame`]; with `is_learned` the estimates follow at once.
+    pub fn explains_frame(
+        &mut self,
+        residual: impl Fn(usize) -> Option<(f64, f64)>,
+        is_learned: bool,
+    ) -> bool {
+        let (energy, channels) = self.sum(residual);
+        let of_all = mean(&self.total());
+        self.gains.fill(of_all);
+        if !self.do_gains_explain(energy, channels, 1.0) {
+            for (gain, sum) in self.gains.iter_mut().zip(&self.sums) {
+                *gain = mean(sum);
+            }
+            if !self.do_gains_explain(energy, channels, self.count as f64) {
+                return false;
+            }
+        }
+        if is_learned {
+            self.learn(f64::INFINITY);
+        }
+        true
+    }
+
+    /// The gain of a channel in the last frame that gains explain, relative.
+    #[must_use]
+    pub fn explaining_gain(&self, channel: usize) -> f64 {
+        self.gains[usize::from(self.drives[channel])]
+    }
+
+    /// Sums a frame up, and returns its squared deviations and the number of channels that count.
+    fn sum(&mut self, residual: impl Fn(usize) -> Option<(f64, f64)>) -> (f64, f64) {
+        let (mut energy, mut channels) = (0.0, 0.0);
         self.sums.fill([0.0; 2]);
-        for channel in 0..self.drives.len() {
+        for (channel, drive) in self.drives.iter().enumerate() {
             let Some((value, variance)) = residual(channel) else {
                 continue;
             };
             let weight = 1.0 / variance.max(f64::MIN_POSITIVE);
-            let sum = &mut self.sums[usize::from(self.drives[channel])];
+            energy += weight * value * value;
+            channels += 1.0;
+            let sum = &mut self.sums[usize::from(*drive)];
             sum[0] += weight;
             sum[1] += weight * value;
         }
-        let [weights, weighted] = self.sums.iter().fold([0.0; 2], |total, sum| {
-            [total[0] + sum[0], total[1] + sum[1]]
-        });
-        if weights <= 0.0 {
-            return FrameGain::default();
+        (energy, channels)
+    }
+
+    fn total(&self) -> [f64; 2] {
+        let add = |total: [f64; 2], sum: &[f64; 2]| [total[0] + sum[0], total[1] + sum[1]];
+        self.sums.iter().fold([0.0; 2], add)
+    }
+
+    /// Whether the gains, of which some are unknown, explain all but noise of a frame.
+    fn do_gains_explain(&self, energy: f64, channels: f64, unknowns: f64) -> bool {
+        let terms = self.gains.iter().zip(&self.sums);
+        // A gain g explains 2 g sum(w v) - g^2 sum(w) of the sum of w v^2.
+        let explained: f64 = terms
+            .map(|(gain, [weight, weighted])| gain * (2.0 * weighted - gain * weight))
+            .sum();
+        let beyond_noise = explained - unknowns;
+        let left = (energy - explained) - (channels - unknowns);
+        beyond_noise >= LEAST_EXPLAINED.max(EXPLAINED_TIMES * left)
+            && self.gains.iter().all(|gain| gain.abs() <= MOST_GAIN)
+    }
+
+    /// Moves the estimates by the sums of a frame, by at most `most_times` what is expected.
+    fn learn(&mut self, most_times: f64) {
+        let total = self.total();
+        if total[0] <= 0.0 {
+            return;
         }
-        let gain = weighted / weights;
+        let gain = mean(&total);
         let (mut square, mut expected, mut drives) = (0.0, 0.0, 0.0);
-        for [weight, weighted] in self.sums.iter().filter(|sum| sum[0] > 0.0) {
-            let off = weighted / weight - gain;
+        for sum in self.sums.iter().filter(|sum| sum[0] > 0.0) {
+            let off = mean(sum) - gain;
             square += off * off;
-            expected += (1.0 / weight - 1.0 / weights).max(0.0);
+            expected += (1.0 / sum[0] - 1.0 / total[0]).max(0.0);
             drives += 1.0;
         }
         let rate = FOLLOW.max(1.0 / (self.frames + 1) as f64);
         self.frames += 1;
-        let variance = 1.0 / weights;
+        let follow = |mean: &mut f64, mean_expected: &mut f64, square: f64, expected: f64| {
+            let most = most_times * (*mean).max(expected);
+            *mean += rate * (square.min(most) - *mean);
+            *mean_expected += rate * (expected - *mean_expected);
+        };
+        let (squares, expecteds) = (&mut self.squares, &mut self.expected);
         follow(
-            &mut self.squares.gain,
-            &mut self.expected.gain,
+            &mut squares.gain,
+            &mut expecteds.gain,
             gain * gain,
-            variance,
-            rate,
+            1.0 / total[0],
         );
         if drives > 1.0 {
             follow(
-                &mut self.squares.drive,
-                &mut self.expected.drive,
+                &mut squares.drive,
+                &mut expecteds.drive,
                 square / drives,
                 expected / drives,
-                rate,
             );
         }
         self.last = self.computed();
         self.last_gain = gain;
-        FrameGain { gain, variance }
     }
 
     /// The shared variances that the frames so far show beyond doubt; 0 where they show none.
@@ -153,27 +215,20 @@ impl SharedNoiseEstimator {
     #[must_use]
     pub fn gain_of(&self, channel: usize) -> f64 {
         let shared = self.last;
-        let [weight, weighted] = self.sums[usize::from(self.drives[channel])];
-        if shared.drive > 0.0 && weight > 0.0 {
-            weighted / weight
+        let sum = &self.sums[usize::from(self.drives[channel])];
+        if shared.drive > 0.0 && sum[0] > 0.0 {
+            mean(sum)
         } else if shared.gain > 0.0 {
             self.last_gain
         } else {
             0.0
         }
     }
-
-    /// Drive of each channel.
-    #[must_use]
-    pub fn drives(&self) -> &[u16] {
-        &self.drives
-    }
 }
 
-fn follow(mean: &mut f64, mean_expected: &mut f64, square: f64, expected: f64, rate: f64) {
-    let most = MOST_TIMES * (*mean).max(expected);
-    *mean += rate * (square.min(most) - *mean);
-    *mean_expected += rate * (expected - *mean_expected);
+/// The mean of a weight and a weighted value; 0 if nothing weighs.
+fn mean(sum: &[f64; 2]) -> f64 {
+    if sum[0] > 0.0 { sum[1] / sum[0] } else { 0.0 }
 }
 
 #[cfg(test)]

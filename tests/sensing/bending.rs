@@ -1,12 +1,9 @@
 //! A pad that bends while fingers press.
 
-use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use gelpad::cache;
 use gelpad::eit::Press;
-use gelpad::pad::{Channel, Pad, shipped_pad};
-use gelpad::types::{Frame, Method};
+use gelpad::types::Frame;
 
 use crate::bench::{Bench, FRAME_NS, finger};
 
@@ -42,48 +39,6 @@ fn a_pad_that_bends_makes_no_touch_and_fingers_are_found() {
         let [x, y] = bench.down()[0].contact.centre_mm;
         assert!((x - place[0]).hypot(y - place[1]) < 1.5, "{x} {y}");
         assert_eq!(bench.play(&[], 60), (0, 1), "{index}");
-    }
-}
-
-/// When each channel is read, s from the start of its frame: a board that reads one drive after another in a tenth less than a frame.
-fn read_s(pad: &Pad) -> Vec<f64> {
-    let drives: BTreeSet<_> = pad.protocol.channels.iter().map(|c| c.drive).collect();
-    let order = |drive| drives.iter().position(|other| *other == drive);
-    let turn = |channel: &Channel| order(channel.drive).expect("listed") as f64;
-    let longest_s = 0.9 * FRAME_NS as f64 * 1e-9;
-    let channels = pad.protocol.channels.iter();
-    channels
-        .map(|channel| longest_s * turn(channel) / drives.len() as f64)
-        .collect()
-}
-
-/// The ripple of the mains, from a moment on in which it is nothing: read a hundred times a second, it changes its sign with each frame and
-/// grows for three seconds. Nothing else of it is like a pad that bends.
-#[test]
-fn a_source_that_begins_to_waver_makes_no_touch() {
-    const MAINS_HZ: f64 = 50.07;
-    const SHARE: f64 = 0.003;
-    let text = shipped_pad("edinburgh-solid").expect("shipped").toml;
-    let pad = Pad::from_toml("edinburgh-solid", text).expect("valid");
-    let builder = cache::sensing_builder(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
-    let at_once = |channels| vec![0.0; channels];
-    for (seed, is_at_once) in (1..=4).flat_map(|seed| [(seed, true), (seed, false)]) {
-        let solid = Bench::of_pad(pad.clone(), builder.clone(), 60.0, seed);
-        for mut bench in [solid, Bench::located(60.0, seed)] {
-            let read_s = match is_at_once {
-                true => at_once(bench.pad.protocol.channels.len()),
-                false => read_s(&bench.pad),
-            };
-            bench.board = Box::new(move |channel, volt, frame| {
-                let t_s = (frame * FRAME_NS) as f64 * 1e-9 + read_s[channel];
-                (f64::from(volt) * (1.0 + SHARE * (TAU * MAINS_HZ * t_s).sin())) as f32
-            });
-            let case = format!("seed {seed}, at once: {is_at_once}");
-            assert_eq!(bench.play(&[], 1000), (0, 0), "{case}");
-            let press = [finger([40.0, 60.0], 7.0, 1.2)];
-            assert_eq!(bench.play(&press, 15), (1, 0), "{case}");
-            assert_eq!(bench.play(&[], 100), (0, 1), "{case}");
-        }
     }
 }
 

@@ -246,6 +246,11 @@ impl Detector {
         if !self.is_between {
             self.is_back_at_old_reference(frame, changed);
         }
+        if self.tracker.down().is_empty() {
+            self.explained.fill(0.0);
+        }
+        self.reference
+            .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
         if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
             locator.take_untouched(&self.changes, self.noise().0);
             self.follow_deformation(&mut locator, frame);
@@ -384,9 +389,6 @@ impl Detector {
         }
         locator.keep_deformation();
         if let Some(deformation) = locator.deformation() {
-            if self.tracker.down().is_empty() {
-                self.reference.learn_gains(&frame.volts);
-            }
             self.reference.shift(&deformation);
             self.reference
                 .relative_changes(&frame.volts, &mut self.changes);

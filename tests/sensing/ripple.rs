@@ -1,0 +1,152 @@
+//! A source that goes up and down with the mains: read a hundred times a second, a ripple of 50.07 Hz changes its sign with each frame.
+
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use gelpad::cache;
+use gelpad::eit::{Press, SharedNoiseEstimator};
+use gelpad::pad::{Pad, shipped_pad};
+use gelpad::source::{Noise, SimulatedPad};
+use gelpad::types::Method;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Uniform};
+
+use crate::bench::{Bench, FRAME_NS, finger};
+
+/// Frequency of the mains, Hz.
+const MAINS_HZ: f64 = 50.07;
+/// Share of each reading by which it goes up and down.
+const RIPPLE: f64 = 0.003;
+
+/// The order in which a board reads.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    AllAtOnce,
+    DriveAfterDrive,
+}
+
+/// Plays on the solid pad and on the lattice, with boards that read in either order, and noise of each seed. `play` also gets the name
+/// of the case.
+fn on_each_board(seeds: RangeInclusive<u64>, play: impl Fn(&mut Bench, Order, &str)) {
+    let text = shipped_pad("edinburgh-solid").expect("shipped").toml;
+    let solid = Pad::from_toml("edinburgh-solid", text).expect("valid");
+    let builder = cache::sensing_builder(&solid, Method::Tikhonov, |_, _| ()).expect("solvable");
+    for seed in seeds {
+        for order in [Order::AllAtOnce, Order::DriveAfterDrive] {
+            let solid = Bench::of_pad(solid.clone(), builder.clone(), 60.0, seed);
+            for mut bench in [solid, Bench::located(60.0, seed)] {
+                let case = format!("{}, {order:?}, seed {seed}", bench.pad.name);
+                play(&mut bench, order, &case);
+            }
+        }
+    }
+}
+
+/// Seconds from the start of a frame to the reading of each channel: drives share nine tenths of the frame.
+fn read_s(pad: &Pad, order: Order) -> Vec<f64> {
+    let drives = pad.protocol.drives();
+    let count = drives.iter().max().map_or(1, |last| last + 1);
+    let drive_s = match order {
+        Order::AllAtOnce => 0.0,
+        Order::DriveAfterDrive => 0.9e-9 * FRAME_NS as f64 / f64::from(count),
+    };
+    drives
+        .iter()
+        .map(|drive| drive_s * f64::from(*drive))
+        .collect()
+}
+
+/// From the next frame on, and from `phase` (in turns) on, the source wavers.
+fn waver(bench: &mut Bench, order: Order, phase: f64) {
+    let read_s = read_s(&bench.pad, order);
+    let from = bench.frame;
+    bench.board = Box::new(move |channel, volt, frame| {
+        let t_s = ((frame - from) * FRAME_NS) as f64 * 1e-9 + read_s[channel];
+        (f64::from(volt) * (1.0 + RIPPLE * (TAU * (MAINS_HZ * t_s + phase)).sin())) as f32
+    });
+}
+
+fn a_press_is_seen(bench: &mut Bench, case: &str) {
+    let press = [finger([40.0, 60.0], 7.0, 1.2)];
+    assert_eq!(bench.play(&press, 15), (1, 0), "{case}: pressed");
+    assert_eq!(bench.play(&[], 100), (0, 1), "{case}: lifted");
+}
+
+/// From a moment on in which it is nothing, it grows for three seconds. Each frame alone looks like a pad that bends a little further.
+#[test]
+fn a_ripple_that_grows_makes_no_touch() {
+    on_each_board(1..=4, |bench, order, case| {
+        waver(bench, order, 0.0);
+        assert_eq!(bench.play(&[], 1000), (0, 0), "{case}");
+        a_press_is_seen(bench, case);
+    });
+}
+
+/// A charger is plugged in while nobody touches the pad.
+#[test]
+fn a_ripple_that_begins_at_once_makes_no_touch() {
+    on_each_board(5..=6, |bench, order, case| {
+        bench.play(&[], 300);
+        waver(bench, order, 0.25);
+        assert_eq!(bench.play(&[], 600), (0, 0), "{case}");
+        a_press_is_seen(bench, case);
+    });
+}
+
+/// A charger is plugged in while a finger is held.
+#[test]
+fn a_ripple_that_begins_under_a_finger_neither_lifts_it_nor_adds_others() {
+    on_each_board(7..=8, |bench, order, case| {
+        for phase in [0.0, 0.25] {
+            bench.board = Box::new(|_, volt, _| volt);
+            assert_eq!(bench.play(&[], 200), (0, 0), "{case}: rest");
+            let press = [finger([62.0, 35.0], 7.0, 1.2)];
+            assert_eq!(bench.play(&press, 50), (1, 0), "{case}: pressed");
+            waver(bench, order, phase);
+            assert_eq!(bench.play(&press, 400), (0, 0), "{case}: held");
+            assert_eq!(bench.play(&[], 300), (0, 1), "{case}: lifted");
+            a_press_is_seen(bench, case);
+        }
+    });
+}
+
+/// What fingers change is not taken for gains of the source, of the whole board or of its drives.
+#[test]
+fn gains_explain_no_touch() {
+    const DEVIATION: f64 = 1e-3;
+    let draws = if std::env::var_os("GELPAD_FULL").is_some() {
+        400
+    } else {
+        60
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let mut between = |least: f64, most: f64| {
+        Uniform::new(least, most)
+            .expect("a range")
+            .sample(&mut random)
+    };
+    for name in ["edinburgh-solid", "edinburgh-lattice"] {
+        let text = shipped_pad(name).expect("shipped").toml;
+        let pad = Pad::from_toml(name, text).expect("valid");
+        let simulated = SimulatedPad::new(&pad).expect("solvable");
+        let mut estimator = SharedNoiseEstimator::new(pad.protocol.drives());
+        let rest = simulated.volts(&[]).expect("solvable");
+        let mut noise = Noise::new(60.0, 11);
+        for draw in 0..draws {
+            let presses: Vec<Press> = (0..=draw % 3)
+                .map(|_| {
+                    let centre_mm = [between(0.0, 100.0), between(0.0, 100.0)];
+                    finger(centre_mm, between(3.0, 15.0), between(-2.5, 0.7).exp())
+                })
+                .collect();
+            let read = noise.read(&simulated.volts(&presses).expect("solvable"));
+            let change = |channel: usize| f64::from(read[channel]) / rest[channel] - 1.0;
+            let is_explained = estimator.explains_frame(
+                |channel| Some((change(channel), DEVIATION * DEVIATION)),
+                false,
+            );
+            assert!(!is_explained, "{name}: {presses:?}");
+        }
+    }
+}
