@@ -205,10 +205,15 @@ impl Reference {
         self.shared = Some(estimator);
     }
 
-    /// Multiplies each level by 1 + a relative change: the pad has deformed.
-    pub fn shift(&mut self, changes: &[f32]) {
-        for (volt, change) in self.volts.iter_mut().zip(changes) {
-            *volt *= 1.0 + f64::from(*change);
+    /// Multiplies each level by 1 + a relative change: the pad has deformed. `changes` are those of a frame, and become relative to the new
+    /// levels.
+    pub fn shift(&mut self, by: &[f32], changes: &mut [f32]) {
+        for (channel, (by, change)) in by.iter().zip(changes).enumerate() {
+            let factor = 1.0 + f64::from(*by);
+            self.volts[channel] *= factor;
+            if self.is_live(channel) {
+                *change = ((1.0 + f64::from(*change)) / factor - 1.0) as f32;
+            }
         }
     }
 

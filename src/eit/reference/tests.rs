@@ -151,7 +151,7 @@ fn a_channel_that_always_reads_the_same_few_steps_does_not_pull_the_others() {
         // A deformation is found that lowers its level: it reads on what it read.
         let mut change = [0.0; CHANNELS];
         change[CHANNELS - 1] = -2e-3;
-        reference.shift(&change);
+        reference.shift(&change, &mut [0.0; CHANNELS]);
         reference.advance(frame * FRAME_NS);
         reference.update(&rounded(frame), &[0.0; CHANNELS]);
     }

@@ -253,7 +253,7 @@ impl Detector {
             .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
         if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
             locator.take_untouched(&self.changes, self.noise().0);
-            self.follow_deformation(&mut locator, frame);
+            self.follow_deformation(&mut locator);
             self.locator = Some(locator);
         }
         if !self.is_between && self.is_rebound(frame) {
@@ -319,7 +319,7 @@ impl Detector {
             self.skip_unexplained(Some(locator), frame, changed);
             return;
         }
-        self.follow_deformation(locator, frame);
+        self.follow_deformation(locator);
         self.follow_touches(locator, rest, frame, changed);
     }
 
@@ -383,15 +383,13 @@ impl Detector {
     }
 
     /// Moves the reference by the deformation of the pad that the locator found in the frame.
-    fn follow_deformation(&mut self, locator: &mut Locator, frame: &Frame) {
+    fn follow_deformation(&mut self, locator: &mut Locator) {
         if self.is_between {
             return;
         }
         locator.keep_deformation();
         if let Some(deformation) = locator.deformation() {
-            self.reference.shift(&deformation);
-            self.reference
-                .relative_changes(&frame.volts, &mut self.changes);
+            self.reference.shift(&deformation, &mut self.changes);
         }
     }
 
