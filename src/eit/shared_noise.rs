@@ -3,6 +3,9 @@
 //! A current source that wavers moves every reading of a frame, or of a drive, by the same share. Taken as independent noise of each channel it
 //! looks like a touch; known as a shared direction it is projected out. The covariance of the relative changes is then
 //! C = D + gain 1 1' + drive sum_d b_d b_d', where D holds the channels' own variances and b_d marks the channels of drive d.
+//!
+//! A source that begins to waver is not known yet. But gains that explain all but noise of a frame are no touch, so they are taken out of
+//! it from the first frame on.
 
 /// Share by which the estimates move with each frame: some seconds at 100 frames/s.
 const FOLLOW: f64 = 0.01;
@@ -276,5 +279,38 @@ mod tests {
         let shared = learnt(0.0, 3e-3, 500);
         assert!((shared.drive.sqrt() / 3e-3 - 1.0).abs() < 0.1, "{shared:?}");
         assert!(shared.gain.sqrt() < 1e-3, "{shared:?}");
+    }
+
+    /// An estimator that has seen no frame, for drives of [`EACH`] channels.
+    fn unlearnt() -> SharedNoiseEstimator {
+        SharedNoiseEstimator::new((0..DRIVES * EACH).map(|c| (c / EACH) as u16).collect())
+    }
+
+    #[test]
+    fn the_gains_of_a_frame_explain_it_and_are_learned_at_once() {
+        let by_drive = |channel: usize| 1e-3 * ((channel / EACH) as f64 - 8.0);
+        let of_all = |_: usize| -4e-3;
+        for gain in [&by_drive as &dyn Fn(usize) -> f64, &of_all] {
+            let mut estimator = unlearnt();
+            for is_learned in [false, true] {
+                let residual = |channel| Some((gain(channel), OWN * OWN));
+                assert!(estimator.explains_frame(residual, is_learned));
+                let off = |channel| (estimator.explaining_gain(channel) - gain(channel)).abs();
+                assert!((0..DRIVES * EACH).all(|channel| off(channel) < 1e-12));
+                assert_eq!(estimator.estimate().of_mean() > 0.0, is_learned);
+            }
+        }
+    }
+
+    #[test]
+    fn gains_do_not_explain_what_differs_between_channels_or_noise_or_a_large_step() {
+        let mut estimator = unlearnt();
+        let odd = |channel: usize| if channel % EACH < EACH / 2 { 5e-3 } else { 0.0 };
+        let faint = |_: usize| 1e-4;
+        let large = |_: usize| 0.03;
+        for change in [&odd as &dyn Fn(usize) -> f64, &faint, &large] {
+            assert!(!estimator.explains_frame(|channel| Some((change(channel), OWN * OWN)), true));
+        }
+        assert_eq!(estimator.estimate(), SharedNoise::default());
     }
 }
