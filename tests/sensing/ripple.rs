@@ -118,14 +118,30 @@ fn a_ripple_that_begins_under_a_finger_neither_lifts_it_nor_adds_others() {
     });
 }
 
-/// What fingers change is not taken for gains of the source, of the whole board or of its drives.
+/// A wide, light finger in the middle of a pad with opposite drives, or over the width of a strip, changes all readings alike.
+#[test]
+fn a_finger_that_looks_like_a_gain_is_seen() {
+    let openeit = shipped_pad("openeit-lattice").expect("shipped").toml;
+    let strip = include_str!("../data/recordings/strip-pad.toml");
+    for (name, text) in [("openeit-lattice", openeit), ("strip", strip)] {
+        let pad = Pad::from_toml(name, text).expect("valid");
+        let middle_mm = pad.outline.size_mm().map(|side| side / 2.0);
+        let builder = cache::sensing_builder(&pad, Method::Tikhonov, |_, _| ()).expect("solvable");
+        let mut bench = Bench::of_pad(pad, builder, 60.0, 13);
+        assert_eq!(bench.play(&[], 100), (0, 0), "{name}: rest");
+        let press = [finger(middle_mm, 9.0, 0.3)];
+        assert_eq!(bench.play(&press, 20), (1, 0), "{name}: pressed");
+        assert_eq!(bench.play(&[], 60), (0, 1), "{name}: lifted");
+    }
+}
+
+/// Elsewhere what fingers change is not taken for gains of the source, of the whole board or of its drives.
 #[test]
 fn gains_explain_no_touch() {
     const DEVIATION: f64 = 1e-3;
-    let draws = if std::env::var_os("GELPAD_FULL").is_some() {
-        400
-    } else {
-        60
+    let draws = match std::env::var_os("GELPAD_FULL") {
+        Some(_) => 400,
+        None => 60,
     };
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let mut between = |least: f64, most: f64| {
@@ -133,9 +149,10 @@ fn gains_explain_no_touch() {
             .expect("a range")
             .sample(&mut random)
     };
-    for name in ["edinburgh-solid", "edinburgh-lattice"] {
+    for name in ["edinburgh-lattice", "edinburgh-solid", "round-tank"] {
         let text = shipped_pad(name).expect("shipped").toml;
         let pad = Pad::from_toml(name, text).expect("valid");
+        let [width_mm, height_mm] = pad.outline.size_mm();
         let simulated = SimulatedPad::new(&pad).expect("solvable");
         let mut estimator = SharedNoiseEstimator::new(pad.protocol.drives());
         let rest = simulated.volts(&[]).expect("solvable");
@@ -143,7 +160,7 @@ fn gains_explain_no_touch() {
         for draw in 0..draws {
             let presses: Vec<Press> = (0..=draw % 3)
                 .map(|_| {
-                    let centre_mm = [between(0.0, 100.0), between(0.0, 100.0)];
+                    let centre_mm = [between(0.0, width_mm), between(0.0, height_mm)];
                     finger(centre_mm, between(3.0, 15.0), between(-2.5, 0.7).exp())
                 })
                 .collect();

@@ -64,6 +64,8 @@ pub struct Detector {
     pub(super) first_frames: FirstFrames,
     /// Drive of each channel; empty if unknown.
     pub(super) drives: Vec<u16>,
+    /// Whether gains of the drives look like no touch.
+    are_gains_distinct: bool,
     /// The first frames were identical, so they do not show the noise of the board.
     pub(super) noise_is_unknown: bool,
     /// Frames in a row that look like a finger that has left the pad.
@@ -112,6 +114,8 @@ impl Detector {
     fn with_monitor(sensing: Arc<Sensing>, protocol: Option<&Protocol>) -> Self {
         let channels = sensing.channels();
         let reconstruction = &sensing.reconstruction;
+        let drives = protocol.map(Protocol::drives).unwrap_or_default();
+        let model = sensing.locator_model.as_deref();
         Self {
             imager: Imager::new(Arc::clone(reconstruction)),
             locator: sensing.locator_model.clone().map(Locator::new),
@@ -128,7 +132,11 @@ impl Detector {
             contacts: Vec::new(),
             uncorrected: Vec::new(),
             first_frames: FirstFrames::default(),
-            drives: protocol.map(Protocol::drives).unwrap_or_default(),
+            // Events of recordings with tables of one sign stay as they were.
+            are_gains_distinct: model.is_some_and(|model| {
+                model.table().has_both_signs() && model.are_gains_distinct(&drives)
+            }),
+            drives,
             noise_is_unknown: false,
             rebounds: Vec::new(),
             shift: GainShift::default(),
@@ -246,11 +254,7 @@ impl Detector {
         if !self.is_between {
             self.is_back_at_old_reference(frame, changed);
         }
-        if self.tracker.down().is_empty() {
-            self.explained.fill(0.0);
-        }
-        self.reference
-            .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
+        self.take_out_gains();
         if let Some(mut locator) = self.locator.take_if(|_| self.tracker.down().is_empty()) {
             locator.take_untouched(&self.changes, self.noise().0);
             self.follow_deformation(&mut locator);
@@ -380,6 +384,18 @@ impl Detector {
         if is_clean || !self.knows_both_signs() {
             self.follow_reference(frame);
         }
+    }
+
+    /// Takes gains of the source out of the frame, if they explain all but noise of what the touches before leave of it.
+    fn take_out_gains(&mut self) {
+        if !self.are_gains_distinct {
+            return;
+        }
+        if self.tracker.down().is_empty() {
+            self.explained.fill(0.0);
+        }
+        self.reference
+            .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
     }
 
     /// Moves the reference by the deformation of the pad that the locator found in the frame.

@@ -10,6 +10,7 @@ mod beside;
 mod deformation;
 mod deformed;
 mod fit;
+mod gains;
 mod held;
 mod located_pad;
 mod locator;
