@@ -65,7 +65,7 @@ pub struct Detector {
     /// Drive of each channel; empty if unknown.
     pub(super) drives: Vec<u16>,
     /// Whether gains of the drives look like no touch.
-    are_gains_distinct: bool,
+    pub(super) are_gains_distinct: bool,
     /// The first frames were identical, so they do not show the noise of the board.
     pub(super) noise_is_unknown: bool,
     /// Frames in a row that look like a finger that has left the pad.
@@ -384,18 +384,6 @@ impl Detector {
         if is_clean || !self.knows_both_signs() {
             self.follow_reference(frame);
         }
-    }
-
-    /// Takes gains of the source out of the frame, if they explain all but noise of what the touches before leave of it.
-    fn take_out_gains(&mut self) {
-        if !self.are_gains_distinct {
-            return;
-        }
-        if self.tracker.down().is_empty() {
-            self.explained.fill(0.0);
-        }
-        self.reference
-            .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
     }
 
     /// Moves the reference by the deformation of the pad that the locator found in the frame.

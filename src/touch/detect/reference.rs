@@ -133,6 +133,18 @@ impl Detector {
         }
     }
 
+    /// Takes gains of the source out of the frame, if they explain all but noise of what the touches before leave of it.
+    pub(super) fn take_out_gains(&mut self) {
+        if !self.are_gains_distinct {
+            return;
+        }
+        if self.tracker.down().is_empty() {
+            self.explained.fill(0.0);
+        }
+        self.reference
+            .take_out_gains(&self.explained, &mut self.changes, !self.is_between);
+    }
+
     /// Adds one of the first frames to the reference. With the last of them, measures the noise of the images and finds
     /// lost electrodes.
     pub(super) fn take_reference_frame(&mut self, frame: &Frame) {
