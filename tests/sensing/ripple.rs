@@ -1,5 +1,5 @@
 //! A source that goes up and down with the mains: read a hundred times a second, a ripple of 50.07 Hz changes its sign with each frame,
-//! and one of 60.03 Hz takes five values in turn.
+//! and one of 60.03 Hz takes five values in turn. And a gain that steps once.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -115,6 +115,26 @@ fn a_ripple_that_begins_under_a_finger_neither_lifts_it_nor_adds_others() {
         assert_eq!(bench.play(&press, 400), (0, 0), "{case}: held");
         assert_eq!(bench.play(&[], 300), (0, 1), "{case}: lifted");
         a_press_is_seen(bench, case);
+    });
+}
+
+/// The gain of the board steps, too little to be taken for another board, and stays there; a finger lands soon after, or is held meanwhile.
+#[test]
+fn a_small_step_of_the_gain_makes_no_touch_and_hides_none() {
+    on_each_board(13..=14, |bench, _, case| {
+        for (step, frames) in [(0.003, 1), (-0.006, 5), (0.01, 30), (-0.01, 200)] {
+            bench.board = Box::new(|_, volt, _| volt);
+            bench.play(&[], 600);
+            bench.board = Box::new(move |_, volt, _| volt * (1.0 + step));
+            let case = format!("{case}, step {step}, pressed after {frames} frames");
+            assert_eq!(bench.play(&[], frames), (0, 0), "{case}");
+            a_press_is_seen(bench, &case);
+        }
+        let press = [finger([62.0, 35.0], 7.0, 1.2)];
+        assert_eq!(bench.play(&press, 50), (1, 0), "{case}: pressed");
+        bench.board = Box::new(|_, volt, _| volt);
+        assert_eq!(bench.play(&press, 50), (0, 0), "{case}: held");
+        assert_eq!(bench.play(&[], 100), (0, 1), "{case}: lifted");
     });
 }
 
