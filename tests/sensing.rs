@@ -6,6 +6,8 @@
 mod bench;
 #[path = "sensing/bending.rs"]
 mod bending;
+#[path = "sensing/damage.rs"]
+mod damage;
 #[path = "sensing/faults.rs"]
 mod faults;
 #[path = "sensing/held.rs"]

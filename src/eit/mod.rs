@@ -20,6 +20,7 @@ mod reconnected;
 pub mod reconstruct;
 mod reference;
 pub mod response;
+mod saturation;
 mod shared_noise;
 
 pub use electrode_monitor::ElectrodeMonitor;
@@ -35,4 +36,5 @@ pub(crate) use quantization::quantization_step;
 pub use reconstruct::{Imager, LAMBDA, Linearised, Reconstruction, SetupError};
 pub use reference::{REFERENCE_FRAMES, Reference};
 pub use response::{ResponseBuilder, ResponseTable, TYPICAL_PRESS_MM2};
+pub(crate) use saturation::saturated_channels;
 pub use shared_noise::{SharedNoise, SharedNoiseEstimator};

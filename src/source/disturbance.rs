@@ -32,6 +32,8 @@ const EVENT_S: f64 = 3.0;
 pub enum Disturbance {
     /// `adc:BITS`: readings are rounded to steps of the converter; full scale is 1.25 times the largest reading at rest.
     Adc(u32),
+    /// `saturated:SHARE`: larger readings than this share of the largest at rest read as that.
+    Saturated(f64),
     /// `gain:DB`: every reading of a frame is multiplied by the same noise.
     Gain(f64),
     /// `drive:DB`: every reading of a drive is multiplied by the same noise.
@@ -83,6 +85,7 @@ pub struct UnknownDisturbance {
 /// Every name, as written in help and errors.
 pub const DISTURBANCE_NAMES: &[&str] = &[
     "adc:BITS",
+    "saturated:SHARE",
     "gain:DB",
     "drive:DB",
     "flicker:DB",
@@ -132,6 +135,7 @@ impl FromStr for Disturbance {
         };
         Ok(match name {
             "adc" => Self::Adc(count(12, 4, 24)?),
+            "saturated" => Self::Saturated(number(0.8)?),
             "gain" => Self::Gain(number(60.0)?),
             "drive" => Self::Drive(number(50.0)?),
             "flicker" => Self::Flicker(number(40.0)?),
@@ -159,6 +163,7 @@ impl fmt::Display for Disturbance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Adc(bits) => write!(f, "adc:{bits}"),
+            Self::Saturated(share) => write!(f, "saturated:{share}"),
             Self::Gain(db) => write!(f, "gain:{db}"),
             Self::Drive(db) => write!(f, "drive:{db}"),
             Self::Flicker(db) => write!(f, "flicker:{db}"),
@@ -235,7 +240,11 @@ impl Disturber {
         };
         // The converter comes last on a board, wherever it is named.
         let mut disturbances = disturbances.to_vec();
-        disturbances.sort_by_key(|disturbance| matches!(disturbance, Disturbance::Adc(_)));
+        disturbances.sort_by_key(|disturbance| match disturbance {
+            Disturbance::Saturated(_) => 1,
+            Disturbance::Adc(_) => 2,
+            _ => 0,
+        });
         Self {
             full_scale: ADC_HEADROOM * largest,
             drives: protocol.drives(),
@@ -267,6 +276,12 @@ impl Disturber {
     fn apply_one(&mut self, disturbance: Disturbance, t_s: f64, volts: &mut [f64]) {
         match disturbance {
             Disturbance::Adc(bits) => self.quantise(bits, volts),
+            Disturbance::Saturated(share) => {
+                let most = (share * self.full_scale / ADC_HEADROOM).abs();
+                volts
+                    .iter_mut()
+                    .for_each(|volt| *volt = volt.clamp(-most, most));
+            }
             Disturbance::Gain(db) => scale(volts, 1.0 + deviation(db) * self.normal()),
             Disturbance::Drive(db) => self.disturb_drives(db, volts),
             Disturbance::Flicker(db) => self.add_flicker(db, volts),

@@ -54,8 +54,8 @@ pub(in crate::cli) struct AccuracyArgs {
     /// With --real: only conditions whose name contains TEXT
     #[arg(long, value_name = "TEXT", default_value = "", requires = "real")]
     pub only: String,
-    /// With --real: one condition of your own, such as adc:12,gain:60. Names: adc:BITS, gain:DB, drive:DB, flicker:DB,
-    /// noisy-channel:SHARE, dead-channel, mains:SHARE, spikes:SIGMA, surge:SHARE, bad-start:FACTOR, garbage-start,
+    /// With --real: one condition of your own, such as adc:12,gain:60. Names: adc:BITS, saturated:SHARE, gain:DB, drive:DB,
+    /// flicker:DB, noisy-channel:SHARE, dead-channel, mains:SHARE, spikes:SIGMA, surge:SHARE, bad-start:FACTOR, garbage-start,
     /// bad-frame:FACTOR, repeated-start:FRAMES, gain-step:SHARE, lost-pair, stuck-frame, unplugged:SECONDS, turned:PLACES,
     /// mirrored:PLACES
     #[arg(

@@ -100,7 +100,7 @@ fn dead_at_start(muted: &[usize]) -> String {
         more => format!(" and {more} more"),
     };
     format!(
-        "readings that are dead or loose at the start are left out: number {}{more} of each frame",
+        "readings that are dead, loose or at the end of the converter's range at the start are left out: number {}{more} of each frame",
         first.join(", ")
     )
 }

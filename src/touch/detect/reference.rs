@@ -2,7 +2,7 @@
 
 use super::Detector;
 use super::sign::Judged;
-use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, quantization_step};
+use crate::eit::{FirstFrames, REFERENCE_FRAMES, Reference, quantization_step, saturated_channels};
 use crate::types::{Frame, Nanos};
 
 /// A finger that lay on the pad from the start has lifted if, with no touch down, the mean change against a touch's
@@ -177,6 +177,9 @@ impl Detector {
         self.by_image.set_noise(peaks);
         self.blank_image();
         self.find_dead_electrodes();
+        for channel in saturated_channels(&first_frames, self.reference.is_rounded()) {
+            self.reference.mute(channel, true, 0.0);
+        }
         if let Some(electrodes) = &mut self.electrodes {
             electrodes.forget_levels_of_lost();
         }

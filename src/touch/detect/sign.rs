@@ -5,8 +5,8 @@
 //! that had been lying on the pad.
 //!
 //! Until then the choice between the two may be wrong, so what contradicts it is kept. If the lift of a finger was assumed and
-//! the pad later returns to the abandoned reference, to within noise, it was a touch. If a touch was assumed and another of the
-//! first sign appears beside it, or it stays very long, it was a lift.
+//! the pad later returns to the abandoned reference, to within noise, it was a touch, if it looks like one. If a touch
+//! was assumed and another of the first sign appears beside it, or it stays very long, it was a lift.
 
 use std::collections::VecDeque;
 
@@ -170,7 +170,7 @@ impl Detector {
     }
 
     /// Whether the pad is back at the reference that was given up: what was taken for the lift of a finger was a touch. Then that
-    /// reference counts again, and the sign of that touch.
+    /// reference counts again, and the sign of that touch if touches explain it.
     pub(super) fn is_back_at_old_reference(
         &mut self,
         frame: &Frame,
@@ -204,14 +204,23 @@ impl Detector {
         if from_old > BACK_VARIANCES * count || from_old > BACK_SHARE * from_new {
             return false;
         }
-        let (old, sign) = (old.as_ref().clone(), *otherwise);
+        let (old, lifted, sign) = (old.as_ref().clone(), lifted.clone(), *otherwise);
         self.lift_all(changed);
         self.reset();
         self.reference = old;
         self.reference.advance(frame.t_ns);
+        self.reference.relative_changes(&lifted, &mut self.changes);
+        let noise = self.noise().0;
+        let is_touch = |locator: &Locator| {
+            locator.rest_as_sign(sign, &self.changes, noise) < CONTRADICTED_REST
+        };
+        match self.locator.as_ref().is_none_or(is_touch) {
+            true => self.sign.decide(sign),
+            // Neither a lift nor a touch, such as frames that the board damaged: the sign stays open.
+            false => self.sign.tried = None,
+        }
         self.reference
             .relative_changes(&frame.volts, &mut self.changes);
-        self.sign.decide(sign);
         if let Some(locator) = &mut self.locator {
             locator.expect_sign(self.sign.expected);
         }

@@ -126,6 +126,14 @@ impl Locator {
         rest * (energy(&copy.trial.residual) / left).min(1.0)
     }
 
+    /// What touches of a sign leave of a frame, as a multiple of noise and model error. The touches that are down do not change.
+    #[must_use]
+    pub fn rest_as_sign(&self, sign: TouchSign, changes: &[f32], noise: f64) -> f64 {
+        let mut copy = self.clone();
+        copy.bounds.sign = sign;
+        copy.explain_alone(changes, noise).1
+    }
+
     fn judge_onset(&mut self, changes: &[f32], noise: f64) -> Onset {
         self.take_frame(changes, noise);
         let before = energy(&self.frame.coordinates);
