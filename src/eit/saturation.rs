@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn small_readings_that_never_change_hide_no_saturation() {
-        let mut readings = [0.0; 40];
+        let mut readings = [0.0; 16];
         readings[..8].copy_from_slice(&READINGS);
         let mut cut = frames(&readings, 3.5);
         for frame in &mut cut {
