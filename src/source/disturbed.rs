@@ -1,7 +1,8 @@
 //! A source whose frames are disturbed by name, to try what a board would do to play. Disturbances are those of whole frames, so
 //! frames are never handed on in parts.
 
-use super::disturbance::{Disturbance, Disturber};
+use super::disturbance::Disturbance;
+use super::disturber::Disturber;
 use super::{Source, SourceError, SourcePace, SourceReading};
 use crate::pad::Protocol;
 use crate::types::Nanos;

@@ -8,6 +8,7 @@ pub mod board;
 mod clock;
 mod disturbance;
 mod disturbed;
+mod disturber;
 mod eit_folder;
 pub mod eit_text;
 mod files;
@@ -30,8 +31,9 @@ mod table;
 pub mod wire;
 
 pub use arrangement::{Arrangement, ArrangementError, PartPlace, describe_order, plausible_counts};
-pub use disturbance::{DISTURBANCE_NAMES, Disturbance, Disturber, UnknownDisturbance};
+pub use disturbance::{DISTURBANCE_NAMES, Disturbance, UnknownDisturbance};
 pub use disturbed::DisturbedSource;
+pub use disturber::Disturber;
 pub use eit_folder::EitFolder;
 pub use files::{FileKind, file_kind, open_file};
 pub use frames_csv::FramesCsv;

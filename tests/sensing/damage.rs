@@ -16,7 +16,7 @@ fn each_press_is_one(bench: &mut Bench, case: &str) {
     }
 }
 
-/// From now on, for some frames, each channel gives the reading that another one has, so many channels further.
+/// For some frames from now on, each channel shows the reading of the channel `by` places further on.
 fn slip(bench: &mut Bench, by: usize, frames: u64, rest: &[f64]) {
     let from = bench.frame;
     let count = rest.len();
@@ -29,8 +29,8 @@ fn slip(bench: &mut Bench, by: usize, frames: u64, rest: &[f64]) {
     });
 }
 
-/// A byte is lost on the way, and until the board begins a frame anew, all readings stand in the place of their neighbours. Before the
-/// first touch of a session this looks a little like the lift of a finger, and the end of it like its return.
+/// When a byte is lost on the way, every reading arrives one channel too early or too late, until the board starts its next frame. Before the
+/// first touch of a session, such frames look a little like a finger that lifts, and the sound frames after them like its return.
 #[test]
 fn readings_that_slip_by_a_channel_decide_nothing() {
     for by in [1, 13, 207] {
