@@ -33,6 +33,21 @@ impl Locator {
         }
     }
 
+    /// How the response of each touch changes with its x and y (1/mm), log radius and strength: four in a row for each touch, one value per
+    /// channel.
+    pub(in crate::touch) fn slopes(&self, slopes: &mut Vec<Vec<f32>>) {
+        let table = self.table();
+        let mut response = Response::default();
+        slopes.resize_with(4 * self.fit.touches.len(), Vec::new);
+        for (touch, slopes) in self.fit.touches.iter().zip(slopes.chunks_exact_mut(4)) {
+            table.respond(touch, &mut response);
+            for (derivative, slope) in response.derivatives.iter().zip(slopes) {
+                slope.resize(table.channels(), 0.0);
+                table.expand(derivative, slope);
+            }
+        }
+    }
+
     /// The response of the touches that move with the given velocities, mm/s, and how fast it changes, 1/s, some time from now: one value
     /// per channel.
     pub(in crate::touch) fn moving_responses(

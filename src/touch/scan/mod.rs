@@ -12,6 +12,7 @@ mod drift;
 mod evidence;
 mod fit;
 mod landing;
+mod moves;
 mod onset;
 mod readings;
 mod refusals;

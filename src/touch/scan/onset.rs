@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::evidence::{Candidate, Evidence, ONSET_PARTS};
 use super::fit::{FingerBounds, FitMemory, Fitted, fit};
+use super::moves::rest_of_moves;
 use super::readings::PartReadings;
 use super::refusals::{Refusal, Refusals};
 use crate::eit::ResponseTable;
@@ -133,6 +134,10 @@ impl OnsetModel {
                 all => all.map(|fitted| (fitted, best.parts)),
             }
         };
+        let found = found.and_then(|(fitted, parts)| {
+            let is_move = is_move(detector, &fitted, evidence.readings(parts));
+            (!is_move).then_some((fitted, parts)).ok_or(Refusal::Other)
+        });
         let refused = |refusal| match best.parts > LASTING_PARTS {
             true => Refusal::Lasting,
             false => refusal,
@@ -221,6 +226,20 @@ impl OnsetModel {
         changes.resize(self.table.channels(), 0.0);
         self.table.expand(&memory.response.value, changes);
     }
+}
+
+/// Whether moves of the fingers that are down explain almost as much of the readings as a new finger.
+fn is_move<'a>(
+    detector: &Detector,
+    new: &Fitted,
+    readings: impl Iterator<Item = &'a PartReadings>,
+) -> bool {
+    let Some(locator) = detector.locator() else {
+        return false;
+    };
+    let mut slopes = Vec::new();
+    locator.slopes(&mut slopes);
+    !slopes.is_empty() && rest_of_moves(&slopes, readings) < new.rest + LEAST_GAIN
 }
 
 /// Whether a place is at most so far from a finger that is down.
