@@ -171,11 +171,24 @@ fn a_finger_that_lands_beside_one_that_slides_is_seen_as_soon_as_any() {
 
 fn probe_n(seeds: std::ops::Range<u64>) {
     for seed in seeds {
-        let slide = Slide { radius_mm: 5.0, rise: 2.5, ..Slide::new(seed, [20.0, 20.0], [0.7071, 0.7071]) };
-        let seen = slide.play(); println!("SEED {seed} {:?} most {:.1}", seen.downs, seen.lags_mm.iter().fold(0.0f64, |m, l| m.max(l.abs())));
+        let slide = Slide {
+            radius_mm: 5.0,
+            rise: 2.5,
+            ..Slide::new(seed, [20.0, 20.0], [0.7071, 0.7071])
+        };
+        let seen = slide.play();
+        println!(
+            "SEED {seed} {:?} most {:.1}",
+            seen.downs,
+            seen.lags_mm.iter().fold(0.0f64, |m, l| m.max(l.abs()))
+        );
     }
 }
 #[test]
-fn probe_a() { probe_n(0..7) }
+fn probe_a() {
+    probe_n(0..7)
+}
 #[test]
-fn probe_b() { probe_n(7..14) }
+fn probe_b() {
+    probe_n(7..14)
+}

@@ -60,6 +60,8 @@ pub(super) struct Candidate {
     pub(super) response: usize,
     /// How many parts it is seen in.
     pub(super) parts: usize,
+    /// Its factor: 1 for what is expected, -1 for a finger that has lifted.
+    pub(super) amplitude: f64,
     /// The squared deviations that it explains, ...
     pub(super) gain: f64,
     /// ... of so many, ...
@@ -226,6 +228,7 @@ impl Evidence {
             if is_wanted && power > before * square {
                 *best = Some(Candidate {
                     response,
+                    amplitude: along / square,
                     gain: power / square,
                     ..seen
                 });

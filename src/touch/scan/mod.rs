@@ -278,7 +278,7 @@ impl Scan {
 
     /// A finger that lifted. If the detector did not agree, it is asked again when the frame is complete.
     fn find_lift(&self) -> Option<Candidate> {
-        release::find(&self.evidence).filter(|_| !self.has_failed_lift)
+        release::find(&self.evidence, !self.ways.is_empty()).filter(|_| !self.has_failed_lift)
     }
 
     /// A finger that went down, and how many parts ago. While one lands, no other is looked for.
