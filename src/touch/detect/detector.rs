@@ -96,6 +96,8 @@ pub struct Detector {
     pub(super) references_retaken: u64,
     /// The frame is completed from parts of two: touches are found in it, but nothing is learned from it.
     pub(super) is_between: bool,
+    /// How many times as much as usual a new touch must explain.
+    demand: f64,
 }
 
 impl Detector {
@@ -153,6 +155,7 @@ impl Detector {
             wanted: None,
             references_retaken: 0,
             is_between: false,
+            demand: 1.0,
             sensing,
         }
     }
@@ -205,19 +208,21 @@ impl Detector {
     }
 
     /// Like [`Detector::process_frame`], for a frame between two: its readings were used before or are used again, so nothing
-    /// is learned from it about the untouched pad, and at most `most_new` touches begin.
+    /// is learned from it about the untouched pad, and at most `most_new` touches begin, which explain `demand` times as much as usual.
     pub(in crate::touch) fn process_between(
         &mut self,
         frame: &Frame,
-        most_new: usize,
+        (most_new, demand): (usize, f64),
         changed: &mut Vec<Touch>,
     ) {
         self.is_between = true;
+        self.demand = demand;
         if let Some(locator) = &mut self.locator {
             locator.allow_new_touches(Some(most_new));
         }
         self.process_frame(frame, changed);
         self.is_between = false;
+        self.demand = 1.0;
         if let Some(locator) = &mut self.locator {
             locator.allow_new_touches(None);
         }
@@ -288,7 +293,8 @@ impl Detector {
         if self.knows_both_signs() {
             let is_rounded = self.reference.is_rounded();
             let is_young = self.frames - self.referenced_at < YOUNG_FRAMES && is_rounded;
-            locator.demand(if is_young { YOUNG_GAINS } else { 1.0 });
+            let young_gains = if is_young { YOUNG_GAINS } else { 1.0 };
+            locator.demand(self.demand * young_gains);
             locator.expect_rounding(is_rounded);
         }
         let (noise, steady) = self.noise();

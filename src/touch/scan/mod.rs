@@ -34,6 +34,10 @@ const UNCLEAR_NS: Nanos = 2 * NANOS_PER_MS;
 /// So many frames may end amid a change before they count as they are: an electrode may have gone.
 const UNCLEAR_FRAMES: u32 = 3;
 
+/// A frame is brought to the present with a velocity that may be wrong. A touch that begins in it was not shown by its own parts, so it
+/// must explain so many times as much as usual.
+const MOVED_DEMAND: f64 = 4.0;
+
 /// The readings of the last frame, and what they are believed to contain.
 #[derive(Clone, Debug, Default)]
 pub struct Scan {
@@ -357,10 +361,11 @@ impl Scan {
         match run {
             Run::Whole => detector.process_frame(&self.completed, changed),
             Run::Between | Run::Lift | Run::Unclear => {
-                detector.process_between(&self.completed, 0, changed);
+                detector.process_between(&self.completed, (0, 1.0), changed);
             }
-            Run::Landing | Run::Moved => {
-                detector.process_between(&self.completed, 1, changed);
+            Run::Landing => detector.process_between(&self.completed, (1, 1.0), changed),
+            Run::Moved => {
+                detector.process_between(&self.completed, (1, MOVED_DEMAND), changed);
             }
         }
         self.expected.fill(0.0);
