@@ -16,6 +16,8 @@ const MM_PER_S: f64 = 300.0;
 const PARTS: [usize; 3] = [480, 280, 160];
 /// A finger lands at rest: its velocity is known some frames later.
 const SETTLED_PARTS: usize = 80;
+/// Both coordinates grow alike.
+const DIAGONAL: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2; 2];
 
 /// A finger that slides from a place along a unit vector.
 #[derive(Clone, Copy)]
@@ -77,7 +79,7 @@ impl Slide {
         let untouched = simulated.volts(&[]).expect("solvable");
         let (mut lags_mm, mut ids, mut downs) = (Vec::new(), Vec::new(), Vec::new());
         for index in 0..PARTS.iter().sum() {
-            let since = index.checked_sub(PARTS[0]).unwrap_or_default();
+            let since = index.saturating_sub(PARTS[0]);
             let is_pressed = (PARTS[0]..PARTS[0] + PARTS[1]).contains(&index);
             let volts = match is_pressed {
                 true => &simulated.volts(&self.presses(since)).expect("solvable"),
@@ -134,11 +136,11 @@ fn slides_at_300_mm_per_s_hardly_lag() {
 #[test]
 fn fingers_of_other_sizes_that_slide_are_one_touch() {
     for (seed, radius_mm, rise, from_mm, direction) in [
-        (1, 5.0, 2.5, [20.0, 20.0], [0.7071, 0.7071]),
-        (5, 5.0, 2.5, [20.0, 20.0], [0.7071, 0.7071]),
-        (50, 5.0, 2.5, [20.0, 20.0], [0.7071, 0.7071]),
+        (1, 5.0, 2.5, [20.0, 20.0], DIAGONAL),
+        (5, 5.0, 2.5, [20.0, 20.0], DIAGONAL),
+        (50, 5.0, 2.5, [20.0, 20.0], DIAGONAL),
         (51, 5.0, 2.5, [80.0, 75.0], [-0.8, -0.6]),
-        (62, 9.0, 0.6, [20.0, 20.0], [0.7071, 0.7071]),
+        (62, 9.0, 0.6, [20.0, 20.0], DIAGONAL),
         (70, 10.0, 3.0, [30.0, 85.0], [0.0, -1.0]),
     ] {
         let slide = Slide {
