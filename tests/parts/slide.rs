@@ -29,6 +29,16 @@ struct Slide {
     rise: f64,
     /// Where another finger lands and rests, and how many parts later.
     second: Option<(PointMm, usize)>,
+    /// What happens to a part.
+    damage: Option<(usize, Damage)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Damage {
+    /// Its readings arrive in the wrong order.
+    Reversed,
+    /// It does not arrive.
+    Lost,
 }
 
 /// What was seen of a slide.
@@ -48,6 +58,7 @@ impl Slide {
             radius_mm: 7.0,
             rise: 1.2,
             second: None,
+            damage: None,
         }
     }
 
@@ -86,11 +97,16 @@ impl Slide {
                 false => &untouched,
             };
             let first = index % DRIVES * per_drive;
-            let part = Part {
+            let mut part = Part {
                 t_ns: (index as Nanos + 1) * PART_NS,
                 first,
                 volts: noise.read(&volts[first..first + per_drive]),
             };
+            match self.damage.filter(|(at, _)| is_pressed && *at == since) {
+                Some((_, Damage::Lost)) => continue,
+                Some((_, Damage::Reversed)) => part.volts.reverse(),
+                None => {}
+            }
             engine.input(&Input::Part(part), &mut Vec::new());
             for touch in engine.touches_down() {
                 if !ids.contains(&touch.id) {
@@ -170,5 +186,25 @@ fn a_finger_that_lands_beside_one_that_slides_is_seen_as_soon_as_any() {
         let downs = slide.play().downs;
         assert_eq!(downs.len(), 2, "{downs:?}");
         assert!((lands..lands + 4).contains(&downs[1]), "{downs:?}");
+    }
+}
+
+/// A damaged or lost part neither lifts the finger that slides nor stays as a touch.
+#[test]
+fn a_damaged_part_of_a_slide_leaves_nothing_behind() {
+    for (seed, at, damage) in [
+        (171, 40, Damage::Reversed),
+        (172, 101, Damage::Reversed),
+        (173, 170, Damage::Lost),
+        (174, 231, Damage::Lost),
+    ] {
+        let slide = Slide {
+            damage: Some((at, damage)),
+            ..Slide::new(seed, [20.0, 30.0], [1.0, 0.0])
+        };
+        let Seen { lags_mm, downs } = slide.play();
+        let held = PARTS[1] - SETTLED_PARTS - 1 - usize::from(damage == Damage::Lost);
+        assert_eq!(lags_mm.len(), held, "{damage:?} at {at}: held all the way");
+        assert_eq!(downs.len(), 1, "{damage:?} at {at}: {downs:?}");
     }
 }
