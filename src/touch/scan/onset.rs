@@ -135,8 +135,10 @@ impl OnsetModel {
             }
         };
         let found = found.and_then(|(fitted, parts)| {
-            let is_move = is_move(detector, &fitted, evidence.readings(parts));
-            (!is_move).then_some((fitted, parts)).ok_or(Refusal::Other)
+            match is_move(detector, &fitted, evidence.readings(parts)) {
+                true => Err(Refusal::Other),
+                false => Ok((fitted, parts)),
+            }
         });
         let refused = |refusal| match best.parts > LASTING_PARTS {
             true => Refusal::Lasting,
